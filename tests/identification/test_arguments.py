@@ -56,7 +56,8 @@ def test_a_single_name_needs_no_list_around_it():
         fit(AXIS, "coulomb", MAP, vary=["friction.*", "mechanism.inertia"])
     with pytest.raises(InputError, match=r"^vary applies to `fit`.*, got mechanism\.inertia:"):
         select(AXIS, ["coulomb"], MAP, vary=["friction.*", "mechanism.inertia"])
-    free = fit(AXIS, "coulomb-viscous", MAP, vary="kinetic_coefficient")
+    held = {"viscous_coefficient": 0.5}
+    free = fit(AXIS, "coulomb-viscous", MAP, vary="kinetic_coefficient", fixed=held)
     paths = [one.path for one in free.estimates if one.path.startswith("friction.")]
     assert paths == ["friction.kinetic_coefficient"]
 

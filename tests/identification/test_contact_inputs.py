@@ -16,7 +16,6 @@ from stickslip.identification.contact_inputs import (
     typical_inputs,
     with_inputs,
 )
-from stickslip.identification.records.fitting import fit_record
 from stickslip.mechanisms import DiscBrake, Lining, given_inputs, given_names
 
 WARM = law("level + viscous * exponential[temperature]")
@@ -179,18 +178,6 @@ def servo():
 def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
     found = fit(SERVO, GEAR, servo, route="inverse-dynamics")
     assert holds(found, "transmitted_coefficient", 0.12)
-
-
-@pytest.mark.slow
-def test_estimates_are_those_under_the_torque_of_each_sample_where_rows_are_fewer(servo):
-    noise = np.random.default_rng(3).normal(0.0, 1e-5, len(servo.time))
-    finer = replace(servo, position=servo.position - 0.999 * noise)
-    found = fit_record(SERVO, TRUE_GEAR, finer, route="shooting", settings=RecordSettings(starts=1))
-    # one straight piece a row leaves 7e-7 rad, and 2e-5 of the level
-    assert found.rms < 1.2e-8
-    level = found.law.kinetic_coefficient
-    assert level == pytest.approx(TRUE_GEAR.kinetic_coefficient, rel=1e-6)
-    assert len(found.residual) < 0.3 * len(servo.time)
 
 
 @pytest.mark.slow

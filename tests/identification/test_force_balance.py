@@ -209,7 +209,7 @@ def test_rows_at_rest_are_compared_and_shift_no_level():
 def test_at_rest_a_law_has_the_friction_that_balances_up_to_break_away():
     record, _ = dwelling()
     (one,) = balanced(Axis(inertia=2.0), record, hold="zero")
-    problem = map_along(Coulomb, (one,), (one,), beside=constant_of(Axis(inertia=2.0)))
+    problem, _ = map_along(Coulomb, (one,), (one,), beside=constant_of(Axis(inertia=2.0)))
     inside = one.resting & (one.segment >= 0)
     # rows in the middle of rests that last for longer than the filter remembers
     far = inside.copy()

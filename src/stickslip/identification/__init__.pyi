@@ -71,8 +71,6 @@ from stickslip.identification.series.inverse_dynamics import InverseDynamics as 
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
-from stickslip.identification.series.start_values import Scales as Scales
-from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of

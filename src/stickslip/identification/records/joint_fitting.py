@@ -725,7 +725,7 @@ def _map_of(
     """Return the force map of one joint."""
     law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
     inertia = float(motion.inertias[motion.torques.coordinates.index(coordinate)])
-    problem = map_along(
+    problem, _ = map_along(
         Viscous(viscous_coefficient=0.0) if law is None else law,
         *stretches,
         free=() if law is None else asked.free[contact],

@@ -1,7 +1,7 @@
 """The problems that records become, by route, and where their searches begin."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, Literal, TypeAlias, final
@@ -26,12 +26,19 @@ from stickslip.identification.force_map.force_balance import (
 )
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
+from stickslip.identification.force_map.problem import (
+    FEW,
+    MECHANISM,
+    SAMPLES,
+    constant_of,
+    map_along,
+)
+from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
     least_of,
     lengthened_starts,
-    scanned_scales,
+    scanned,
     surplus_starts,
 )
 from stickslip.identification.series.applied_force import drives_itself
@@ -39,11 +46,8 @@ from stickslip.identification.series.inverse_dynamics import is_mass, mass_of, p
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     inertia_of,
-    joined,
-    law_unknowns,
     mechanism_unknown,
-    mechanism_unknowns,
-    scales_of,
+    regressed,
 )
 from stickslip.identification.settings import Hold, RecordSettings, SensorResponse
 from stickslip.identification.shooting.first_deflections import RecordedMotion
@@ -134,6 +138,8 @@ class FitSetup(Generic[P_co]):
     """Residuals of the record."""
     build: ProblemBuilder
     """Makes problems of other records."""
+    tried: tuple[Array, ...] = ()
+    """Other values (p,) that a simulation may start from."""
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
@@ -270,14 +276,28 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     under_load = loaded(wanted.mechanism, measurement)
     mechanism, _ = as_loaded(wanted.mechanism, measurement)
     alone = drives_itself(mechanism, under_load)
-    scales = (
-        scanned_scales(mechanism, under_load, quantity)
-        if alone
-        else scales_of(mechanism, under_load, wanted.unknown)
+    constant = constant_of(mechanism)
+    if alone:
+        inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
+    else:
+        inertia = regressed(mechanism, under_load, wanted.unknown)
+        derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
+        stretches = derive(slipping=True, samples=SOME)
+        rough = StartEstimate.of(stretches)
+    kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
+    held = {constant.path} & {*wanted.held}
+    sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
+    if not (sought or alone):
+        rough = StartEstimate.of(stretches, offset=constant.value)
+    start, free = rough.unknowns(
+        wanted.law,
+        free=wanted.free,
+        known=wanted.known,
+        held=wanted.held,
+        constant=constant.path if sought else None,
     )
-    start, items = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
-    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales, wanted.held)
-    free = joined(start, [*items, *own])
+    own = _mechanism_unknowns(mechanism, wanted.unknown, inertia, rough.force)
+    free = replace(free, items=(*free.items, *own))
     check_varied(len(free))
     _refuse_overrides(under_load, free)
     build = _ShootingBuilder(mechanism, start, free, choice.settings, quantity)
@@ -294,6 +314,20 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     return FitSetup(mechanism, start, problem, build)
 
 
+def _mechanism_unknowns(
+    mechanism: Mechanism, unknown: Sequence[str], inertia: float, level: float
+) -> Iterator[FreeParameter]:
+    """Yield the unknowns of a mechanism under friction of a level [N]."""
+    known = {
+        path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
+    }
+    quantities = {path: quantity for path, (quantity, _) in known.items()}
+    for path in dict.fromkeys(full_path(name, quantities) for name in unknown):
+        quantity, value = known[path]
+        begin = inertia if is_mass(mechanism, path) and inertia > 0.0 else value
+        yield mechanism_unknown(path, quantity, begin, level)
+
+
 def _by_balance(
     choice: RouteChoice, wanted: Wanted, measurement: Measurement, free: FreeParameters
 ) -> list[Array]:
@@ -302,13 +336,17 @@ def _by_balance(
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
     try:
-        problem = _derived(choice, wanted, measurement).problem
-        end, _ = improve(problem, problem.free_parameters.start)
+        ready = _derived(choice, wanted, measurement)
+        end, _ = improve(ready.problem, ready.problem.free_parameters.start)
     except (ConvergenceError, InputError):
         return []
-    found = dict(zip(problem.free_parameters.paths, end.values.tolist(), strict=True))
-    values = np.array([found.get(item.path, item.start) for item in free.items])
-    return [free.values(free.coordinates(values))]
+    found = []
+    for one in (end.values, *ready.tried):
+        # what friction is derived anew for comes last, and starts as given
+        known = dict(zip(ready.problem.free_parameters.paths, one.tolist(), strict=False))
+        values = np.array([known.get(item.path, item.start) for item in free.items])
+        found.append(free.values(free.coordinates(values)))
+    return found
 
 
 def _refuse_overrides(measurement: Measurement, free_parameters: FreeParameters) -> None:
@@ -333,7 +371,7 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
     along = partial(stretches_of, mechanism, measurement, response=response)
     stretches = along(samples=SAMPLES)
     _check_inputs(wanted, measurement, stretches)
-    problem = map_along(
+    problem, _ = map_along(
         wanted.law,
         stretches,
         along(samples=FEW),
@@ -363,7 +401,7 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     _check_inputs(wanted, measurement, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
-    problem = map_along(
+    problem, further = map_along(
         wanted.law,
         stretches,
         own(samples=SOME),
@@ -385,7 +423,7 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     build = BalanceProblemBuilder(
         mechanism, problem, hold, slipping, resolved=not slipping, winding=winding
     )
-    return FitSetup(mechanism, problem.law, problem, build)
+    return FitSetup(mechanism, problem.law, problem, build, tried=further)
 
 
 def per_current(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> float:
@@ -403,12 +441,8 @@ def per_current(mechanism: Mechanism, measurement: Measurement, unknown: Sequenc
 
 def _with_rederived(problem: ForceMap, again: RederivedBalance) -> ForceMap:
     """Return a problem with parameters for which friction is derived anew."""
-    known = {
-        path: (quantity, value)
-        for path, quantity, value in parameters(again.mechanism, "mechanism")
-    }
     level = float(np.median(np.abs(problem.measured)))
-    items = [mechanism_unknown(path, *known[path], level) for path in again.paths]
+    items = _mechanism_unknowns(again.mechanism, again.paths, 0.0, level)
     free = problem.free_parameters
     free = replace(free, items=(*free.items, *items))
     whole = replace(problem.with_free_parameters(free), rederived=again)

@@ -15,11 +15,11 @@ from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.friction import Coulomb
-from stickslip.identification.estimation.levenberg_marquardt import improve
+from stickslip.identification.estimation.levenberg_marquardt import ROUNDS, improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.series.start_values import Scales, load_of
+from stickslip.identification.force_map.start_values import StartEstimate
+from stickslip.identification.series.start_values import load_of
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
@@ -41,13 +41,16 @@ SPREAD: Final = tuple(np.geomspace(0.4, 2.5, 38).tolist())
 """Levels over the one to start from that are tried where there are stops: a twentieth more each."""
 SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
-KEPT: Final = 3
-"""Starts that are kept of these."""
+PRESLIDING: Final = 1e-3
+"""Length over which bristles give way, over the stroke."""
+KEPT, STEPS = 8, 15
+"""Starts of least residual that are followed, and for so many steps: of 30 bristle laws, three and
+five leave five in another valley, eight and fifteen one."""
 LONGEST: Final = 1e9
 """Length of a segment that no record has [s]."""
 
 
-def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str) -> Scales:
+def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> StartEstimate:
     """Return the sizes of friction that simulated runs with Coulomb friction suggest.
 
     Examples
@@ -59,8 +62,7 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=0.5).sampled(100)
     >>> record = Measurement(time=run.t, position=run["x"])
-    >>> scales = scanned_scales(capsule, record, "position")
-    >>> 0.14 < scales.level / scales.load < 0.28
+    >>> 0.14 < scanned(capsule, record, "position").level < 0.28
     True
     """
     load = load_of(mechanism)
@@ -90,26 +92,28 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     v = np.concatenate([one[rate] for one in sampled])
     moving = v[np.abs(v) > 0.0]
     ahead = float(np.mean(moving > 0.0)) if moving.size else 1.0
-    found = float(best.values[0]) * load
-    return Scales(
+    found = float(best.values[0])
+    stroke = max(*(float(np.ptp(one[place])) for one in sampled), 1e-12)
+    return StartEstimate(
         load=load,
         level=found,
-        levels=(found, found),
-        slope=0.0,
-        slopes=(0.0, 0.0),
+        viscous=0.0,
         offset=0.0,
-        inertia=mass_of(mechanism),
+        force=found * load,
         speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
-        stroke=max(*(float(np.ptp(one[place])) for one in sampled), 1e-12),
+        stiffness=found / (PRESLIDING * stroke),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
     )
 
 
 def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
-    """Return which of several start values (p,) leaves least."""
+    """Return which of several start values (p,) leads to the least, a few steps downhill."""
     if len(tried) == 1:
         return tried[0]
-    return min(tried, key=lambda values: problem.linearise(values, slopes=False).cost)
+    seen = [problem.linearise(values, slopes=False) for values in tried]
+    best = sorted(seen, key=lambda one: one.cost)[:KEPT]
+    ends = [_end(problem, one, rounds=STEPS) for one in best]
+    return min(ends, key=lambda one: one.cost).values
 
 
 def surplus_starts(free: FreeParameters) -> list[Array]:
@@ -159,10 +163,10 @@ def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
     return problem.starting_from(end), [end.values]
 
 
-def _end(problem: Shooting, near: ResidualJacobian) -> ResidualJacobian:
+def _end(problem: RecordProblem, near: ResidualJacobian, rounds: int = ROUNDS) -> ResidualJacobian:
     """Return where a descent on more of a record ends that begins where one on less has ended."""
     here = problem.linearise(near.values, near)
     try:
-        return improve(problem, near.values, near=here)[0]
+        return improve(problem, near.values, near=here, rounds=rounds)[0]
     except ConvergenceError:
         return here
