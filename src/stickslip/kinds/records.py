@@ -56,7 +56,20 @@ class BandKind(Kind[RecordFit, BandVerdict]):
     @override
     def resolved(self, request: Request) -> Request:
         """Return the request with the way to fit the records, and with its settings."""
-        return request if request.law is None else replace(request, route=_route(request))
+        return request if request.law is None else replace(request, route=self._route(request))
+
+    def _route(self, request: Request) -> str:
+        """Return how records are fitted."""
+        measurement, law = request.measurement, request.law
+        chosen = Parameters.of(
+            request.mechanism,
+            None if law is None else self.owner(law),
+            request.vary,
+            request.fixed,
+            measurement=measurement,
+        )
+        vary = [LAW, *chosen.unknown]
+        return route_of(chosen.mechanism, measurement, vary=vary, asked=request.route)
 
     @override
     def why_unused(self, name: str, request: Request) -> str:
@@ -92,7 +105,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
     @override
     def residual_text(self, error: float, request: Request) -> str:
         compared_, measurement = "friction", request.measurement
-        if _route(request) == "shooting":
+        if self._route(request) == "shooting":
             compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 
@@ -192,23 +205,6 @@ def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     ('0.24 mm', '1.23 N')
     """
     return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
-
-
-def _route(request: Request) -> str:
-    """Return how records are fitted."""
-    chosen = Parameters.of(
-        request.mechanism,
-        request.law,
-        request.vary,
-        request.fixed,
-        measurement=request.measurement,
-    )
-    return route_of(
-        chosen.mechanism,
-        request.measurement,
-        vary=[LAW, *chosen.unknown],
-        asked=request.route,
-    )
 
 
 def left_text(fit: RecordFit[Any]) -> str:

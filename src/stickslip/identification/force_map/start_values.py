@@ -451,9 +451,12 @@ class StartEstimate:
         paths_of = {f"friction.{name}": quantity for name, quantity in fields_of(kind).items()}
         alone = [name for name in free or () if name.count(".") < 2 and name != LAW]
         named = {full_path(name, paths_of).partition(".")[2] for name in alone}
-        sized = self.law(kind, known, named) if typed or named else law
-        bare = {} if typed else {n: getattr(sized, n) for n in named if getattr(law, n) is None}
-        start = sized if isinstance(law, type) else replace(law, **bare)
+        start: FrictionLaw
+        if isinstance(law, type):
+            start = self.law(kind, known, named)
+        else:
+            bare = [name for name in named if getattr(law, name) is None]
+            start = replace(law, **{n: getattr(self.law(kind, known, bare), n) for n in bare})
         held = [*held, *(f"friction.{name}" for name in known)]
         paths = looked_for(start, whole=typed, free=free, held=held)
         if isinstance(law, type):
