@@ -22,8 +22,6 @@ AGREE = 0.01
 """Starts agree if their root mean squares differ by less than this share."""
 FLAT = 1e-4
 """The search ends when a step lowers the cost by less than this share."""
-STALLED, PATIENCE = 1e-3, 3
-"""... or when so many steps together took less than this share off it."""
 FIRST_DAMPING, GROWTH = 1e-3, 10.0
 """Damping of the first step, and what it is multiplied by when a step fails: after each further
 failure by as much again, since steps change little while damping is below 1."""
@@ -157,7 +155,6 @@ def improve(
     if not here.finite:
         raise ConvergenceError("the record cannot be simulated with these start values.")
     damping, growth = FIRST_DAMPING, GROWTH
-    costs = [here.cost]
     try:
         if counter is not None and near is None:
             counter(here)
@@ -173,13 +170,10 @@ def improve(
             if gained > 0.0 and there.finite:
                 at, here = trial, there
                 damping, growth = damping * _eased(gained, promised), GROWTH
-                costs.append(here.cost)
             elif not done:
                 damping, growth = damping * growth, growth * GROWTH
             if done and not gained > FLAT * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
-            if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
-                break
             if damping > MOST_DAMPING:
                 break
     except _StoppedError:

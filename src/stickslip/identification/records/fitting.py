@@ -25,7 +25,7 @@ from stickslip.identification.estimation.estimates import (
     offset_left_out,
     sentences_of,
 )
-from stickslip.identification.estimation.jackknife import Displaced, Inference, infer
+from stickslip.identification.estimation.jackknife import NORMAL_95, Displaced, Inference, infer
 from stickslip.identification.estimation.levenberg_marquardt import (
     FIRST_DAMPING,
     OptimizeResult,
@@ -60,8 +60,6 @@ Array = NDArray[np.float64]
 
 LOAD = "mechanism.load"
 """What a measured load takes the place of."""
-NORMAL_95 = 1.96
-"""Half the width of an interval of 95 % over the standard error."""
 THINNED = 1.5
 """Samples over rows from which rows were left out, and not only those at the ends."""
 DECAY_STEP = 3.0

@@ -4,7 +4,6 @@ Without a force there is nothing for a regression to start from, but the drive i
 takes milliseconds.
 """
 
-import itertools
 from collections.abc import Sequence
 from typing import Final
 
@@ -19,7 +18,7 @@ from stickslip.identification.estimation.levenberg_marquardt import ROUNDS, impr
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.start_values import StartEstimate
-from stickslip.identification.series.start_values import load_of
+from stickslip.identification.series.start_values import ONE_WAY, load_of
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
@@ -31,12 +30,8 @@ LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
 ROWS: Final = 200
 """Rows of a record that they are compared at."""
-ONE_WAY: Final = 0.01
-"""Share of the samples that must go each way for a record to be two-sided."""
 SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
-"""Levels at rest over those of sliding that are tried, beside ..."""
-NEAR: Final = (0.9, 0.95, 1.0, 1.05, 1.1)
-"""... levels of sliding over the one that fits best alone."""
+"""Levels at rest over those of sliding that are tried."""
 SPREAD: Final = tuple(np.geomspace(0.4, 2.5, 38).tolist())
 """Levels over the one to start from that are tried where there are stops: a twentieth more each."""
 SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
@@ -46,8 +41,6 @@ PRESLIDING: Final = 1e-3
 KEPT, STEPS = 8, 15
 """Starts of least residual that are followed, and for so many steps: of 30 bristle laws, three and
 five leave five in another valley, eight and fifteen one."""
-LONGEST: Final = 1e9
-"""Length of a segment that no record has [s]."""
 
 
 def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> StartEstimate:
@@ -67,12 +60,13 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
     """
     load = load_of(mechanism)
     path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]
+    longest = 2.0 * max(float(np.max(np.asarray(one.time))) for one in measurement.records())
     level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
         free_parameters=FreeParameters((level,), {}),
         segments=segments_of(
-            mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
+            mechanism, measurement, length=longest, resolution=ROWS, quantity=quantity
         ),
         quantity_=quantity,
     )
@@ -117,7 +111,7 @@ def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
 
 
 def surplus_starts(free: FreeParameters) -> list[Array]:
-    """Return starts (p,) with several levels at rest beside several of sliding.
+    """Return starts (p,) with several levels at rest.
 
     Such a level decides at each rest whether the body breaks away or not, so that residuals jump
     with it, and no slope leads from one side to the other.
@@ -128,9 +122,8 @@ def surplus_starts(free: FreeParameters) -> list[Array]:
     rest = free.paths.index(above[0])
     level = free.paths.index(free.items[rest].above)
     found = []
-    for near, surplus in itertools.product(NEAR, SURPLUSES):
+    for surplus in SURPLUSES:
         values = free.start.copy()
-        values[level] *= near
         values[rest] = surplus * values[level]
         found.append(values)
     return found

@@ -22,12 +22,10 @@ from stickslip.identification.estimation.parameters import FreeParameters, not_w
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identification.shooting.initial_states import (
-    CLEARLY,
     LocalState,
     Ways,
     followed,
     settled,
-    worse,
 )
 from stickslip.identification.shooting.sampled_loops import (
     LoopInSegment,
@@ -199,13 +197,6 @@ class Shooting(RecordProblem):
 
         shots = on_threads(lambda k: one(k, known.get(k)), chosen)
         found = dict(zip(chosen, shots, strict=True))
-        if slopes and known and not change.any():
-            # at the end of a descent: states carried on from poor values may be those of a side
-            # valley, which shows in segments that fit worse than most
-            for k, poor in worse(found).items():
-                again = one(k, None)
-                if again is not None and again.misfit < (1.0 - CLEARLY) * poor.misfit:
-                    found[k] = again
         return self._joined(values, chosen, list(found.values()))
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
