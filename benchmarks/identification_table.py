@@ -69,7 +69,8 @@ def _below(record: str, what: str, bar: float, value: float, unit: str, digits: 
 
 def emps_fit(law: type[FrictionLaw]) -> RecordFit:
     """Return a law fitted to EMPS, segments of 1 s, the mass looked for."""
-    return fit_record(AXIS, law, dataset("emps").measurement(), unknown=("inertia",))
+    record = dataset("emps").measurement()
+    return fit_record(AXIS, law, record, unknown=("inertia",), route="shooting")
 
 
 def emps_shooting() -> Iterator[Row]:

@@ -37,8 +37,7 @@ from stickslip.benchmark.sets.servo import DROOP, DUTIES, SUPPLY, UNKNOWN, Log, 
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import StickslipError
-from stickslip.friction import LAWS, containment_of, law
-from stickslip.identification import FittedLaw
+from stickslip.friction import LAWS, law
 from stickslip.identification.records.fitting import fit_record
 from stickslip.mechanisms import DCMotor, PositionLoop
 
@@ -236,7 +235,7 @@ MEASURED_LAWS = (
     "bam-m5",
     "bam-m6",
 )
-"""The simplest first: a search begins at the fits of the laws that a law contains."""
+"""The simplest first."""
 PUBLISHED = {
     "bam-m1": (0.370052, 3.498350, 1.989815e-3, -0.0017672),
     "bam-m2": (0.380826, 3.607591, 1.914722e-3, 0.0272997),
@@ -275,7 +274,7 @@ def closed_loop_error(rig: Pendulum, friction: FrictionLaw, log: Log) -> float:
     return float(np.mean(np.abs(np.concatenate(angles) - log.angle)))
 
 
-def of_servo(folder: Path, name: str, simpler: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def of_servo(folder: Path, name: str) -> dict[str, Any]:
     """Return what a law makes of the servo, with one gain in turn left out."""
     every = logs()
     rig = Pendulum(
@@ -302,7 +301,6 @@ def of_servo(folder: Path, name: str, simpler: Sequence[Mapping[str, Any]]) -> d
             unknown=free,
             route="shooting",
             settings=settings,
-            contained=[_fit_of(row, part) for row in simpler] or None,
         )
         fits[part] = {
             "values": dict(zip(found.free_parameters.paths, found.values.tolist(), strict=True)),
@@ -343,17 +341,6 @@ def published(name: str, rig: Pendulum, every: Sequence[Log]) -> list[float]:
     return [closed_loop_error(rig, friction, one) for one in every]
 
 
-def _fit_of(row: Mapping[str, Any], part: str) -> FittedLaw:
-    """Return the fit of a law to a part of the records from its row."""
-    known, kind = row["fits"][part], LAWS.get(row["law"]) or law(row["law"])
-    own = {
-        path.partition(".")[2]: value
-        for path, value in known["values"].items()
-        if path.startswith("friction.")
-    }
-    return FittedLaw(law=kind(**own), **known)
-
-
 def said_of(found: Any) -> dict[str, Any]:
     """Return what a row has of a fit to a whole set."""
     return {
@@ -367,13 +354,12 @@ def said_of(found: Any) -> dict[str, Any]:
     }
 
 
-def of_swing(folder: Path, name: str, simpler: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def of_swing(folder: Path, name: str) -> dict[str, Any]:
     """Return what a law makes of the pendulum, with one record in turn left out.
 
     The torque is in a scale of the drive's own, and so are the mass and the inertia that are found.
     Its laws are few and simple: each search fits those that a law contains.
     """
-    del simpler
     every = {one: swing(one) for one in SWINGS}
     rig = Pendulum(mass=0.74, length=0.5, rest_angle=0.0)
     free = ["friction.*", *(f"mechanism.{one}" for one in ("mass", "inertia", "rest_angle"))]
@@ -407,25 +393,13 @@ def measured(file: Path, data: Path, names: Sequence[str]) -> Iterator[str]:
             began = time.process_time()
             row: dict[str, Any] = {"set": place, "law": name}
             try:
-                row |= rows(data / place, name, _simpler(rows_of(file), place, name))
+                row |= rows(data / place, name)
             except StickslipError as error:
                 row["error"] = str(error)
             row["seconds"] = time.process_time() - began
             with file.open("a", encoding="utf-8") as out:
                 out.write(json.dumps(row) + "\n")
             yield f"{place}, {name}: {row['seconds']:.0f} s {row.get('error', '')}"
-
-
-def _simpler(rows: Sequence[Mapping[str, Any]], place: str, name: str) -> list[Mapping[str, Any]]:
-    """Return the rows of a set with laws that a law contains."""
-    kind = LAWS.get(name) or law(name)
-    return [
-        row
-        for row in rows
-        if row["set"] == place
-        and "fits" in row
-        and containment_of(kind, LAWS.get(row["law"]) or law(row["law"])) is not None
-    ]
 
 
 def rows_of(file: Path) -> list[dict[str, Any]]:

@@ -32,7 +32,7 @@ ALWAYS = "coulomb-viscous"
 ROUTES = ("shooting", "inverse-dynamics")
 KINDS = ("jackknife", "bootstrap", "naive")
 FURTHER = ("not widened", "limit", "limit, not widened")
-"""Intervals without what halves add; and whether either holds what the law comes to in the end."""
+"""Intervals without what the hold adds; whether either holds what the law comes to in the end."""
 VIOLATIONS = ("drag", "drift")
 DRAG = (0.05, 0.5)
 """Drag at the largest speed over the kinetic level, where the law that is fitted has none."""
@@ -158,8 +158,6 @@ def judge(
             "effective": found.inference.effective,
             "rows": len(found.residual),
             "intervals": coverage(found, rig, limits),
-            "contradicting": bool(found.halves and found.halves.contradicting),
-            "chance": float(min(found.halves.chances)) if found.halves else None,
         }
     except StickslipError as error:
         row["failed"] = str(error)
@@ -240,8 +238,6 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             for kind in (*KINDS, *FURTHER)
             if all(kind in one for one in bounded)
         ),
-        "halves of the record contradict each other in "
-        + share([row.get("contradicting", False) for row in rows]),
         "by parameter, jackknife:",
     ]
     for path in dict.fromkeys(one["path"] for one in bounded):

@@ -209,24 +209,19 @@ BOXES = (
     (130, 32, "record and mechanism", False),
     (130, 107, "Was friction itself\nmeasured?", True),
     (430, 107, "Force map:\nthe law along the motion", False),
-    (130, 192, "Does a force or a\nreference drive it?", True),
-    (430, 180, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
-    (130, 300, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
-     " with the mass and level of\ninverse dynamics within 1.5?", True),
-    (430, 262, "Simulated segments of 1 s, unless\nthe law of the force balance\n"
-     "leaves over 5 % of the motion", False),
-    (430, 345, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
-    (733, 180, "Search from several starts,\nand from the fits of laws that\nthe law contains",
-     False),
-    (733, 290, "Does it fit worse than a law it\ncontains? The search failed:\nthis is said",
-     False),
+    (130, 192, "Does a force or a voltage\ndrive it, and was it recorded?", True),
+    (430, 180, "Simulated segments of 1 s; a free\ndecay then of 3 s and as a whole", False),
+    (130, 290, "One coordinate without stops,\nlonger than a segment?", True),
+    (430, 290, "Inverse dynamics: the balance\nof recorded forces", False),
+    (733, 180, "One search, from a grid over\ndecades or the force balance", False),
+    (733, 290, "Estimates, intervals by blocks,\nthe residual", False),
 )  # fmt: skip
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
     # from one box to another, by their places above, and the answer that leads there
     (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, "no"), (3, 5, "yes"), (5, 6, "yes"),
-    (5, 7, "no"), (2, 8, ""), (4, 8, ""), (6, 8, ""), (7, 8, ""), (8, 9, ""),
+    (5, 4, "no"), (2, 7, ""), (4, 7, ""), (6, 7, ""), (7, 8, ""),
 )  # fmt: skip
 
 
@@ -268,10 +263,9 @@ def choices() -> None:
         "choices.svg",
         BOXES,
         ARROWS,
-        425,
-        "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
-        " driven records to simulated segments or, where these do not predict the motion, to"
-        " inverse dynamics; then the law is searched from several starts",
+        340,
+        "Flow chart: measured friction goes to the force map, recorded force and motion to inverse"
+        " dynamics, everything else to simulated segments; then the law is searched",
     )
 
 

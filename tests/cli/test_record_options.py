@@ -174,4 +174,3 @@ def test_the_length_of_segments_is_refused_where_the_route_taken_has_none(run, p
     code, _, err = run("fit", pushed, "--law", "coulomb-viscous", "--segment", "0.9")
     assert code == 2
     assert "here the route is inverse-dynamics" in err
-    assert "because Coulomb + viscous friction leaves" in err

@@ -110,7 +110,9 @@ def test_a_second_record_is_only_judged_by(run, write):
     write("second.csv", rows=slice(600, None))
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv", "--starts", "1")
     assert code == 0
-    assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", out)
+    assert re.search(r"On the second record: [\d.]+ \S+, along the measured motion", out)
+    asked = ("fit", "axis.toml", "--validate", "second.csv", "--route", "shooting")
+    assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", run(*asked)[1])
 
 
 @pytest.mark.slow
@@ -472,7 +474,7 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     content = json.loads(pendulum(*asked, "--json")[1])
     assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
     _, out, _ = pendulum(*asked[:-1], "1")
-    assert "Restarts: none, a single start" in out
+    assert "Restarts" not in out
 
 
 @pytest.mark.slow

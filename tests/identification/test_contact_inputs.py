@@ -1,7 +1,6 @@
 """Fits of laws with contact inputs: told by the mechanism, a column, or a condition of a trial."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,8 +16,6 @@ from stickslip.identification.contact_inputs import (
     typical_inputs,
     with_inputs,
 )
-from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.joint_fitting import _of_itself
 from stickslip.mechanisms import DiscBrake, Lining, given_inputs, given_names
 
 WARM = law("level + viscous * exponential[temperature]")
@@ -181,20 +178,6 @@ def servo():
 def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
     found = fit(SERVO, GEAR, servo, route="inverse-dynamics")
     assert holds(found, "transmitted_coefficient", 0.12)
-
-
-@pytest.mark.slow
-def test_estimates_are_those_under_the_torque_of_each_sample_where_rows_are_fewer(servo):
-    noise = np.random.default_rng(3).normal(0.0, 1e-5, len(servo.time))
-    finer = replace(servo, position=servo.position - 0.999 * noise)
-    found = fit_record(
-        SERVO, TRUE_GEAR, finer, route="shooting", settings=RecordSettings(starts=1), contained=()
-    )
-    # one straight piece a row leaves 7e-7 rad, and 2e-5 of the level
-    assert found.rms < 1.2e-8
-    level = found.law.kinetic_coefficient
-    assert level == pytest.approx(TRUE_GEAR.kinetic_coefficient, rel=1e-6)
-    assert len(found.residual) < 0.3 * len(servo.time)
 
 
 @pytest.mark.slow
@@ -431,19 +414,3 @@ def test_a_torque_that_changes_with_an_unknown_zero_is_no_known_input(gears):
     assert any(one.path == "mechanism.lower_inertia" for one in found.estimates)
     with pytest.raises(InputError, match="'transmitted', and TwoLinkArm tells it by"):
         fit(bare, kinds, record, settings=RecordSettings(position_zeros=True))
-
-
-@pytest.mark.parametrize(("field", "high", "said"), [
-    ("transmitted_coefficient", 1.02, True),
-    ("transmitted_coefficient", 0.4, False),
-    ("motor_friction", 1.3, True),
-    ("viscous_coefficient", 3.0, False),
-])  # fmt: skip
-def test_a_gear_that_may_lose_all_of_the_recorded_torque_predicts_it_by_itself(field, high, said):
-    class Lost(SimpleNamespace):
-        def __str__(self):
-            return "mu_t = 0.99"
-
-    one = Lost(path=f"friction.elbow.{field}", bounded=True, high=high)
-    found = [*_of_itself(SimpleNamespace(estimates=[one]))]
-    assert [text.startswith("The gear of elbow may lose all") for text in found] == [True] * said

@@ -71,7 +71,7 @@ def by_motion(emps):
 
     @functools.cache
     def fit_of(law):
-        return fit_record(AXIS, law, emps, unknown=("inertia",), settings=ONE)
+        return fit_record(AXIS, law, emps, unknown=("inertia",), route="shooting", settings=ONE)
 
     return fit_of
 
@@ -106,7 +106,7 @@ def test_naive_intervals_are_several_times_too_narrow(by_motion):
 
 @pytest.mark.slow
 def test_the_stribeck_step_is_reported_as_undetermined(emps):
-    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",))
+    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",), route="shooting")
     told = " ".join(found.sentences)
     assert "mu_s" in told or "v_s" in told
     assert not (found.estimate("static_coefficient").bounded

@@ -30,8 +30,6 @@ from stickslip.identification.force_map.force_balance import (
     travelled,
 )
 from stickslip.identification.force_map.problem import constant_of, map_along
-from stickslip.identification.records.problems import RouteChoice, prepared
-from stickslip.identification.validation import Parameters
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
 TRUTH = CoulombViscous(kinetic_coefficient=LEVEL, viscous_coefficient=VISCOUS)
@@ -276,29 +274,6 @@ def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     # 3 % of its way to yield are as fine as the encoder
     assert found.value == pytest.approx(BRISTLES.bristle_stiffness, rel=0.05)
     assert found.low < BRISTLES.bristle_stiffness < found.high
-
-
-def test_laws_with_a_bristle_that_are_compared_are_fitted_to_the_same_rows():
-    step = 2e-6
-    moved = step * np.round(1e-3 * np.clip(np.sin(3.0 * T), -0.5, 0.5) / step)
-    record = Measurement(time=T, position=moved, force=10.0 * np.sin(3.0 * T))
-
-    def rows(law, *, resolved):
-        choice = RouteChoice(route="inverse-dynamics", settings=HELD, resolved=resolved)
-        wanted = Parameters(
-            mechanism=Axis(inertia=J),
-            law=law,
-            free=("friction.*",),
-            known={},
-            unknown=(),
-            held=(),
-        )
-        return len(prepared(choice, wanted, record).problem.measured)
-
-    stiff = replace(BRISTLES, bristle_stiffness=LEVEL / step)  # yields within what is not resolved
-    assert rows(stiff, resolved=False) < rows(BRISTLES, resolved=False)
-    assert rows(stiff, resolved=True) == rows(BRISTLES, resolved=True)
-    assert rows(TRUTH, resolved=True) < rows(BRISTLES, resolved=True)
 
 
 @pytest.mark.parametrize("noise", [0.6e-6, 2e-6])

@@ -220,25 +220,7 @@ BAD = {
         ),
         "at least 30 samples",
     ),
-    "degrees": (
-        lambda t, q, u: Measurement(
-            time=t, position={k: np.degrees(x) for k, x in q.items()}, force=u
-        ),
-        "units of angles",
-    ),
 }  # fmt: skip
-
-
-def test_joints_that_were_exchanged_leave_most_of_a_force_which_is_said(measured):
-    t, q, u = parts(measured)
-    other = dict(zip(JOINTS, JOINTS[::-1], strict=True))
-    swapped = Measurement(
-        time=t,
-        position={name: q[other[name]] for name in JOINTS},
-        force={name: u[other[name]] for name in JOINTS},
-    )
-    own = fit(ARM, BOTH, swapped, settings=QUICK)
-    assert any("check the names of the joints" in line for line in own.sentences)
 
 
 @pytest.mark.parametrize("case", BAD)
@@ -315,17 +297,3 @@ def test_the_plot_has_a_panel_for_each_joint(found):
             plot(found, Figure())
     with pytest.raises(InputError, match="record must be from 0 to 0"):
         plots.plot_joints(found, Figure(), record=1)
-
-
-@pytest.mark.parametrize(("what", "which"), [("positions", 1), ("forces", 2)])
-def test_exchanged_joints_are_named(measured, what, which):
-    known = list(parts(measured))
-    known[which] = {"shoulder": known[which]["elbow"], "elbow": known[which]["shoulder"]}
-    wrong = Measurement(time=known[0], position=known[1], force=known[2])
-    found = fit(GUESSED, BOTH, wrong, vary=["friction.*", *LINEAR], settings=QUICK)
-    said = f"The {what} of shoulder and elbow seem to be exchanged"
-    assert found.sentences[0].startswith(said)
-
-
-def test_joints_that_are_as_named_are_not_said_to_be_exchanged(found):
-    assert not [line for line in found.sentences if "exchanged" in line]

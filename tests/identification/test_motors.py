@@ -187,7 +187,6 @@ def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
     mass = "mechanism.mass"
     found = fit(guess, BamM1, record, vary=["friction.*", R, K, mass], settings=SETTINGS)
     assert found.route == "inverse-dynamics"
-    assert "current and voltage were recorded" in found.route_reason
     true = {R: 3.2, K: 0.35, mass: 0.49, "friction.viscous_coefficient": 0.02}
     known = by(found)
     for path, value in true.items():

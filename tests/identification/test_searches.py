@@ -7,7 +7,6 @@ from tests.support import quick
 from stickslip import (
     Axis,
     CoulombViscous,
-    Dahl,
     LuGre,
     Measurement,
     RecordSettings,
@@ -18,8 +17,6 @@ from stickslip import (
 from stickslip.control import closed_loop
 from stickslip.drives import Sampled
 from stickslip.friction import laws
-from stickslip.identification.estimation.containment import FittedLaw, search_failure
-from stickslip.identification.records.route_choice import choose_route
 from stickslip.solver import EventDriven
 
 SOLVER = EventDriven(tier="compiled", max_steps=1_000_000)
@@ -66,13 +63,6 @@ LUGRE = LuGre(
 @pytest.fixture(scope="module")
 def lugre_record():
     return controlled(LUGRE, seed=5, offset=1.0)
-
-
-@pytest.mark.slow
-def test_the_route_of_a_slow_closed_loop_is_inverse_dynamics(lugre_record):
-    chosen = choose_route(Axis(inertia=4.0), lugre_record, vary=["friction.*", "mechanism.inertia"])
-    assert chosen.route == "inverse-dynamics"
-    assert "unexplained" in chosen.reason or "contradict" in chosen.reason
 
 
 @pytest.mark.slow
@@ -139,17 +129,6 @@ def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):
     rich = fit(Axis(inertia=4.0), laws()[name], record, settings=settings)
     # residuals of starts agree to 1 %: first states of segments are fitted as closely
     assert rich.optimum.best.cost <= 1.02 * plain.optimum.best.cost
-    assert not rich.search_failure
-
-
-def test_a_law_that_leaves_more_than_one_it_contains_says_that_its_search_failed():
-    simple = FittedLaw(
-        law=Dahl(kinetic_coefficient=0.3, bristle_stiffness=1e4), values={}, cost=35.0**2, rows=500
-    )
-    said = search_failure(LuGre, 37.5**2, 500, [simple])
-    assert said.startswith("The search did not converge: Dahl friction")
-    assert not search_failure(LuGre, 10.0**2, 500, [simple])
-    assert not search_failure(Stribeck, 37.5**2, 500, [simple])  # it does not contain Dahl's law
 
 
 def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_rounding():
@@ -164,15 +143,3 @@ def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_round
         vary=["friction.*", "mechanism.inertia"],
     )
     assert found.estimate("kinetic_coefficient").value == pytest.approx(18.0, rel=0.3)
-
-
-def test_a_law_with_fixed_parameters_is_not_measured_against_laws_that_it_cannot_become():
-    v = np.linspace(0.05, 1.0, 200)
-    table = Measurement(velocity=v, friction=2.0 + 6.0 * v)
-    fixed = {"static_coefficient": 9.0, "stribeck_velocity": 0.1, "viscous_coefficient": 1.0}
-    found = fit(
-        Axis(inertia=1.0), Stribeck, table, vary=["kinetic_coefficient"], fixed=fixed
-    )  # Coulomb + viscous friction would leave nothing
-    assert found.search_failure == ""
-    plain = fit(Axis(inertia=1.0), Stribeck, table)
-    assert plain.rms < 1e-6

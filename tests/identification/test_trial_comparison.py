@@ -10,7 +10,6 @@ from stickslip import Axis, Coulomb, CoulombViscous, Measurement, compare_trials
 from stickslip import simulate as run_of
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError
-from stickslip.identification.trials import compared as fitted_trials
 
 AXIS = Axis(inertia=2.0)
 
@@ -252,25 +251,6 @@ def beside_a_rest(held):
     force = held * np.sin(2.0 * t) + 0.05 * draw.normal(size=t.size)
     still = Measurement(time=t, position=0.0 * t, force=force, name="still")
     return Measurement(trials=(moving, still))
-
-
-@pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])
-def test_a_trial_at_rest_bounds_friction_at_rest(route):
-    both = beside_a_rest(3.0)
-    found = fit(Axis(inertia=3.0), Coulomb, both, route=route)
-    (said,) = [one for one in found.remarks if "rested" in one]
-    assert said.startswith("still rested throughout under up to 2.9")
-    assert "friction at rest is at least 2.9" in said
-    assert not any("rested" in one or "thinned" in one for one in found.sentences)
-    assert not any("thinned" in one for one in found.remarks)
-    assert fitted_trials(found) is None  # a single trial has nothing to be compared with
-
-
-def test_a_law_that_slips_under_what_held_a_trial_is_contradicted():
-    found = fit(Axis(inertia=3.0), Coulomb, beside_a_rest(8.0), route="inverse-dynamics")
-    (said,) = [one for one in found.sentences if "rested" in one]
-    assert said.startswith("still rested throughout under up to 7.9")
-    assert "that the fitted law holds at rest" in said
 
 
 def test_a_trial_at_rest_is_not_compared_with_those_that_move():

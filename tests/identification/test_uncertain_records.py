@@ -222,28 +222,6 @@ def test_trials_that_differ_by_no_more_than_their_loads_do_share_a_law():
     assert not compare_trials(AXIS, CoulombViscous, one).shared
 
 
-def test_halves_of_a_record_do_not_contradict_each_other_for_a_mass_that_is_off():
-    """A half with slow motion tells less of the mass than one with fast motion."""
-    t = np.arange(0.0, 24.0, 0.01)
-    swell = np.where(t < 12.0, 1.0, 3.0)
-    force = swell * (6.0 * np.sin(np.pi * t) + 3.0 * np.sin(2.6 * np.pi * t + 1.0))
-    drive = Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
-    truth = replace(AXIS, inertia=2.02, drive=drive)
-    x = simulate(truth, TRUTH, t_end=23.99).at(t[:-2])["x"]
-    x = x + 1e-4 * np.random.default_rng(3).normal(size=x.size)
-    record = Measurement(time=t[:-2], position=x, force=force[:-2])
-    sure, known = (
-        fit(
-            AXIS,
-            CoulombViscous,
-            replace(record, parameter_uncertainties=doubts),
-            route="inverse-dynamics",
-        )
-        for doubts in ({}, {J: 0.02})
-    )
-    assert np.all(np.abs(known.halves.distance) < np.abs(sure.halves.distance))
-
-
 def test_uncertainties_without_effect_are_refused():
     weighed = replace(rubbed(), load=20.0, parameter_uncertainties={N: 0.4})
     with pytest.raises(InputError, match="measured load replaces"):

@@ -158,4 +158,4 @@ def test_a_joint_that_rests_is_said_and_the_other_judged():
 
 def test_settings_of_fits_have_no_effect_on_a_selection():
     with pytest.raises(InputError, match=r"RecordSettings\.starts applies to `fit`"):
-        select(ARM, None, record(0, span=2.0), settings=RecordSettings(starts=1))
+        select(ARM, None, record(0, span=2.0), settings=RecordSettings(starts=2))

@@ -19,7 +19,6 @@ from stickslip import (
 )
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import RateState
-from stickslip.identification.records.route_choice import RouteChoice
 from stickslip.kinds import registry
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.kind import Kind, Request
@@ -91,12 +90,6 @@ def test_a_record_gets_the_route_that_is_asked_for(asked):
             assert kind_of(record, asked).routes == ("travel",)
         else:
             assert asked in kind_of(record, asked).routes
-
-
-def test_a_choice_asks_for_its_route():
-    _, record = measured("velocity steps")
-    choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings())
-    assert "inverse-dynamics" in kind_of(record, choice).routes
 
 
 def test_names_of_routes_are_known_and_apart():
@@ -228,16 +221,6 @@ def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, mo
         assert where in str(refused.value)
         assert str(refused.value).endswith("leave it out.")
         assert seen == []
-
-
-def test_settings_beside_a_choice_that_has_its_own_are_refused():
-    mechanism, record = measured("motion and force")
-    choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings(starts=3))
-    with pytest.raises(InputError, match="settings has no effect beside a `RouteChoice`"):
-        fit(mechanism, "coulomb", record, route=choice, settings=RecordSettings(starts=2))
-    asked = {"law": "coulomb", "route": choice, "settings": RecordSettings(starts=3)}
-    request = Request(mechanism=mechanism, measurement=record, **asked)
-    refuse_unused(kind_of(record), {"settings": "settings"}, request)
 
 
 def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():

@@ -101,7 +101,6 @@ INSIDE = {
     "assigned": "by_contact",
     "bound": "base",
     "bristle_names": "by_contact",
-    "containment_of": "containment",
     "curves_beside": "parts.curves",
     "force_parameters": "base",
     "given_to": "by_contact",
@@ -111,7 +110,6 @@ INSIDE = {
     "law_of": "by_contact",
     "listed": "registry",
     "said_of": "classes",
-    "simpler_laws": "registry",
     "specification": "registry",
     "with_typical_values": "registry",
 }

@@ -46,7 +46,6 @@ from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
-from stickslip.friction.registry import simpler_laws as simpler_laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.registry import with_typical_values as with_typical_values

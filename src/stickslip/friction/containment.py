@@ -5,7 +5,6 @@ import functools
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, final
 
-from stickslip.errors import InputError
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.composition import SIDES, Composition
 from stickslip.friction.notation import (
@@ -70,27 +69,6 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
             fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
             return found if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
-
-
-def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[str]]]:
-    """Yield the compositions one step simpler than a law, and which of its parameters each lacks.
-
-    Examples
-    --------
-    >>> from stickslip.friction import law
-    >>> for term, gone in one_step_simpler(law("dahl(level) + drag")):
-    ...     print(term, sorted(gone))
-    dahl(level) ['quadratic_coefficient']
-    level + drag ['bristle_stiffness', 'yield_exponent']
-    """
-    if kind.made_of is None:
-        return
-    for term, values, limits in _reductions(kind.made_of.term):
-        try:
-            left = {*Composition(term).fields} - {*values, *limits}
-        except InputError:  # parts that cannot stand together
-            continue
-        yield term, frozenset(kind.made_of.fields) - left
 
 
 @functools.cache

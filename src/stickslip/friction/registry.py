@@ -2,7 +2,7 @@
 
 import functools
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, replace
 from typing import Any, final
 
@@ -13,14 +13,11 @@ from stickslip.friction import LAW_MODULES
 from stickslip.friction import named as entries
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.classes import CATALOGUE, Entry, class_of
-from stickslip.friction.containment import one_step_simpler
 from stickslip.friction.notation import Term, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
-from stickslip.quantities import fields_of, gathered, named, own_classes
+from stickslip.quantities import gathered, named, own_classes
 
-LINEAR = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
-"""Scales of parameters in which friction is linear."""
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 BELOW = ("viscous", "coulomb")
 """Laws below the lowest rung."""
@@ -265,26 +262,6 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     ('dahl', 'stribeck', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
-
-
-def simpler_laws(
-    kind: type[FrictionLaw], free: Collection[str] | None = None
-) -> tuple[type[FrictionLaw], ...]:
-    """Return the laws that a type of law contains at first hand, with a name and without.
-
-    Examples
-    --------
-    >>> [one.name for one in simpler_laws(law("dahl(level + lorentz) + viscous"))]
-    ['hess-soom', 'dahl', 'dahl(level) + viscous']
-    """
-    known, fields = laws(), fields_of(kind)
-    names = kind.fit_order if free is None else free
-    searched = {name for name in names if name in fields and fields[name].scale not in LINEAR}
-    found = [known[one.law] for one in kind.contained if one.law in known]
-    for term, gone in one_step_simpler(kind):
-        if searched & gone:
-            found.append(class_of(term))
-    return tuple(dict.fromkeys(found))
 
 
 def _walk(kind: type[FrictionLaw]) -> Iterator[str]:

@@ -7,7 +7,6 @@ from stickslip.identification.contact_inputs import known_inputs as known_inputs
 from stickslip.identification.contact_inputs import recorded_inputs as recorded_inputs
 from stickslip.identification.contact_inputs import usual_values as usual_values
 from stickslip.identification.contact_inputs import with_inputs as with_inputs
-from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
 from stickslip.identification.estimation.estimates import bounds_met as bounds_met
 from stickslip.identification.estimation.estimates import estimates_of as estimates_of
 from stickslip.identification.estimation.estimates import sentences_of as sentences_of
@@ -36,6 +35,7 @@ from stickslip.identification.force_map.data import stretches_of as stretches_of
 from stickslip.identification.force_map.force_balance import FilteredMotion as FilteredMotion
 from stickslip.identification.force_map.force_balance import torque_along as torque_along
 from stickslip.identification.force_map.gear_torques import gear_torques as gear_torques
+from stickslip.identification.force_map.holds import hold_of as hold_of
 from stickslip.identification.force_map.joint_balance import JointPiece as JointPiece
 from stickslip.identification.force_map.joint_balance import check_joints as check_joints
 from stickslip.identification.force_map.joint_balance import contacts_along as contacts_along
@@ -47,17 +47,13 @@ from stickslip.identification.outliers import without_outliers as without_outlie
 from stickslip.identification.records.fit import Prediction as Prediction
 from stickslip.identification.records.fit import RecordFit as RecordFit
 from stickslip.identification.records.fit import Score as Score
-from stickslip.identification.records.fitting import ROUTES as ROUTES
 from stickslip.identification.records.fitting import fit_records as fit_records
-from stickslip.identification.records.fitting import record_route_name as record_route_name
 from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
 from stickslip.identification.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
-from stickslip.identification.records.problems import RouteChoice as RouteChoice
+from stickslip.identification.records.route_choice import ROUTES as ROUTES
 from stickslip.identification.records.route_choice import RouteName as RouteName
-from stickslip.identification.records.route_choice import asked_for as asked_for
-from stickslip.identification.records.route_choice import choose_route as choose_route
-from stickslip.identification.residuals.holds import hold_of as hold_of
+from stickslip.identification.records.route_choice import route_of as route_of
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
 from stickslip.identification.results import Law_co as Law_co
@@ -75,8 +71,6 @@ from stickslip.identification.series.inverse_dynamics import InverseDynamics as 
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
-from stickslip.identification.series.start_values import Scales as Scales
-from stickslip.identification.series.start_values import law_unknowns as law_unknowns
 from stickslip.identification.series.start_values import load_of as load_of
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of

@@ -22,8 +22,6 @@ LEAST = 8
 """Rows that a segment must have to say anything beside its initial state."""
 SEGMENT = 1.0
 """Length of a segment [s] that is simulated from a state of its own."""
-STARTS = 4
-"""Starts of the search."""
 
 
 @final
@@ -125,8 +123,8 @@ class RecordSettings(metaclass=Described):
 
     Simulated segments and inverse dynamics heed it; measured friction has no force beside it.
     """
-    starts: int = STARTS
-    """Starts of the search."""
+    starts: int = 1
+    """Starts of the search: beyond the first, jittered ones."""
     seed: int = 0
     """Of the jitter of further starts."""
     position_zeros: bool | None = None

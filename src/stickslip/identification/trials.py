@@ -673,7 +673,7 @@ def compare_trials(
     fixed : mapping of str to float, optional
         Values of parameters that are held [SI], of law and mechanism.
     route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
-        How records are fitted; chosen by `choose_route` if not given.
+        How records are fitted; by what was measured if not given.
     settings : RecordSettings, optional
         Segments, starts and seed.
     progress : callable, optional
@@ -780,7 +780,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     moved: list[list[Displaced]] = []
     for index, record in enumerate(records):
         name = record.name or f"trial {index + 1}"
-        if rests(record):  # which `said_of_rests` compares with the fit
+        if rests(record):  # no row of it slips
             continue
         rows = record_of[best.segment] == index
         if not rows.any():

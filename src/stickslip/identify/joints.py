@@ -251,8 +251,8 @@ def select_joints(
     fitter = JointFitter.of(
         mechanism, "viscous", measurement, vary=vary, fixed=fixed, settings=settings
     )
-    if fitter.wrong_columns:
-        wrong = Finding(kind="joint columns", sentence=fitter.wrong_columns, severity="warning")
+    if said := fitter.wrong_columns("viscous"):
+        wrong = Finding(kind="joint columns", sentence=said, severity="warning")
         checks = replace(checks, findings=(wrong, *checks.findings))
     rig, paths = fitter.motion.mechanism, fitter.motion.torques.linear
     made = partial(JointRecords.of, rig, unknown=paths, zeros=zeros, resting=fitter.motion.resting)

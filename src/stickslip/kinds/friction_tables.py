@@ -8,7 +8,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
-from stickslip.identification import LAW, RecordSettings, asked_for, names_of
+from stickslip.identification import LAW, RecordSettings, names_of
 from stickslip.identify import BandVerdict, select_table
 from stickslip.kinds.kind import Request
 from stickslip.kinds.records import WITHOUT_EFFECT, BandKind
@@ -32,8 +32,8 @@ class FrictionTableKind(BandKind):
     @override
     def why_unused(self, name: str, request: Request) -> str:
         if name == "route" and request.route and not self.serves(request.measurement):
-            asked = asked_for(request.route)
-            return f"{asked!r} applies to {self.measured}, not to this measurement: leave it out."
+            own = f"{request.route!r} applies to {self.measured}"
+            return f"{own}, not to this measurement: leave it out."
         return super().why_unused(name, request)
 
     @override

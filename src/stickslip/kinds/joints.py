@@ -10,7 +10,7 @@ from stickslip.formatting import percent
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.identify import JointVerdict, joint_sections, select_joints
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request, SeveralLaws
-from stickslip.kinds.records import restarts_text
+from stickslip.kinds.records import left_text, restarts_lines
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of
@@ -110,7 +110,7 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
         return FitSummary(
             heads=heads,
             rows=rows,
-            lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks, *fit.assumptions],
+            lines=[f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions],
             findings=[f"Model error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
             open=("Limitations", fit.sentences),

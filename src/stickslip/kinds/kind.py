@@ -10,15 +10,15 @@ from typing import Any, ClassVar, Generic, TypeAlias, final
 from typing_extensions import TypeVar, override
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.formatting import count, number
+from stickslip.formatting import count, number, percent
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
+    AGREE,
     LAW,
     AnyLaw,
     Estimate,
     Fit,
     RecordSettings,
-    RouteChoice,
     TrialComparison,
     known_inputs,
     names_of,
@@ -59,8 +59,8 @@ class Request:
     progress: Callable[..., object] | None = None
     """Called with the number of runs or the least residual so far, after the name of the law where
     several are compared; False ends searches in records."""
-    route: str | RouteChoice | None = None
-    """Name of the route for records, or what `choose_route` returned."""
+    route: str | None = None
+    """Name of the route for records."""
     settings: RecordSettings | None = None
     """Segments, starts and seed of fits to records."""
     horizon: float | None = None
@@ -299,3 +299,17 @@ class Kind(ABC, Generic[F, V]):
         be said.
         """
         return ""
+
+
+def restarts_text(agreeing: int, starts: int) -> str:
+    """Return how many starts of a search agree.
+
+    Examples
+    --------
+    >>> restarts_text(3, 4)
+    'Restarts: 3 of 4 starts reached the smallest residual within 1 %'
+    """
+    return (
+        f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}"
+    )

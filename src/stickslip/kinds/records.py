@@ -1,31 +1,28 @@
 """Records in time, and measured friction."""
 
+import math
 from dataclasses import fields, replace
-from typing import final
+from typing import Any, final
 
 from typing_extensions import override
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Measurement, faults
+from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.formatting import NO_VALUE, percent
 from stickslip.identification import (
-    AGREE,
     LAW,
     ROUTES,
     Laws,
     Parameters,
     RecordFit,
     RecordSettings,
-    RouteChoice,
     Score,
-    asked_for,
-    choose_route,
     compared,
     fit_records,
-    record_route_name,
+    route_of,
 )
 from stickslip.identify import BandVerdict, select_record, verdict_sections
-from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.quantities import turned
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of, score_text
@@ -59,25 +56,24 @@ class BandKind(Kind[RecordFit, BandVerdict]):
     @override
     def resolved(self, request: Request) -> Request:
         """Return the request with the way to fit the records, and with its settings."""
-        settings = request.settings or RecordSettings()
-        if request.law is None or isinstance(request.route, RouteChoice):
-            return request
-        measurement, asked = request.measurement, request.route
-        # what is faulty is refused where it is fitted
-        found = faults(measurement, mechanism=request.mechanism, vary=request.vary or ())
-        if asked is not None or found:
-            choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
-            return replace(request, route=choice)
+        return request if request.law is None else replace(request, route=self._route(request))
+
+    def _route(self, request: Request) -> str:
+        """Return how records are fitted."""
+        measurement, law = request.measurement, request.law
         chosen = Parameters.of(
-            request.mechanism, request.law, request.vary, request.fixed, measurement=measurement
+            request.mechanism,
+            None if law is None else self.owner(law),
+            request.vary,
+            request.fixed,
+            measurement=measurement,
         )
         vary = [LAW, *chosen.unknown]
-        choice = choose_route(chosen.mechanism, measurement, vary=vary, settings=settings)
-        return replace(request, route=choice)
+        return route_of(chosen.mechanism, measurement, vary=vary, asked=request.route)
 
     @override
     def why_unused(self, name: str, request: Request) -> str:
-        selects, asked = request.law is None, asked_for(request.route)
+        selects, asked = request.law is None, request.route
         verb, other = ("select", "fit") if selects else ("fit", "select")
         unused = (
             f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
@@ -91,31 +87,25 @@ class BandKind(Kind[RecordFit, BandVerdict]):
 
     def _why_not_fitted(self, name: str, request: Request) -> str:
         """Return why a setting has no effect on a fit."""
-        choice, settings = request.route, request.settings
-        if not isinstance(choice, RouteChoice):
+        route = request.route
+        if route is None:  # not chosen yet
             return ""
-        if name == "settings" and settings is not None:
-            own = choice.settings
-            if any(getattr(settings, one) != getattr(own, one) for one in settings.changed):
-                return "has no effect beside a `RouteChoice`: give settings to `choose_route`."
-        why = f", because {choice.reason}" if choice.reason else ""
-        if name in OF_MEASURED and choice.route != "force-map":
+        if name in OF_MEASURED and route != "force-map":
             return (
                 "applies to measured friction (route force-map); here the route is"
-                f" {choice.route}{why}: leave it out."
+                f" {route}: leave it out."
             )
-        if name in WITHOUT_EFFECT[choice.route]:
+        if name in WITHOUT_EFFECT[route]:
             return (
                 "applies to simulated segments (route shooting); here the route is"
-                f" {choice.route}, which fits friction along the measured motion{why}: leave it"
-                " out."
+                f" {route}, which fits friction along the measured motion: leave it out."
             )
         return ""
 
     @override
     def residual_text(self, error: float, request: Request) -> str:
         compared_, measurement = "friction", request.measurement
-        if record_route_name(measurement, asked_for(request.route)) == "shooting":
+        if self._route(request) == "shooting":
             compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 
@@ -157,11 +147,10 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             return error_text(error, quantity=compared_, turning=fit.measurement.turning)
 
         second = None if validate is None else fit.score(validate, horizon=horizon)
-        lines = [f"Residual of {compared_}: {text(fit.rms)}"]
+        lines = [f"Residual of {compared_}: {text(fit.rms)} (route {fit.route})"]
         if second is not None:
             lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
-        lines.append(f"Restarts: {restarts_text(fit)}")
-        lines += [line for line in (*fit.remarks, *fit.assumptions, route_text(fit)) if line]
+        lines += [f"{left_text(fit)}.", *restarts_lines(fit), *fit.remarks, *fit.assumptions]
         return FitSummary(
             lines=lines,
             findings=[f"Model error: {error}" for error in fit.model_errors],
@@ -218,24 +207,24 @@ def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
 
 
-def route_text(fit: RecordFit) -> str:
-    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
-    way = "shorter simulated segments" if fit.problem.simulates else "inverse dynamics"
-    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
+def left_text(fit: RecordFit[Any]) -> str:
+    """Return what a fit leaves of what a law is to explain, and who compares laws."""
+    share = math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
+    return (
+        f"The fit leaves {percent(share)} of what varies; `stickslip select` compares laws and"
+        " looks for what else acts"
+    )
 
 
-def restarts_text(fit: RecordFit) -> str:
-    """Return how many starts of the search agree; of a free decay, in which segments."""
+def restarts_lines(fit: RecordFit[Any]) -> list[str]:
+    """Return how many starts of a search agree, if there were several."""
     starts = len(fit.restarts.costs)
     if starts == 1:
-        return "none, a single start"
-    text = (
-        f"{fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
-        f" {percent(AGREE)}"
-    )
+        return []
+    text = restarts_text(fit.restarts.agreeing, starts)
     if fit.first is None:
-        return text
-    return f"{text}, in short segments; longer segments were fitted from there"
+        return [text]
+    return [f"{text}, in short segments; longer segments were fitted from there"]
 
 
 def _predicted(fit: RecordFit, second: Score) -> str:

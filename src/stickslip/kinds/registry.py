@@ -9,7 +9,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.friction import law_type
-from stickslip.identification import RouteChoice, called, check_inputs
+from stickslip.identification import called, check_inputs
 from stickslip.kinds.features.kind import FeatureKind
 from stickslip.kinds.friction_tables import FrictionTableKind
 from stickslip.kinds.joints import JointKind
@@ -67,7 +67,7 @@ def kind_of_route(name: str) -> AnyKind:
     return known[name]
 
 
-def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) -> AnyKind:
+def kind_of(measurement: Measurement, asked: str | None = None) -> AnyKind:
     """Return the kind of a measurement: that of the route asked for, or the first that serves.
 
     Travels have no other route than their own, which then refuses to be asked for one.
@@ -83,13 +83,12 @@ def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) ->
     usual = next(kind for kind in kinds() if kind.serves(measurement))
     if asked is None:
         return usual
-    name = asked.route if isinstance(asked, RouteChoice) else asked
-    if name in usual.routes:
+    if asked in usual.routes:
         return usual
-    found = kind_of_route(name)
+    found = kind_of_route(asked)
     if "route" in usual.uses and "route" not in found.uses:
         raise InputError(
-            f"route {name!r} applies to {found.measured}, not to this measurement: leave it out."
+            f"route {asked!r} applies to {found.measured}, not to this measurement: leave it out."
         )
     return found if "route" in usual.uses else usual
 

@@ -16,7 +16,6 @@ from stickslip.identification import (
     Fit,
     RecordFit,
     RecordSettings,
-    RouteChoice,
     RouteName,
     check_given,
 )
@@ -58,7 +57,7 @@ def fit(
     *,
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    route: RouteName | RouteChoice | None = None,
+    route: RouteName | None = None,
     settings: RecordSettings | None = None,
     t_end: float | None = None,
     progress: Callable[[float], object] | None = None,
@@ -72,7 +71,7 @@ def fit(
     *,
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    route: RouteName | RouteChoice | None = None,
+    route: RouteName | None = None,
     settings: RecordSettings | None = None,
     t_end: float | None = None,
     progress: Callable[[float], object] | None = None,
@@ -107,10 +106,9 @@ def fit(
         Parameters of the mechanism are for records and features.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
-    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
-        How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings; or a route of another package. If not given, it follows from the
-        quantities measured; of records, `choose_route` chooses.
+    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"}
+        How the measurement is fitted, or a route of another package. If not given, it follows from
+        the quantities measured.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features use the seed and velocity
         steps the starts and the seed. What is changed there without effect is refused.
@@ -178,7 +176,7 @@ def select(
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
     assumed: Mapping[str, Sequence[str]] | None = None,
-    route: RouteName | RouteChoice | None = None,
+    route: RouteName | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     t_end: float | None = None,

@@ -26,7 +26,6 @@ INSIDE = {
     "check_apart": "candidates",
     "checked": "candidates",
     "choose": "choice",
-    "contains": "candidates",
     "control": "candidates",
     "corrections": "verdict",
     "effective_aic": "choice",

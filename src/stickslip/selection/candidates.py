@@ -24,12 +24,10 @@ from stickslip.friction import (
     CandidateSpec,
     Coulomb,
     FrictionLaw,
-    contained_laws,
-    containment_of,
     specification,
     usual_specifications,
 )
-from stickslip.identification import FittedLaw, inside
+from stickslip.identification import inside
 from stickslip.mechanisms import Mechanism
 
 LEFT_OUT = "skipped: the search was stopped"
@@ -131,31 +129,6 @@ def check_apart(names: Sequence[str]) -> None:
         )
 
 
-def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
-    """Whether a candidate is another one for some values of what is looked for.
-
-    Examples
-    --------
-    >>> by_name = {one.name: one for one in specifications(None)}
-    >>> contains(by_name["dahl-exponent"], by_name["dahl"])
-    True
-    >>> contains(by_name["lugre"], by_name["dahl-exponent"])
-    False
-    """
-    kinds = [one.law if isinstance(one.law, type) else type(one.law) for one in (rich, simple)]
-    free, fewer = (
-        set(kind.fit_order if one.free is None else one.free)
-        for kind, one in zip(kinds, (rich, simple), strict=True)
-    )
-    if kinds[0] is kinds[1]:
-        return fewer < free
-    how = containment_of(kinds[0], kinds[1])
-    if how is None:
-        return kinds[1].name in contained_laws(kinds[0])
-    held = {source for name, source in how.values.items() if name not in free}
-    return not (held | set(how.where)) & fewer
-
-
 class Residual(Protocol):
     """What a fit leaves."""
 
@@ -168,37 +141,11 @@ class Tried(Protocol):
     """A candidate with its fit, if there is one."""
 
     @property
-    def name(self) -> str:
-        """Key of the candidate."""
-
-    @property
     def fit(self) -> Residual | None:
         """The fit."""
 
-    @property
-    def fitted_law(self) -> FittedLaw | None:
-        """The fit as searches of richer laws begin from it, if they can."""
-
 
 C = TypeVar("C", bound=Tried)
-C_co = TypeVar("C_co", bound=Tried, covariant=True)
-
-
-class Fitted(Protocol[C_co]):
-    """Fits one candidate; may be sent to other processes."""
-
-    def __call__(
-        self,
-        one: CandidateSpec,
-        contained: Sequence[FittedLaw],
-        rival: float,
-        watch: Watch | None = None,
-        /,
-    ) -> C_co:
-        """Return the candidate with its fit, whose search begins from contained laws too.
-
-        It may be cut short if it leaves far more than a mean square, that of a `rival`.
-        """
 
 
 @dataclass(frozen=True)
@@ -244,78 +191,25 @@ def watched(executor: Executor, watch: Watch | None) -> Iterator[_Workers[Any]]:
 
 
 def fitted_side_by_side(
-    fitted: Fitted[C],
+    fitted: Callable[..., C],
     chosen: Sequence[CandidateSpec],
     watch: Watch | None,
     executor: Executor | None,
-    found: dict[str, C] | None = None,
-    *,
-    leader: str = "",
 ) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
-
-    A candidate is fitted after those that it contains, from which its search begins too. Those
-    that take long are fitted last, after the `leader`, which is expected to be the best, and are
-    told the least mean square of the others.
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
     """
-    found = {} if found is None else found
-    waiting = [one for one in chosen if one.name not in found]
     if executor is None:
-        while waiting:
-            one = next(one for one in waiting if not _awaited(one, waiting, leader))
-            nested, rival = _contained(one, chosen, found), _rival(one, chosen, found, leader)
-            found[one.name] = fitted(one, nested, rival, watch)
-            waiting.remove(one)
-        return [found[one.name] for one in chosen]
+        return [fitted(one, watch) for one in chosen]
+    found: dict[str, C] = {}
     with watched(executor, watch) as workers:
-        while unfinished := [one for one in chosen if one.name not in found]:
-            for one in [one for one in waiting if not _awaited(one, unfinished, leader)]:
-                nested, rival = _contained(one, chosen, found), _rival(one, chosen, found, leader)
-                workers.begin(one.name, fitted, one, nested, rival)
-                waiting.remove(one)
+        for one in chosen:
+            workers.begin(one.name, fitted, one)
+        while len(found) < len(chosen):
             found.update(workers.ended())
     return [found[one.name] for one in chosen]
-
-
-def _awaited(one: CandidateSpec, unfinished: Sequence[CandidateSpec], leader: str) -> bool:
-    """Whether a fit has not ended that is to end before that of a candidate."""
-    return any(
-        contains(one, other) or _knows(one, other, leader)
-        for other in unfinished
-        if other is not one
-    )
-
-
-def _knows(one: CandidateSpec, other: CandidateSpec, leader: str) -> bool:
-    """Whether a candidate is fitted with what another leaves in mind."""
-    before = not takes_long(other.law) or other.name == leader != one.name
-    return takes_long(one.law) and before and not contains(other, one)
-
-
-def _rival(
-    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried], leader: str
-) -> float:
-    """Return the least mean square of those whose fits ended before; 0 if none did."""
-    known = (found[other.name].fitted_law for other in chosen if _knows(one, other, leader))
-    return min((law.cost / law.rows for law in known if law is not None), default=0.0)
-
-
-def _contained(
-    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried]
-) -> tuple[FittedLaw, ...]:
-    """Return the fits of candidates that a candidate contains."""
-    # in an order of their own: what a search comes to must not hang on that of the candidates
-    ordered = sorted(chosen, key=lambda other: other.name)
-    simpler = (found[other.name].fitted_law for other in ordered if contains(one, other))
-    return tuple(law for law in simpler if law is not None)
-
-
-def takes_long(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
-    """Whether fits of a law, or of a type of law, take several times as long as those of most."""
-    return law is not None and bool(law.states)
 
 
 def _residual(candidate: Tried) -> float:

@@ -24,7 +24,7 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
-from stickslip.identification import Fit, FittedLaw
+from stickslip.identification import Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.tables import Tabular
@@ -111,11 +111,6 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
     @property
     def score_error(self) -> float | None:
         """Its standard error; None, infinite or not a number if there is none."""
-        return None
-
-    @property
-    def fitted_law(self) -> FittedLaw | None:
-        """The fit as searches of richer laws begin from it, if they can."""
         return None
 
     @abstractmethod

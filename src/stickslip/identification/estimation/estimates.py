@@ -4,14 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from stickslip import formatting
 from stickslip.formatting import fixed, number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.jackknife import Inference
-from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.results import READINGS, Estimate
@@ -30,11 +28,6 @@ ORDERS = 30.0
 """An interval of a logarithm that goes by this factor to either side is none."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
-ALIKE = 0.05
-"""Per cent by which residuals differ that are called the same."""
-RIVALS = 0.1
-"""Share of the least cost above which the end of a start is no rival, however few residuals are
-independent."""
 SEPARABLE = 300.0
 """Condition of the scaled slopes beyond which estimates are not separable."""
 
@@ -91,52 +84,6 @@ def estimates_of(
             )
         )
     return tuple(found)
-
-
-def widened_by_starts(
-    inference: Inference, free_parameters: FreeParameters, found: OptimizeResult
-) -> tuple[Inference, str]:
-    """Return the inference widened to include ends of other starts that fit nearly as closely.
-
-    Errors of the least residual describe its own valley. Where others end in another one that the
-    residuals do not rule out, these are too small; the second result says so in a sentence.
-    """
-    least, limit = min(found.costs), float(scipy.stats.chi2.ppf(0.95, len(free_parameters)))
-    share = min(limit / inference.effective, RIVALS)
-    values, log = found.best.values, np.array([item.log for item in free_parameters.items])
-    costs = [cost for cost in found.costs if math.isfinite(cost)]  # others have no values
-    ends = []
-    for cost, end in zip(costs, found.values, strict=True):
-        if cost <= (1.0 + share) * least:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                off = np.where(log, values * np.log(end / values), end - values)
-            ends.append((off, end.tolist(), cost))
-    # the farthest end comes first: which of several leaves least may be rounding
-    ends.sort(key=lambda end: -float(_errors_off(end[0], inference).max()))
-    said = ""
-    for off, end, cost in ends:
-        far = _errors_off(off, inference)
-        if not far.max() > math.sqrt(limit):
-            continue
-        inference = inference.including(np.where(far > 0.0, off, 0.0))
-        if not said:
-            worst = int(far.argmax())
-            item = free_parameters.items[worst]
-            more = 100.0 * ((cost / least) ** 0.5 - 1.0)
-            larger = f"{number(more, 2)} % larger" if more >= ALIKE else "the same"
-            said = (
-                f"Other values fit nearly as closely: with {item.quantity.symbol} ="
-                f" {with_unit(end[worst], item)} in place of {with_unit(values[worst], item)}, the"
-                f" residual is {larger}. The intervals were widened to include both."
-            )
-    return inference, said
-
-
-def _errors_off(off: Array, inference: Inference) -> Array:
-    """Return distances (p,) over the errors of what has any; 0 for the rest."""
-    errors = inference.errors
-    known = np.isfinite(errors) & (errors > 0.0) & np.isfinite(off)
-    return np.asarray(np.where(known, np.abs(off), 0.0) / np.where(known, errors, 1.0))
 
 
 def _sources(inference: Inference, index: int) -> dict[str, float]:

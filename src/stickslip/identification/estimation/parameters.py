@@ -220,37 +220,6 @@ class FreeParameter:
     """Whether its order of magnitude is what is looked for."""
     above: str = ""
     """Path of the parameter that it does not fall below, such as the kinetic level."""
-    guessed: bool = False
-    """Whether bounds that are no limits of the quantity follow from a guess of its size alone."""
-
-    def widened(self, side: str, factor: float) -> "FreeParameter":
-        """Return the unknown with a guessed bound farther out by a factor; itself at a limit.
-
-        Examples
-        --------
-        >>> from stickslip.quantities import Quantity
-        >>> level = FreeParameter(
-        ...     path="friction.kinetic_coefficient",
-        ...     quantity=Quantity("mu_k", low=0),
-        ...     start=0.1,
-        ...     low=0.0,
-        ...     high=2.0,
-        ...     guessed=True,
-        ... )
-        >>> level.widened("upper", 10.0).high, level.widened("lower", 10.0) is level
-        (20.0, True)
-        """
-        if not self.guessed:
-            return self
-        if side == "upper":
-            return replace(self, high=min(self.high * factor, self.quantity.high))
-        if self.log:
-            return replace(self, low=self.low / factor)
-        return (
-            self
-            if self.low >= 0.0
-            else replace(self, low=max(self.low * factor, self.quantity.low))
-        )
 
     def limits(self) -> tuple[float, float]:
         """Return the bounds as the optimiser sees them."""
@@ -259,6 +228,15 @@ class FreeParameter:
         return (math.log(self.low) if self.low > 0.0 else -math.inf), (
             math.log(self.high) if self.high > 0.0 else math.inf
         )
+
+
+def not_whole(item: FreeParameter, value: float) -> float:
+    """Return a value; next to it if it is a whole exponent, which has no slope.
+
+    Whole exponents shape the equations.
+    """
+    whole = item.quantity.structural and value.is_integer()
+    return value * (1.0 + 0.1 * MOVED) if whole else value
 
 
 @dataclass(frozen=True)
@@ -306,14 +284,6 @@ class FreeParameters:
     def starting_at(self, values: Sequence[float] | Array) -> "FreeParameters":
         """Return the same unknowns with other start values (p,)."""
         items = (replace(item, start=float(v)) for item, v in zip(self.items, values, strict=True))
-        return replace(self, items=tuple(items))
-
-    def widened(self, sides: Mapping[str, str], factor: float) -> "FreeParameters":
-        """Return the unknowns with guessed bounds farther out where one was met, by path."""
-        items = (
-            item.widened(sides[item.path], factor) if item.path in sides else item
-            for item in self.items
-        )
         return replace(self, items=tuple(items))
 
     def limits(self) -> tuple[Array, Array]:

@@ -200,15 +200,6 @@ class RecordProblem(Problem):
         """
         return ()
 
-    @property
-    def few(self) -> "RecordProblem | None":
-        """Some segments, on which starts are compared; None where that saves little.
-
-        Friction is compared on all rows: what a filter for fewer of them leaves of presliding
-        leads elsewhere.
-        """
-        return None
-
     @abstractmethod
     def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
         """Return the same with other bounds or start values of the unknowns."""

@@ -180,10 +180,6 @@ class BalanceProblemBuilder:
     """Whether only rows that slip are fitted."""
     resolved: bool = False
     """Whether the common filter passes what the noise of positions allows."""
-    wider: float = 1.0
-    """What it passes in fits, over that."""
-    finer: float = 1.0
-    """Samples along which friction is predicted in fits, over the usual number."""
     winding: float = 0.0
     """Torque per current by which the balance of a winding counts; 0 where it does not."""
 
@@ -206,8 +202,6 @@ class BalanceProblemBuilder:
             segment=length,
             slipping=self.slipping,
             resolved=self.resolved,
-            wider=self.wider,
-            samples=self.finer * SAMPLES,
             winding=self.winding,
         )
         return self._along(derive, record)

@@ -1,7 +1,7 @@
 """The route of measured friction: a law is fitted to the force along the measured motion."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import MISSING, fields, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +15,9 @@ from stickslip.identification.force_map.data import MotionSegment, refuse_timele
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.start_values import (
     StartEstimate,
-    looked_for,
     screened_starts,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import fields_of
 
 Array = NDArray[np.float64]
 
@@ -71,10 +69,10 @@ def force_map(
     """
     stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
-    problem, starts = map_along(
+    problem, _ = map_along(
         law, stretches, few, free=free, held=held, known=known, beside=constant_of(mechanism)
     )
-    return replace(problem, free_parameters=problem.free_parameters.starting_at(starts[0]))
+    return problem
 
 
 def constant_of(mechanism: Mechanism) -> ConstantForce:
@@ -103,7 +101,7 @@ def map_along(
     derived: Sequence[float] = (),
     mass: float = 0.0,
 ) -> tuple[ForceMap, tuple[Array, ...]]:
-    """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
+    """Return the problem as `force_map` does, along stretches, and other values to start from.
 
     Start values of a law that knows no history come from stretches of fewer samples.
     """
@@ -111,24 +109,23 @@ def map_along(
     if not issubclass(kind, FrictionLaw):
         raise InputError(f"a force map needs a friction law such as Coulomb, got {kind.__name__}.")
     refuse_timeless(law, stretches)
-    told = StartEstimate.of(stretches, offset=None)
+    rough = StartEstimate.of(stretches, offset=None)
     given = bool({beside.path, "offset"} & set(held)) or beside.value != 0.0
-    sought = told.two_sided and not kind.directional and not {beside.path, "offset"} & set(held)
-    rough = told if sought else StartEstimate.of(stretches, offset=beside.value)
-    start = rough.law(kind, known or {}) if isinstance(law, type) else law
-    held = [*held, *(f"friction.{name}" for name in known or ())]
-    paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
-    if isinstance(law, type):
-        start = _with_defaults(start, paths, known or {})
+    sought = rough.seeks_constant(kind, {beside.path, "offset"} & set(held))
+    if not sought:
+        rough = StartEstimate.of(stretches, offset=beside.value)
+    start, free_parameters = rough.unknowns(
+        law, free=free, known=known, held=held, constant=beside.path if sought else None
+    )
     whole = ForceMap(
         law=start,
-        free_parameters=rough.free_parameters(start, paths, beside.path if sought else None),
+        free_parameters=free_parameters,
         stretches=tuple(stretches),
         constant=beside.path,
         offset=beside.value,
         derived=tuple(derived),
         mass=mass,
-        one_way=bool(derived) and not (told.two_sided or given),
+        one_way=bool(derived) and not (rough.two_sided or given),
     )
     coarse = replace(whole, stretches=tuple(few))
     free_parameters = _effective(coarse if isinstance(law, type) else whole)
@@ -143,22 +140,9 @@ def map_along(
         whole, coarse = (replace(one, linear=own) for one in (whole, coarse))
     problem = replace(whole, free_parameters=free_parameters)
     if not isinstance(law, type):
-        return problem, (free_parameters.start,)
-    return problem, screened_starts(problem, replace(coarse, free_parameters=free_parameters))
-
-
-def _with_defaults(
-    law: FrictionLaw, fitted: Collection[str], known: Mapping[str, float]
-) -> FrictionLaw:
-    """Return a law in which what is not fitted has its known value or its default, if any."""
-    names = {path.rpartition(".")[2] for path in fitted}
-    plain = {
-        field.name: field.default
-        for field in fields(law)
-        if field.name in fields_of(type(law)) and field.name not in names
-        if field.default is not MISSING
-    }
-    return replace(law, **{**plain, **{n: v for n, v in known.items() if n not in names}})
+        return problem, ()
+    first, *others = screened_starts(problem, replace(coarse, free_parameters=free_parameters))
+    return replace(problem, free_parameters=free_parameters.starting_at(first)), tuple(others)
 
 
 def _effective(problem: ForceMap) -> FreeParameters:

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import improve
@@ -18,6 +18,7 @@ from stickslip.identification.estimation.parameters import (
     FreeParameters,
     Sizes,
     is_level,
+    required_of,
     with_arrays,
     with_ranges,
 )
@@ -47,12 +48,6 @@ ROUNDS = 4
 STIFF = "stiffness"
 FIRST = 4
 """First column of the regressors of parameters of the mechanism."""
-KEPT = 3
-"""Starts that are returned at most."""
-WORSE = 4.0
-"""Sum of squares over the least, above which an end of these is no start."""
-APART = 0.7
-"""Distance of logarithms (a factor of two) from which two ends are two starts."""
 FAST = 0.5
 """Share of the largest speed (its 99th percentile) above which slip counts as steady."""
 MOVING = 0.05
@@ -100,7 +95,8 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     seen, compare = (problem, _rated_with_memory) if memory else (coarse, _rated_without)
     rated = _best_of_each(compare(seen, points), points, problem.free_parameters)
     ends = sorted((_polished(seen, one) for one in rated), key=lambda one: one.cost)
-    return _distinct(problem.free_parameters, ends)
+    known = tuple(one.values for one in ends if np.isfinite(one.cost))
+    return known or (problem.free_parameters.start,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,19 +301,6 @@ def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
     return _Rated(end.values, end.cost)
 
 
-def _distinct(free_parameters: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, ...]:
-    """Return the values of ends that are not much worse than the best and not the same as one."""
-    log = [k for k, item in enumerate(free_parameters.items) if item.log]
-    kept: list[Array] = []
-    for one in ends:
-        if not np.isfinite(one.cost) or one.cost > WORSE * ends[0].cost or len(kept) == KEPT:
-            break
-        near = [np.abs(np.log(one.values[log] / other[log])) for other in kept]
-        if all(np.max(gap, initial=0.0) > APART for gap in near):
-            kept.append(one.values)
-    return tuple(kept) or (free_parameters.start,)
-
-
 @dataclass(frozen=True, kw_only=True)
 class StartEstimate:
     """What friction against motion says at a glance.
@@ -419,24 +402,73 @@ class StartEstimate:
             sides.append(cls(level=level, viscous=viscous, stiffness=stiffness, **own))
         return cls(**{**_plain(sides[2]), "sides": (sides[0], sides[1])})
 
-    def law(self, kind: type[FrictionLaw], known: Mapping[str, float]) -> FrictionLaw:
-        """Return a law of a kind: known values by name, else of these sizes where it needs some."""
+    def law(
+        self, kind: type[FrictionLaw], known: Mapping[str, float], named: Collection[str] = ()
+    ) -> FrictionLaw:
+        """Return a law of a kind: known values by name, else of these sizes where it needs some.
+
+        What it may do without it has if it is named.
+        """
         values: dict[str, Any] = {}
         for declared in fields(kind):
             quantity = fields_of(kind).get(declared.name)
-            if quantity is None or (declared.default is None):
+            own = declared.name in named
+            if quantity is None or (declared.default is None and not own):
                 continue
             if declared.name in known:
                 values[declared.name] = float(known[declared.name])
                 continue
             needed = not isinstance(declared.default, (int, float))
-            if needed if quantity.structural else declared.name in _wanted(kind):
+            if needed if quantity.structural else own or declared.name in _wanted(kind):
                 value = self.sizes.of(with_ranges(kind, declared.name)).start
                 value = min(max(value, quantity.low), quantity.high)
                 if quantity.at_least is not None and quantity.at_least in values:
                     value = values[quantity.at_least] * (1.0 + SURPLUS)
                 values[declared.name] = value
         return kind(**values)
+
+    def seeks_constant(self, kind: type[FrictionLaw], held: Collection[str]) -> bool:
+        """Whether a constant force is looked for beside a law: not if it is held.
+
+        A record has one number for it and a level with laws that have a level of their own in each
+        direction, and where slip is in one direction only.
+        """
+        return self.two_sided and not kind.directional and not held
+
+    def unknowns(
+        self,
+        law: FrictionLaw | type[FrictionLaw],
+        *,
+        free: Collection[str] | None = None,
+        known: Mapping[str, float] | None = None,
+        held: Collection[str] = (),
+        constant: str | None = None,
+    ) -> tuple[FrictionLaw, FreeParameters]:
+        """Return a law to start from, and its unknowns with those of a constant force, if any."""
+        known = known or {}
+        typed = isinstance(law, type)
+        kind = law if isinstance(law, type) else type(law)
+        paths_of = {f"friction.{name}": quantity for name, quantity in fields_of(kind).items()}
+        alone = [name for name in free or () if name.count(".") < 2 and name != LAW]
+        named = {full_path(name, paths_of).partition(".")[2] for name in alone}
+        start: FrictionLaw
+        if isinstance(law, type):
+            start = self.law(kind, known, named)
+        else:
+            bare = [name for name in named if getattr(law, name) is None]
+            start = replace(law, **{n: getattr(self.law(kind, known, bare), n) for n in bare})
+        held = [*held, *(f"friction.{name}" for name in known)]
+        paths = looked_for(start, whole=typed, free=free, held=held)
+        if isinstance(law, type):
+            for name in required_of(law):
+                if f"friction.{name}" not in paths and not {name, f"friction.{name}"} & {*held}:
+                    raise InputError(
+                        f"{law.__name__}.{name} ({fields_of(law)[name].symbol}) is neither varied"
+                        " nor fixed: add it to vary, or give its value,"
+                        f" fixed={{{name!r}: ...}}."
+                    )
+            start = _with_defaults(start, paths, known)
+        return start, self.free_parameters(start, paths, constant)
 
     def free_parameters(
         self, law: FrictionLaw, paths: Collection[str], constant: str | None
@@ -502,8 +534,21 @@ class StartEstimate:
             low=max(low, quantity.low),
             high=min(high, quantity.high),
             log=log,
-            guessed=signed,
         )
+
+
+def _with_defaults(
+    law: FrictionLaw, fitted: Collection[str], known: Mapping[str, float]
+) -> FrictionLaw:
+    """Return a law in which what is not fitted has its known value or its default, if any."""
+    names = {path.rpartition(".")[2] for path in fitted}
+    plain = {
+        field.name: field.default
+        for field in fields(law)
+        if field.name in fields_of(type(law)) and field.name not in names
+        if field.default is not MISSING
+    }
+    return replace(law, **{**plain, **{n: v for n, v in known.items() if n not in names}})
 
 
 def looked_for(

@@ -25,8 +25,6 @@ from stickslip.formatting import Scale, count, joined, quantity
 from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification.contact_inputs import typical_inputs
-from stickslip.identification.estimation.containment import CONSTANTS, FittedLaw
-from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters, told
@@ -36,9 +34,10 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
+from stickslip.identification.force_map.holds import HoldFinding
 from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.force_map.problem import MECHANISM, SENSOR
 from stickslip.identification.outliers import outlying
-from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
@@ -251,14 +250,8 @@ class RecordFit(Fit[AnyLaw_co]):
     """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     sentences: tuple[str, ...]
     """What the record cannot tell, in words."""
-    search_failure: str = ""
-    """Which contained law fits more closely than this one, in words; empty if none does."""
     hold: HoldFinding | None = None
     """How the recorded force runs between its samples, as given or estimated from the record."""
-    route_reason: str = ""
-    """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
-    halves: Halves | None = None
-    """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
     first: OptimizeResult | None = None
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
     displaced: tuple[Displaced, ...] = ()
@@ -279,7 +272,7 @@ class RecordFit(Fit[AnyLaw_co]):
     @property
     def offset_estimate(self) -> Estimate | None:
         """The constant force beside friction, where it was fitted."""
-        return next((one for one in self.estimates if one.path in CONSTANTS), None)
+        return next((one for one in self.estimates if one.path in (MECHANISM, SENSOR)), None)
 
     @property
     def offset(self) -> float:
@@ -434,18 +427,6 @@ class RecordFit(Fit[AnyLaw_co]):
         return self.optimum.best.residual
 
     @property
-    def fitted_law(self) -> FittedLaw:
-        """The fit as searches of richer laws begin from it."""
-        values = dict(zip(self.free_parameters.paths, self.values.tolist(), strict=True))
-        best = self.optimum.best
-        return FittedLaw(
-            law=cast("FrictionLaw", self.law),
-            values=values,
-            cost=best.cost,
-            rows=len(best.residual),
-        )
-
-    @property
     def scale(self) -> Array:
         """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
         return scale_of(self.free_parameters, self.optimum.best.values, self.at_bounds)
@@ -595,7 +576,6 @@ class RecordFit(Fit[AnyLaw_co]):
         return {
             "law": self.law.name,
             "route": self.route,
-            "route_reason": self.route_reason,
             "hold": self.hold.to_dict() if self.hold else None,
             "held": [
                 {"parameter": one.path, "unit": one.quantity.unit, "value": one.start}

@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, cast, final
+from typing import TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from stickslip.identification.estimation.levenberg_marquardt import OptimizeResu
 from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import SAMPLES
+from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.joint_balance import (
     JointBalance,
     JointBalanceBuilder,
@@ -30,10 +31,9 @@ from stickslip.identification.force_map.joint_balance import (
 from stickslip.identification.force_map.model import ForceMap, moved
 from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
 from stickslip.identification.records.fit import RecordFit
-from stickslip.identification.records.fitting import finished, widened_search
+from stickslip.identification.records.fitting import finished, searched
 from stickslip.identification.records.links import told_links
 from stickslip.identification.records.problems import SOME, FitSetup
-from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import (
@@ -51,8 +51,6 @@ JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | No
 
 JOINTS = "joints"
 """The route of records of several joints."""
-UNEXPLAINED = 0.8
-"""Residual over the variation of the force of a joint above which the record is doubted."""
 DOUBTED, BETTER = 0.5, 0.5
 """Residual of a regression over the spread of a force from which wrong columns are looked for, and
 how much less it must be without what is wrong."""
@@ -67,8 +65,6 @@ ALIKE = 1e-6
 """Singular value of scaled slopes below which parameters do the same to all forces."""
 BENDS = 20
 """Times at which slopes by parameters that forces are not linear in are taken anew."""
-SHARES = (".transmitted_coefficient", ".motor_coefficient", ".motor_friction")
-"""Ends of paths of shares of the recorded torque that are lost."""
 SETTLED = 1e-6
 """Change of these parameters, over their values, at which slopes are no longer taken anew."""
 FOLLOWED = 1_000
@@ -123,30 +119,6 @@ def fit_joints(
         mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings or RecordSettings()
     )
     return fitter.fitted(laws, progress=progress)
-
-
-def unexplained(fit: RecordFit[Any], before: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return the joints of whose force a fit explains hardly anything, in sentences.
-
-    Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
-    """
-    seen = fit.predict()
-    assert seen.joint is not None
-    left = {}
-    for name in dict.fromkeys(seen.joint.tolist()):
-        own = seen.of(name)
-        size = max(float(np.var(own.measured)), 1e-300)
-        left[name] = float(np.sqrt(np.mean(own.residual**2) / size))
-    said = tuple(
-        f"The fit leaves {percent(share)} of the force of the joint {name}: check the names of the"
-        " joints, the units of angles (rad) and forces, their signs, and the parameters of the"
-        " mechanism that are held."
-        for name, share in left.items()
-        if share > UNEXPLAINED
-    )
-    if all(share > 1.0 for share in left.values()):
-        raise InputError(" ".join((*before, *said[: 0 if before else 1])))
-    return said
 
 
 @final
@@ -267,8 +239,6 @@ class JointFitter:
     """What the records say whatever the laws are."""
     hold: HoldFinding | None = None
     """How forces run between samples, as given or estimated from the records."""
-    wrong_columns: str = ""
-    """Which columns seem to be exchanged, or of another sign or unit, as a sentence; or empty."""
 
     @classmethod
     def of(
@@ -298,7 +268,6 @@ class JointFitter:
             hold = hold_of(asked.mechanism, measurement, settings.hold, vary=asked.linear)
             settings = settings if hold is None else hold.applied(settings)
             motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
-            wrong_columns = _wrong_columns(asked, measurement, settings.holding, motion)
         return cls(
             mechanism=mechanism,
             measurement=measurement,
@@ -307,7 +276,6 @@ class JointFitter:
             settings=settings,
             motion=motion,
             hold=hold,
-            wrong_columns=wrong_columns,
         )
 
     @property
@@ -324,6 +292,33 @@ class JointFitter:
             " fitted. Record it moving."
             for name in self.motion.resting
         )
+
+    def wrong_columns(self, laws: Mapping[str, JointLaw] | str) -> str:
+        """Return which signals would explain the forces if exchanged or converted, as a sentence.
+
+        Looked for where a regression leaves much of the force of some joint; empty elsewhere.
+        """
+        names, units = self.mechanism.coordinates, self.mechanism.units
+        share = float(np.max(self.motion.share))
+        if share < DOUBTED:
+            return ""
+        zeros = bool(self.settings.position_zeros)
+        found = []
+        for finding, other in _suspected(self.measurement, names, units):
+            try:
+                asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, other, zeros=zeros)
+                seen = _Motion.of(asked, other, self.settings.holding, bristles=False)
+            except InputError:
+                continue
+            found.append((float(np.max(seen.share)), finding))
+        left, finding = min(found, default=(np.inf, ""))
+        if left > min(BETTER * share, DOUBTED):
+            return ""
+        falls = (
+            f"what the mechanism does not explain of the forces falls from {percent(share)}"
+            f" to {percent(left)}"
+        )
+        return finding.replace("{falls}", falls)
 
     def fitted(
         self,
@@ -358,15 +353,7 @@ class JointFitter:
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
         fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
-        said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
-        sentences = (
-            *self.resting,
-            *said,
-            *unexplained(fit, said),
-            *_of_itself(fit),
-            *fit.sentences,
-        )
-        return replace(fit, sentences=sentences, hold=self.hold)
+        return replace(fit, sentences=(*self.resting, *fit.sentences), hold=self.hold)
 
     def _searched(
         self,
@@ -377,7 +364,7 @@ class JointFitter:
         motion = self.motion
         for _ in range(BENDS):
             start = self._prepared(asked, motion)
-            ready, found = widened_search(start, self.settings, progress, 0.0)
+            ready, found = start, searched(start, self.settings, progress)
             if not motion.torques.bent or found.cancelled:
                 break
             known = dict(zip(ready.problem.free_parameters.paths, found.best.values, strict=True))
@@ -404,7 +391,7 @@ class JointFitter:
         mechanism = vary(
             asked.mechanism, "mechanism", dict(zip(torques.linear, first, strict=True))
         )
-        maps, names, starts = {}, {}, {}
+        maps, names = {}, {}
         for i, coordinate in enumerate(torques.coordinates):
             if coordinate in motion.resting:
                 continue
@@ -418,8 +405,7 @@ class JointFitter:
                 contact=contact,
                 fitted=torques.linear,
             )
-            one, starts[coordinate] = _map_of(asked, contact, coordinate, (whole, some), motion)
-            maps[coordinate] = one
+            one = maps[coordinate] = _map_of(asked, contact, coordinate, (whole, some), motion)
             names[coordinate] = tuple(
                 _among_all(path, contact, coordinate) for path in one.free_parameters.paths
             )
@@ -436,18 +422,7 @@ class JointFitter:
         slips = {name: coordinate for coordinate, name in contacts.items()}
         laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
         build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
-        return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
-
-
-def _of_itself(fit: RecordFit[Laws]) -> Iterator[str]:
-    """Yield what is to be said of gears that may lose all of their torque, in sentences."""
-    for one in fit.estimates:
-        if one.path.endswith(SHARES) and one.bounded and one.high >= 1.0:
-            yield (
-                f"The gear of {one.path.split('.')[1]} may lose all of its torque, {one}: the"
-                " record does not tell what moves the joint from what its gear loses. Fit a law"
-                " without it, or record a motion with more inertia or weight."
-            )
+        return FitSetup(mechanism, laws, problem, build)  # type: ignore[arg-type]
 
 
 def _members(
@@ -461,32 +436,6 @@ def _members(
             yield name, maps[slips[name]].law
         elif isinstance(law, FrictionLaw):
             yield name, law
-
-
-def _wrong_columns(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
-    """Return which signals would explain the forces if exchanged or converted, as a sentence.
-
-    Looked for where a regression leaves much of the force of some joint.
-    """
-    names, units = asked.mechanism.coordinates, asked.mechanism.units
-    share = float(np.max(motion.share))
-    if share < DOUBTED:
-        return ""
-    found = []
-    for finding, other in _suspected(measurement, names, units):
-        try:
-            seen = _Motion.of(asked, other, hold, bristles=False)
-        except InputError:
-            continue
-        found.append((float(np.max(seen.share)), finding))
-    left, finding = min(found, default=(np.inf, ""))
-    if left > min(BETTER * share, DOUBTED):
-        return ""
-    falls = (
-        f"what the mechanism does not explain of the forces falls from {percent(share)}"
-        f" to {percent(left)}"
-    )
-    return finding.replace("{falls}", falls)
 
 
 def _suspected(
@@ -722,11 +671,7 @@ def _start(
         least = quantity.low if quantity.above is None else quantity.above + 1e-6 * abs(nominal)
         low, high = max(least, nominal - reach), min(quantity.high, nominal + reach)
         start = min(max(nominal + float(found[j]), low), high)
-        items.append(
-            FreeParameter(
-                path=path, quantity=quantity, start=start, low=low, high=high, guessed=True
-            )
-        )
+        items.append(FreeParameter(path=path, quantity=quantity, start=start, low=low, high=high))
     if not _allows(asked.mechanism, {item.path: item.start for item in items}):
         items = [replace(item, start=values[item.path][1]) for item in items]
     change = np.array([item.start - values[item.path][1] for item in items])
@@ -776,11 +721,11 @@ def _map_of(
     coordinate: str,
     stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
     motion: _Motion,
-) -> tuple[ForceMap, tuple[Array, ...]]:
-    """Return the force map of one joint, and further start values of its unknowns."""
+) -> ForceMap:
+    """Return the force map of one joint."""
     law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
     inertia = float(motion.inertias[motion.torques.coordinates.index(coordinate)])
-    problem, starts = map_along(
+    problem, _ = map_along(
         Viscous(viscous_coefficient=0.0) if law is None else law,
         *stretches,
         free=() if law is None else asked.free[contact],
@@ -791,9 +736,7 @@ def _map_of(
         derived=[item.start for item in motion.linear],
         mass=inertia,
     )
-    near = problem.free_parameters.starting_at(starts[0])
-    problem = replace(problem.with_free_parameters(near), of_applied=True)
-    return problem, tuple(starts[1:])
+    return replace(problem, of_applied=True)
 
 
 def _among_all(path: str, contact: str, coordinate: str) -> str:
@@ -823,19 +766,3 @@ def _joined(
         for path, value in (one.free_parameters.known or {}).items():
             known[_among_all(path, contact, coordinate)] = value
     return FreeParameters((*items.values(), *shared.values()), known)
-
-
-def _further(
-    free: FreeParameters,
-    names: Mapping[str, Sequence[str]],
-    starts: Mapping[str, Sequence[Array]],
-) -> tuple[Array, ...]:
-    """Return further start values of all unknowns: one joint at a time from another start."""
-    found = []
-    for coordinate, several in starts.items():
-        places = [free.paths.index(path) for path in names[coordinate]]
-        for one in several:
-            values = free.start.copy()
-            values[places] = one
-            found.append(values)
-    return tuple(found)

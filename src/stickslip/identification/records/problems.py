@@ -1,7 +1,7 @@
 """The problems that records become, by route, and where their searches begin."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, Literal, TypeAlias, final
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import TypeVar
 
-from stickslip.errors import InputError
-from stickslip.experiments import Measurement, with_doubts
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import check_inputs
+from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
@@ -23,34 +24,43 @@ from stickslip.identification.force_map.force_balance import (
     balanced,
     positive_noise,
 )
+from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
+from stickslip.identification.force_map.problem import (
+    FEW,
+    MECHANISM,
+    SAMPLES,
+    constant_of,
+    map_along,
+)
+from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
+    least_of,
     lengthened_starts,
-    motor_starts,
-    scanned_scales,
+    scanned,
     surplus_starts,
 )
-from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inverse_dynamics import is_mass, mass_of, positions_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     inertia_of,
-    joined,
-    law_unknowns,
     mechanism_unknown,
-    mechanism_unknowns,
-    scales_of,
+    regressed,
 )
 from stickslip.identification.settings import Hold, RecordSettings, SensorResponse
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
-from stickslip.identification.shooting.segments import measured_quantity, segments_of
+from stickslip.identification.shooting.segments import (
+    measured_quantity,
+    segments_of,
+    usual_segment,
+    with_usual_segment,
+)
 from stickslip.identification.validation import Parameters, check_varied
 from stickslip.mechanisms import Mechanism, motor_of, stops_of
-from stickslip.quantities import fields_of, full_path, parameters, vary
+from stickslip.quantities import full_path, parameters, vary
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -67,30 +77,48 @@ RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"
 @final
 @dataclass(frozen=True, kw_only=True)
 class RouteChoice:
-    """How a record is fitted, and why."""
+    """How a record is fitted."""
 
     route: RecordRouteName
     """The route."""
     settings: RecordSettings
-    """Settings with the length of segments that serves."""
-    reason: str = ""
-    """Why it is not simulated segments of the usual length; empty if it is."""
-    alternative: RecordRouteName | None = None
-    """Route that may serve better, to be compared once laws are fitted; None if none may."""
+    """Settings with the length of segments, and the hold, that serve."""
     hold: HoldFinding | None = None
-    """How the recorded force runs between samples, as given or estimated; None if none drives."""
-    resolved: bool = False
-    """Whether friction by inverse dynamics is resolved as finely as noise allows, for bristles: all
-    laws that have one are then fitted to rests as well, whatever each guesses of its stiffness."""
+    """How the recorded force runs between its samples; None if none drives."""
 
-    def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
-        """Return the same with what the record says of the hold, which its settings then have."""
-        if self.hold is not None or self.route == "force-map":
-            return self
-        found = hold_of(mechanism, measurement, self.settings.hold)
-        if found is None:
-            return self
-        return replace(self, settings=found.applied(self.settings), hold=found)
+    @classmethod
+    def of(
+        cls,
+        route: RecordRouteName,
+        mechanism: Mechanism,
+        measurement: Measurement,
+        settings: RecordSettings,
+    ) -> "RouteChoice":
+        """Return a route with the segments, and the hold, of a record."""
+        if route == "force-map":
+            return cls(route=route, settings=settings)
+        if route == "shooting":
+            settings = with_usual_segment(settings, measurement)
+            if drives_itself(mechanism, measurement):
+                settings = _whole(measurement, settings)
+        found = hold_of(mechanism, measurement, settings.hold)
+        return cls(
+            route=route,
+            settings=settings if found is None else found.applied(settings),
+            hold=found,
+        )
+
+
+def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings:
+    """Return settings by which records are simulated as a whole, resolved as segments are.
+
+    A mechanism that drives itself runs from its start in any case: short segments would tell less.
+    """
+    if settings.segment != usual_segment(measurement):
+        return settings
+    longest = max(float(np.ptp(np.asarray(one.time))) for one in measurement.records())
+    rows = math.ceil(settings.resolution * max(longest / settings.segment, 1.0))
+    return replace(settings, segment=max(longest, settings.segment), resolution=rows)
 
 
 Wanted: TypeAlias = Parameters[FrictionLaw | type[FrictionLaw]]
@@ -111,9 +139,7 @@ class FitSetup(Generic[P_co]):
     build: ProblemBuilder
     """Makes problems of other records."""
     tried: tuple[Array, ...] = ()
-    """Further start values (p,), the best first."""
-    load: float = 1.0
-    """Typical normal force [N]."""
+    """Other values (p,) that a simulation may start from."""
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
@@ -139,8 +165,6 @@ class _ShootingBuilder:
     settings: RecordSettings
     quantity: str
     """What runs are compared with, in every record alike."""
-    exact: bool = False
-    """Whether the force is that of each sample, where rows are fewer."""
 
     def __call__(self, record: Measurement, length: float | None) -> Shooting:
         return Shooting(
@@ -155,7 +179,6 @@ class _ShootingBuilder:
                 hold=self.settings.holding,
                 quantity=self.quantity,
                 zeros=self.settings.position_zeros is not False,
-                exact=self.exact,
             ),
             quantity_=self.quantity,
         )
@@ -185,11 +208,6 @@ class _ShootingBuilder:
 
     def at(self, _values: Array) -> "_ShootingBuilder":
         return self
-
-
-def as_recorded(build: ProblemBuilder) -> ProblemBuilder | None:
-    """Return what simulates under the force of each sample; None if nothing is simulated."""
-    return replace(build, exact=True) if isinstance(build, _ShootingBuilder) else None
 
 
 def held_otherwise(build: ProblemBuilder) -> ProblemBuilder | None:
@@ -249,88 +267,86 @@ def prepared(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
 
 
 def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[Shooting]:
-    """Return the problem of simulated segments."""
+    """Return the problem of simulated segments.
+
+    It starts from the fit to the balance of forces, where there is one, or from the regression of
+    forces, whichever leaves less; without a force, from the runs that do.
+    """
     quantity = measured_quantity(measurement)
     under_load = loaded(wanted.mechanism, measurement)
     mechanism, _ = as_loaded(wanted.mechanism, measurement)
-    with with_doubts(measurement, mechanism):
-        scales = (
-            scanned_scales(mechanism, under_load, quantity)
-            if drives_itself(mechanism, under_load)
-            else scales_of(mechanism, under_load, wanted.unknown)
-        )
-    start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
-    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales, wanted.held)
-    free_parameters = joined(start, [*items, *own])
-    check_varied(len(free_parameters))
-    _refuse_overrides(under_load, free_parameters)
-
-    if scales.nominal is not None:
-        masses = (p for p in free_parameters.paths if p in ("mechanism.inertia", "mechanism.mass"))
-        further = (dict.fromkeys(masses, scales.nominal), *further)
-    build = _ShootingBuilder(mechanism, start, free_parameters, choice.settings, quantity)
-    tried = tuple(
-        np.array(
-            [
-                other.get(p, v)
-                for p, v in zip(free_parameters.paths, free_parameters.start, strict=True)
-            ]
-        )
-        for other in further
+    alone = drives_itself(mechanism, under_load)
+    constant = constant_of(mechanism)
+    if alone:
+        inertia, rough = mass_of(mechanism), scanned(mechanism, under_load, quantity)
+    else:
+        inertia = regressed(mechanism, under_load, wanted.unknown)
+        derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
+        stretches = derive(slipping=True, samples=SOME)
+        rough = StartEstimate.of(stretches)
+    kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
+    held = {constant.path} & {*wanted.held}
+    sought = constant.path == MECHANISM and rough.seeks_constant(kind, held)
+    if not (sought or alone):
+        rough = StartEstimate.of(stretches, offset=constant.value)
+    start, free = rough.unknowns(
+        wanted.law,
+        free=wanted.free,
+        known=wanted.known,
+        held=wanted.held,
+        constant=constant.path if sought else None,
     )
-    with with_doubts(measurement, mechanism):
-        problem = build(measurement, None)
-    if isinstance(wanted.law, type) and (
-        drives_itself(mechanism, under_load) or _acts_at_rest_alone(wanted.law)
-    ):
-        tried = (*surplus_starts(problem), *tried)
+    own = _mechanism_unknowns(mechanism, wanted.unknown, inertia, rough.force)
+    free = replace(free, items=(*free.items, *own))
+    check_varied(len(free))
+    _refuse_overrides(under_load, free)
+    build = _ShootingBuilder(mechanism, start, free, choice.settings, quantity)
+    problem = build(measurement, None)
+    tried = [free.start]
+    if isinstance(wanted.law, type) and alone:
+        tried += surplus_starts(free)
+    if not alone:
+        tried += _by_balance(choice, wanted, measurement, free)
     if stops_of(mechanism):
         problem, near_stops = lengthened_starts(problem)
-        tried = (*near_stops, *tried)
-    tried = (*motor_starts(problem), *tried)
-    near = _by_inverse_dynamics(choice, wanted, measurement, free_parameters)
-    if near:
-        tried = (*near[1:], free_parameters.start, *tried)
-        problem = problem.with_free_parameters(free_parameters.starting_at(near[0]))
-    return FitSetup(mechanism, start, problem, build, tried, scales.load)
+        tried += near_stops
+    problem = problem.with_free_parameters(free.starting_at(least_of(problem, tried)))
+    return FitSetup(mechanism, start, problem, build)
 
 
-def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
-    """Whether a law has a level at rest that no sliding tells of."""
-    known = fields_of(law)
-    above = any(known[name].at_least for name in law.fit_order)
-    return above and not any(quantity.scale == "speed" for quantity in known.values())
+def _mechanism_unknowns(
+    mechanism: Mechanism, unknown: Sequence[str], inertia: float, level: float
+) -> Iterator[FreeParameter]:
+    """Yield the unknowns of a mechanism under friction of a level [N]."""
+    known = {
+        path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
+    }
+    quantities = {path: quantity for path, (quantity, _) in known.items()}
+    for path in dict.fromkeys(full_path(name, quantities) for name in unknown):
+        quantity, value = known[path]
+        begin = inertia if is_mass(mechanism, path) and inertia > 0.0 else value
+        yield mechanism_unknown(path, quantity, begin, level)
 
 
-def _by_inverse_dynamics(
-    choice: RouteChoice,
-    wanted: Wanted,
-    measurement: Measurement,
-    free_parameters: FreeParameters,
-) -> tuple[Array, ...]:
-    """Return start values (p,) that inverse dynamics finds; none if it cannot or nothing asks.
+def _by_balance(
+    choice: RouteChoice, wanted: Wanted, measurement: Measurement, free: FreeParameters
+) -> list[Array]:
+    """Return the values (p,) that the balance of forces finds; none if it cannot.
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
-    if drives_itself(wanted.mechanism, measurement):
-        return ()
-    decades = any(i.log and i.path.startswith("friction.") for i in free_parameters.items)
-    if not decades or not isinstance(wanted.law, type):
-        return ()
     try:
-        derived = _derived(choice, wanted, measurement)
-    except InputError:
-        return ()
-    own, near = derived.problem.free_parameters, []
-    for start in (own.start, *derived.tried):
-        found = dict(zip(own.paths, start.tolist(), strict=True))
-        values = np.array([found.get(item.path, item.start) for item in free_parameters.items])
-        near.append(free_parameters.values(free_parameters.coordinates(values)))
-    return tuple(near)
-
-
-def _load(problem: ForceMap) -> float:
-    return float(np.median(np.concatenate([one.path.load for one in problem.stretches])))
+        ready = _derived(choice, wanted, measurement)
+        end, _ = improve(ready.problem, ready.problem.free_parameters.start)
+    except (ConvergenceError, InputError):
+        return []
+    found = []
+    for one in (end.values, *ready.tried):
+        # what friction is derived anew for comes last, and starts as given
+        known = dict(zip(ready.problem.free_parameters.paths, one.tolist(), strict=False))
+        values = np.array([known.get(item.path, item.start) for item in free.items])
+        found.append(free.values(free.coordinates(values)))
+    return found
 
 
 def _refuse_overrides(measurement: Measurement, free_parameters: FreeParameters) -> None:
@@ -355,7 +371,7 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
     along = partial(stretches_of, mechanism, measurement, response=response)
     stretches = along(samples=SAMPLES)
     _check_inputs(wanted, measurement, stretches)
-    problem, starts = map_along(
+    problem, _ = map_along(
         wanted.law,
         stretches,
         along(samples=FEW),
@@ -364,9 +380,8 @@ def _mapped(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> Fi
         held=[path for path in wanted.held if path == "mechanism.offset"],
         beside=constant_of(mechanism),
     )
-    problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     build = _ForceMapBuilder(mechanism, problem, response)
-    return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+    return FitSetup(mechanism, problem.law, problem, build)
 
 
 def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> FitSetup[ForceMap]:
@@ -379,17 +394,14 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     mass = inertia_of(mechanism, measurement, masses)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    # laws that are compared see the same rows, rests too, though each guesses another stiffness
-    together = choice.resolved and bool(wanted.law.states)
-    slipping = not (together or memory_is_seen(wanted.law, measurement))
-    resolved = choice.resolved or not slipping
-    derive = partial(balanced, hold=hold, slipping=slipping, resolved=resolved)
+    slipping = not memory_is_seen(wanted.law, measurement)
+    derive = partial(balanced, hold=hold, slipping=slipping, resolved=not slipping)
     own = partial(derive, mechanism, measurement)
     stretches = own()
     _check_inputs(wanted, measurement, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
-    problem, starts = map_along(
+    problem, further = map_along(
         wanted.law,
         stretches,
         own(samples=SOME),
@@ -401,16 +413,17 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
         derived=(mass_of(mechanism),),
         mass=mass_of(mechanism),
     )
-    problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     winding = per_current(mechanism, measurement, others)
     if others:
         derive = partial(derive, winding=winding)
         again = RederivedBalance(tuple(others), mechanism, measurement, derive)
-        problem, starts = _with_rederived(problem, starts, again)
+        problem = _with_rederived(problem, again)
     if wanted.unknown:
         _refuse_overrides(measurement, problem.free_parameters)
-    build = BalanceProblemBuilder(mechanism, problem, hold, slipping, resolved, winding=winding)
-    return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+    build = BalanceProblemBuilder(
+        mechanism, problem, hold, slipping, resolved=not slipping, winding=winding
+    )
+    return FitSetup(mechanism, problem.law, problem, build, tried=further)
 
 
 def per_current(mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]) -> float:
@@ -426,24 +439,14 @@ def per_current(mechanism: Mechanism, measurement: Measurement, unknown: Sequenc
     return float(motor.gear_ratio * motor.torque_constant)
 
 
-def _with_rederived(
-    problem: ForceMap, starts: Sequence[Array], again: RederivedBalance
-) -> tuple[ForceMap, tuple[Array, ...]]:
-    """Return a problem, and start values, with parameters for which friction is derived anew."""
-    known = {
-        path: (quantity, value)
-        for path, quantity, value in parameters(again.mechanism, "mechanism")
-    }
+def _with_rederived(problem: ForceMap, again: RederivedBalance) -> ForceMap:
+    """Return a problem with parameters for which friction is derived anew."""
     level = float(np.median(np.abs(problem.measured)))
-    items = [mechanism_unknown(path, *known[path], level) for path in again.paths]
-    added = [item.start for item in items]
+    items = _mechanism_unknowns(again.mechanism, again.paths, 0.0, level)
     free = problem.free_parameters
     free = replace(free, items=(*free.items, *items))
     whole = replace(problem.with_free_parameters(free), rederived=again)
-    return (
-        replace(whole, stretches=tuple(again.derive(again.mechanism, again.measurement))),
-        tuple(np.append(start, added) for start in starts),
-    )
+    return replace(whole, stretches=tuple(again.derive(again.mechanism, again.measurement)))
 
 
 def memory_is_seen(law: FrictionLaw | type[FrictionLaw], measurement: Measurement) -> bool:

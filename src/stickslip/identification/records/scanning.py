@@ -4,7 +4,7 @@ Without a force there is nothing for a regression to start from, but the drive i
 takes milliseconds.
 """
 
-import itertools
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -14,43 +14,36 @@ from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.friction import Coulomb
-from stickslip.identification.estimation.levenberg_marquardt import improve
+from stickslip.identification.estimation.levenberg_marquardt import ROUNDS, improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.series.inverse_dynamics import mass_of
-from stickslip.identification.series.start_values import Scales, load_of
+from stickslip.identification.force_map.start_values import StartEstimate
+from stickslip.identification.series.start_values import ONE_WAY, load_of
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
-MOTOR: Final = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
-"""Paths of the constants of a motor."""
+Array = NDArray[np.float64]
+
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
 ROWS: Final = 200
 """Rows of a record that they are compared at."""
-ONE_WAY: Final = 0.01
-"""Share of the samples that must go each way for a record to be two-sided."""
 SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
-"""Levels at rest over those of sliding that are tried, beside ..."""
-NEAR: Final = (0.9, 0.95, 1.0, 1.05, 1.1)
-"""... levels of sliding over the one that fits best alone."""
+"""Levels at rest over those of sliding that are tried."""
 SPREAD: Final = tuple(np.geomspace(0.4, 2.5, 38).tolist())
 """Levels over the one to start from that are tried where there are stops: a twentieth more each."""
 SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
-KEPT: Final = 3
-"""Starts that are kept of these."""
-CONSTANTS: Final = (1 / 16, 1 / 4, 1.0, 4.0, 16.0)
-"""Constants of a motor over those given that are tried, all alike: torque per voltage stays ..."""
-PUSHES: Final = (0.5, 1.0, 2.0)
-"""... and torques per voltage over that given."""
-LONGEST: Final = 1e9
-"""Length of a segment that no record has [s]."""
+PRESLIDING: Final = 1e-3
+"""Length over which bristles give way, over the stroke."""
+KEPT, STEPS = 8, 15
+"""Starts of least residual that are followed, and for so many steps: of 30 bristle laws, three and
+five leave five in another valley, eight and fifteen one."""
 
 
-def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str) -> Scales:
+def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> StartEstimate:
     """Return the sizes of friction that simulated runs with Coulomb friction suggest.
 
     Examples
@@ -62,18 +55,18 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=0.5).sampled(100)
     >>> record = Measurement(time=run.t, position=run["x"])
-    >>> scales = scanned_scales(capsule, record, "position")
-    >>> 0.14 < scales.level / scales.load < 0.28
+    >>> 0.14 < scanned(capsule, record, "position").level < 0.28
     True
     """
     load = load_of(mechanism)
     path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]
+    longest = 2.0 * max(float(np.max(np.asarray(one.time))) for one in measurement.records())
     level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
         free_parameters=FreeParameters((level,), {}),
         segments=segments_of(
-            mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
+            mechanism, measurement, length=longest, resolution=ROWS, quantity=quantity
         ),
         quantity_=quantity,
     )
@@ -93,105 +86,80 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     v = np.concatenate([one[rate] for one in sampled])
     moving = v[np.abs(v) > 0.0]
     ahead = float(np.mean(moving > 0.0)) if moving.size else 1.0
-    found = float(best.values[0]) * load
-    return Scales(
+    found = float(best.values[0])
+    stroke = max(*(float(np.ptp(one[place])) for one in sampled), 1e-12)
+    return StartEstimate(
         load=load,
         level=found,
-        levels=(found, found),
-        slope=0.0,
-        slopes=(0.0, 0.0),
+        viscous=0.0,
         offset=0.0,
-        inertia=mass_of(mechanism),
+        force=found * load,
         speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
-        stroke=max(*(float(np.ptp(one[place])) for one in sampled), 1e-12),
+        stiffness=found / (PRESLIDING * stroke),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
     )
 
 
-def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
-    """Return starts (p,) with the levels at rest that fit best, tried one by one.
+def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
+    """Return which of several start values (p,) leads to the least, a few steps downhill."""
+    if len(tried) == 1:
+        return tried[0]
+    seen = [problem.linearise(values, slopes=False) for values in tried]
+    best = sorted(seen, key=lambda one: one.cost)[:KEPT]
+    ends = [_end(problem, one, rounds=STEPS) for one in best]
+    return min(ends, key=lambda one: one.cost).values
+
+
+def surplus_starts(free: FreeParameters) -> list[Array]:
+    """Return starts (p,) with several levels at rest.
 
     Such a level decides at each rest whether the body breaks away or not, so that residuals jump
     with it, and no slope leads from one side to the other.
     """
-    free_parameters = problem.free_parameters
-    above = [item.path for item in free_parameters.items if item.above]
+    above = [item.path for item in free.items if item.above]
     if not above:
-        return ()
-    rest = free_parameters.paths.index(above[0])
-    level = free_parameters.paths.index(free_parameters.items[rest].above)
+        return []
+    rest = free.paths.index(above[0])
+    level = free.paths.index(free.items[rest].above)
     found = []
-    for near, surplus in itertools.product(NEAR, SURPLUSES):
-        values = free_parameters.start.copy()
-        values[level] *= near
+    for surplus in SURPLUSES:
+        values = free.start.copy()
         values[rest] = surplus * values[level]
-        found.append((problem.linearise(values, slopes=False).cost, values))
-    found.sort(key=lambda one: one[0])
-    return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))
+        found.append(values)
+    return found
 
 
-def motor_starts(problem: Shooting) -> tuple[NDArray[np.float64], ...]:
-    """Return starts (p,) with the constants of a motor that fit best, tried one by one.
-
-    Torque per voltage is told at once, but R and k_t that are both small leave no back-EMF, and
-    other friction in its place makes a valley there.
-    """
-    paths = problem.free_parameters.paths
-    places = [paths.index(path) for path in MOTOR if path in paths]
-    if not places:
-        return ()
-    both = len(places) == len(MOTOR)
-    found = []
-    for constants, push in itertools.product(CONSTANTS if both else (1.0,), PUSHES):
-        values = problem.free_parameters.start.copy()
-        values[places] *= constants
-        values[places[-1]] *= push
-        values = problem.free_parameters.values(problem.free_parameters.coordinates(values))
-        found.append(((problem.few or problem).linearise(values, slopes=False).cost, values))
-    found.sort(key=lambda one: one[0])
-    start = problem.free_parameters.start
-    return tuple(
-        values
-        for cost, values in found[:KEPT]
-        if np.isfinite(cost) and not np.array_equal(values, start)
-    )
-
-
-def lengthened_starts(problem: Shooting) -> tuple[Shooting, tuple[NDArray[np.float64], ...]]:
-    """Return a problem with better initial states, and starts (p,), from its first part on.
+def lengthened_starts(problem: Shooting) -> tuple[Shooting, list[Array]]:
+    """Return a problem with better initial states, and a start (p,), from its first part on.
 
     After some impacts a run depends so much on friction and on its initial state that the sum of
     squares has a valley for each sequence of impacts, and the way down leads into the nearest.
-    Before them it has few: levels are tried one by one there, and the best ends are followed while
+    Before them it has few: levels are tried one by one there, and the best end is followed while
     ever more of the record is taken in.
     """
-    free_parameters = problem.free_parameters
-    levels = [item.quantity.scale == "level" for item in free_parameters.items]
+    free = problem.free_parameters
+    levels = [item.quantity.scale == "level" for item in free.items]
     if not any(levels):
-        return problem, ()
+        return problem, []
     part = problem.shortened(SHARES[0])
     tried = [
-        free_parameters.values(
-            free_parameters.coordinates(np.where(levels, factor, 1.0) * free_parameters.start)
+        part.linearise(
+            free.values(free.coordinates(np.where(levels, factor, 1.0) * free.start)), slopes=False
         )
         for factor in SPREAD
     ]
-    ends = [part.linearise(values, slopes=False) for values in tried]
-    costs = [np.inf, *(one.cost for one in ends), np.inf]
-    ends = [one for i, one in enumerate(ends, 1) if costs[i] <= min(costs[i - 1], costs[i + 1])]
+    end = min(tried, key=lambda one: one.cost)
     for share in SHARES:
-        part = problem.shortened(share)
-        ends = [_end(part, one) for one in sorted(ends, key=lambda one: one.cost)[:KEPT]]
-    ends = sorted((one for one in ends if np.isfinite(one.cost)), key=lambda one: one.cost)
-    if not ends:
-        return problem, ()
-    return problem.starting_from(ends[0]), tuple(one.values for one in ends)
+        end = _end(problem.shortened(share), end)
+    if not np.isfinite(end.cost):
+        return problem, []
+    return problem.starting_from(end), [end.values]
 
 
-def _end(problem: Shooting, near: ResidualJacobian) -> ResidualJacobian:
+def _end(problem: RecordProblem, near: ResidualJacobian, rounds: int = ROUNDS) -> ResidualJacobian:
     """Return where a descent on more of a record ends that begins where one on less has ended."""
     here = problem.linearise(near.values, near)
     try:
-        return improve(problem, near.values, near=here)[0]
+        return improve(problem, near.values, near=here, rounds=rounds)[0]
     except ConvergenceError:
         return here

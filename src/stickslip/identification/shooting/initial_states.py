@@ -1,6 +1,6 @@
 """Initial states of segments: fitted by damped steps, carried on, or taken at rest."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Generic, NamedTuple, TypeVar, final
 
@@ -18,15 +18,12 @@ SETTLING = 1e-3
 """It is fitted when a step promises to lower the misfit by less than this share."""
 CLEARLY = 0.01
 """Share by which a moving start has to fit better than rest, which is preferred."""
-WORSE = 1.3
-"""Segments are looked at again whose mean square is so many times the median of all: that of a
-hundred rows of noise scatters by a seventh."""
 EXACT = 1e-6
 """Root mean square, over the size of the motion, that no step need take off: the solver's own."""
 DAMPING = 1e-6
 """First damping of these steps, over the largest eigenvalue of the normal equations."""
-LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e4
-"""Its bounds: at the upper one, nothing moves any more."""
+MOST_DAMPING = 1e4
+"""At this damping, nothing moves any more."""
 
 
 Found = TypeVar("Found")
@@ -152,7 +149,7 @@ class LocalState:
     def stepped(self, *, well: bool) -> "LocalState":
         """Return the segment with less damping if its last step went well, else with more."""
         damping = self.damping / 10.0 if well else self.damping * 100.0
-        return replace(self, damping=min(max(damping, LEAST_DAMPING), MOST_DAMPING))
+        return replace(self, damping=min(damping, MOST_DAMPING))
 
     def projected(self, columns: Array) -> Array:
         """Return columns less what initial states can do."""
@@ -233,11 +230,3 @@ def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) ->
         else:
             best = replace(there, damping=best.damping).stepped(well=True)
     return best
-
-
-def worse(found: Mapping[int, LocalState | None]) -> Mapping[int, LocalState]:
-    """Return the segments whose mean square is above that of most."""
-    done = {k: one for k, one in found.items() if one is not None}
-    squares = {k: one.misfit / len(one.residual) for k, one in done.items()}
-    usual = float(np.median(list(squares.values()))) if squares else 0.0
-    return {k: one for k, one in done.items() if squares[k] > WORSE * usual}

@@ -9,28 +9,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import pairwise
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.drives import PiecewiseAffine
 from stickslip.errors import InputError, ParameterError
 from stickslip.executors import on_threads
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.containment import not_whole
-from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameters, not_whole
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identification.shooting.initial_states import (
-    CLEARLY,
     LocalState,
     Ways,
     followed,
     settled,
-    worse,
 )
 from stickslip.identification.shooting.sampled_loops import (
     LoopInSegment,
@@ -102,8 +97,6 @@ class ZeroEstimate:
 
 NO_ZERO = 1e-9
 """Mean square of what a shift of positions does beside all unknowns, over 1, that is none."""
-FEW = 8
-"""Segments on which starts of a search are compared, where there are at least twice as many."""
 
 
 @final
@@ -126,12 +119,6 @@ class Shooting(RecordProblem):
     @override
     def quantity(self) -> str:
         return self.quantity_
-
-    @property
-    def fewer_pieces(self) -> bool:
-        """Whether a piece of the force, with its impulse and moment, stands for several samples."""
-        drives = (getattr(one.mechanism, "drive", None) for one in self.segments)
-        return any(isinstance(one, PiecewiseAffine) for one in drives)
 
     @property
     @override
@@ -160,21 +147,6 @@ class Shooting(RecordProblem):
     @override
     def simulates(self) -> bool:
         return True
-
-    @property
-    @override
-    def few(self) -> "Shooting | None":
-        """Segments spread over a long record; None if it is short.
-
-        They are drawn one from each of as many stretches: every third, say, would be the same phase
-        of a motion that repeats itself.
-        """
-        if len(self.segments) < 2 * FEW:
-            return None
-        random = np.random.default_rng(0)
-        edges = np.linspace(0, len(self.segments), FEW + 1).astype(int)
-        chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
-        return replace(self, segments=tuple(self.segments[k] for k in chosen))
 
     def shortened(self, share: float) -> "Shooting":
         """Return the same with the first rows of each segment only."""
@@ -225,13 +197,6 @@ class Shooting(RecordProblem):
 
         shots = on_threads(lambda k: one(k, known.get(k)), chosen)
         found = dict(zip(chosen, shots, strict=True))
-        if slopes and known and not change.any():
-            # at the end of a descent: states carried on from poor values may be those of a side
-            # valley, which shows in segments that fit worse than most
-            for k, poor in worse(found).items():
-                again = one(k, None)
-                if again is not None and again.misfit < (1.0 - CLEARLY) * poor.misfit:
-                    found[k] = again
         return self._joined(values, chosen, list(found.values()))
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:

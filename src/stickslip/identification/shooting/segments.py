@@ -78,12 +78,8 @@ def segments_of(
     hold: Hold = "zero",
     quantity: str | None = None,
     zeros: bool = True,
-    exact: bool = False,
 ) -> tuple[Segment, ...]:
-    """Return segments of about the same length that cover all records.
-
-    Under the force as it was recorded if they are to be `exact`, else with a piece of it a row.
-    """
+    """Return segments of about the same length that cover all records."""
     if not 0.0 < length < np.inf:
         raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
     quantity = measured_quantity(measurement) if quantity is None else quantity
@@ -93,7 +89,7 @@ def segments_of(
         time, loop = np.asarray(record.time), loop_samples(set_up, record, hold)
         for first, last in _stretches(time, length):
             rows = _rows(first, last, resolution)
-            one = _segment(index, record, quantity, set_up, rows, hold, loop, exact=exact)
+            one = _segment(index, record, quantity, set_up, rows, hold, loop)
             free = not (driven(record) or drives_itself(set_up, record))
             found.append(replace(one, zero=zeros and free and quantity == "position"))
     if not found:
@@ -148,12 +144,10 @@ def _segment(
     rows: NDArray[np.intp],
     hold: Hold,
     loop: LoopSamples | None,
-    *,
-    exact: bool,
 ) -> Segment:
     assert isinstance(record.time, np.ndarray)
     first, last = int(rows[0]), int(rows[-1])
-    stride = 1 if exact else int(rows[1] - rows[0])
+    stride = int(rows[1] - rows[0])
     times = record.time[rows] - record.time[first]
     values = np.asarray(record.values(quantity))
     if drives_itself(mechanism, record):

@@ -12,7 +12,7 @@ from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import joined, ratio, signed_percent
 from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Stribeck
-from stickslip.identification import LAW, Estimate, FittedLaw, Parameters, RecordSettings
+from stickslip.identification import LAW, Estimate, Parameters, RecordSettings
 from stickslip.kinds.features.features import (
     COMPARED,
     STEADY,
@@ -104,9 +104,7 @@ def select_features(
     control = None
     if parameters.unknown:
         own = next(one for one in chosen if one.name == best.name)
-        control = _beside(
-            _judged(fitted(own, (), 0.0, _renamed(progress), unknown=()), validate), best
-        )
+        control = _beside(_judged(fitted(own, _renamed(progress), unknown=()), validate), best)
     ordered = outcomes([best, *(one for one in judged if one.name != best.name)])
     return _verdict(mechanism, measurement, ordered, control, features, checks)
 
@@ -152,8 +150,6 @@ def _verdict(
 
 def _candidate(
     one: CandidateSpec,
-    _contained: Sequence[FittedLaw] = (),
-    _rival: float = 0.0,
     watch: Watch | None = None,
     *,
     mechanism: Mechanism,

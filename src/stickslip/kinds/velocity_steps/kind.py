@@ -6,10 +6,10 @@ from typing import final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, percent
+from stickslip.formatting import number
 from stickslip.friction import RateState
-from stickslip.identification import AGREE, RecordSettings
-from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.identification import RecordSettings
+from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.kinds.velocity_steps.fit import STARTS, fit_rate_state
 from stickslip.kinds.velocity_steps.problem import serves
 from stickslip.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
@@ -79,11 +79,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
         if second is not None:
             lines.append(on_second_record(number(second, 2)))
-        agreeing, starts = fit.starts_agreeing, len(fit.optimum.costs)
-        lines.append(
-            f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
-            f" {percent(AGREE)}"
-        )
+        lines.append(restarts_text(fit.starts_agreeing, len(fit.optimum.costs)))
         return FitSummary(
             lines=[*lines, *fit.remarks],
             open=("Remarks", fit.sentences),

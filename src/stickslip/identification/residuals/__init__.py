@@ -1,1 +1,0 @@
-"""Errors of the model that residuals show."""
