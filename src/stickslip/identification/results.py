@@ -3,7 +3,7 @@
 import html
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
@@ -47,10 +47,6 @@ AnyLaw_co = TypeVar(
     "AnyLaw_co", bound=FrictionLaw | Laws | RateState, default=FrictionLaw, covariant=True
 )
 """The same, of laws that are not simulated too."""
-BRIDGED = 0.2
-"""Gaps between parts of an interval, over the value above, that are bridged."""
-PIECES = 3
-"""Pieces of an interval that are told one by one."""
 READINGS = "readings"
 """What the readings themselves are called among the sources of an estimate's uncertainty."""
 FRICTION = "friction."
@@ -134,9 +130,6 @@ class Estimate(metaclass=Described):
     sources: Mapping[str, float] = field(default_factory=dict)
     """Standard errors by where they come from: ``"readings"``, and parameters of the mechanism by
     path; empty where no uncertainty of the mechanism was stated."""
-    pieces: tuple[tuple[float, float], ...] = ()
-    """Intervals, the lowest first, of which the interval is made where values between them are
-    ruled out; empty if it is of one piece."""
 
     @property
     def bounded(self) -> bool:
@@ -165,11 +158,8 @@ class Estimate(metaclass=Described):
 
     @property
     def range(self) -> str:
-        """The interval in words, with its pieces."""
-        if len(self.pieces) > PIECES:
-            first, last = (interval(*self.pieces[at]) for at in (0, -1))
-            return f"{first}, …, {last}"
-        return " or ".join(interval(*one) for one in self.pieces or ((self.low, self.high),))
+        """The interval in words."""
+        return interval(self.low, self.high)
 
     @override
     def __str__(self) -> str:
@@ -196,25 +186,7 @@ class Estimate(metaclass=Described):
             "interval": self.interval,
             "reason": self.reason,
             **({"standard_error_from": dict(self.sources)} if self.sources else {}),
-            **({"pieces": [list(one) for one in self.pieces]} if self.pieces else {}),
         }
-
-
-def spanning(
-    one: Estimate, parts: Iterable[tuple[float, float]], least: float = -math.inf
-) -> Estimate:
-    """Return an estimate whose interval holds all parts, in pieces where these lie apart.
-
-    Gaps of less than a fifth of the value are bridged: parts are samples of what explains the data.
-    """
-    merged: list[tuple[float, float]] = []
-    for start, end in sorted((max(low, least), high) for low, high in parts):
-        if merged and start - merged[-1][1] <= BRIDGED * abs(start):
-            merged[-1] = merged[-1][0], max(end, merged[-1][1])
-        else:
-            merged.append((start, end))
-    pieces = tuple(merged) if len(merged) > 1 else ()
-    return replace(one, low=merged[0][0], high=merged[-1][1], pieces=pieces)
 
 
 @dataclass(frozen=True, kw_only=True)
