@@ -167,7 +167,11 @@ class TravelLaw:
         `rig` are paths of parameters of the mechanism that are unknown too.
         """
         known = fields_of(type(law))
-        names = dict.fromkeys([*law.fit_order, *required_of(type(law)), *named])
+        again = [  # it breaks away in every cycle, which tells the level at rest too
+            one for one, x in known.items()
+            if x.scale == "level" and x.at_least is not None and under_cycles(trials)
+        ]  # fmt: skip
+        names = dict.fromkeys([*law.fit_order, *required_of(type(law)), *again, *named])
         coefficients, shape = list[str](), list[str]()
         for one in names:
             scale, absent = known[one].scale, getattr(law, one) is None
@@ -437,7 +441,7 @@ class TravelLaw:
         typical = np.tile(self.typical, (len(points), 1))
         leading = points[:, :1]
         if self.rig[0]:
-            leading = np.tile(self.means[:1], (len(points), 1))
+            leading = np.full_like(leading, self.means[0])
         else:
             spreads[:, 0] = LEADING * np.abs(points[:, 0])
         wide = np.hstack([spreads, WIDE * typical])[:, :count]

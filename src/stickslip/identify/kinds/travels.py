@@ -437,8 +437,22 @@ class TravelJudgement:
         }  # fmt: skip
 
     def best_of(self, name: str) -> Solved:
-        """Return the structure of a family with the most evidence."""
-        return max((s for s in self.solved if s.linear.name == name), key=lambda s: s.evidence)
+        """Return the structure of a family with the most evidence.
+
+        Of a law whose leading coefficient was given, among values that leave the same up to one
+        standard error, it is the one near that.
+        """
+        own = [one for one in self.solved if one.linear.name == name]
+        given = own[0].linear.structure.law.means[0] if name else 0.0
+        if not given:
+            return max(own, key=lambda one: one.evidence)
+        costs = [float(one.left @ one.left) for one in own]
+        alike = [one for one, cost in zip(own, costs, strict=True) if cost <= min(costs) + 1.0]
+        return min(
+            alike,
+            key=lambda one: (round(abs(math.log(abs(one.values[0] / given) + LEAST)), 1),
+                             -one.evidence),
+        )  # fmt: skip
 
     @cached_property
     def explained(self) -> bool:
@@ -991,7 +1005,7 @@ class _Fits:
         law, own, trials, errors = one.law, self.size, one.trials, self.errors
         measured = np.array([trial.travel for trial in trials])
         if not one.names:
-            raise InputError(f"{law.title} has no parameter to fit here: name one in vary.")
+            raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
         if not one.rig[0] and one.quantities[0].scale != "level":  # a level tells nothing of it
             levels, top = one.scanned()
             own = replace(own, levels=levels, level=max(levels[0], top / HOLDING))
