@@ -381,7 +381,7 @@ class TravelLaw:
             residuals, starts, low=low, high=high, sizes=scale, moving=moving, steps=steps
         )
         kept = list[int]()
-        for i in np.argsort(costs, kind="stable").tolist():
+        for i in np.argsort(np.round(costs, 6), kind="stable").tolist():
             same = [
                 k for k in kept if np.allclose(points[k, self.count :], points[i, self.count :])
             ]
@@ -479,8 +479,9 @@ class TravelLaw:
             return self._drawn(size, shapes, spread, cost)
         if self.law.states and simpler:
             return self._from(simpler, shapes)
+        levels = [*([float(self.means[0])] if self.means[0] else []), *size.levels]
         if self.count == 1:
-            return np.array([[x, *shape] for shape in shapes for x in size.levels], dtype=float)
+            return np.array([[x, *shape] for shape in shapes for x in levels], dtype=float)
         sides = [name.startswith("backward") for name in self.names[1 : self.count]]
         further = [(*(-x for x in SHARES), *SHARES) if side else SHARES for side in sides]
         mixed = np.array(list(itertools.product(TRIED, *further)))
@@ -497,11 +498,11 @@ class TravelLaw:
                     level * mixed[:, 0], mixed[:, 1:] * widths[1:],
                     np.tile(shape, (len(mixed), 1)),
                 ])
-                for level in size.levels
+                for level in levels
             ])  # fmt: skip
-            rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in size.levels]])
+            rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in levels]])
             order = np.argsort(cost(rows), kind="stable")
-            count = 2 if cycles or len(size.levels) == 1 else BRANCHES
+            count = 2 if cycles or len(levels) == 1 else BRANCHES
             starts += [rows[i] for i in order[:count]]
         return np.array(starts)
 
