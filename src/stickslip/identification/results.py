@@ -16,7 +16,7 @@ from stickslip.described import Described
 from stickslip.display import OnAxes, Summary
 from stickslip.documents import write_file
 from stickslip.errors import InputError
-from stickslip.experiments import HARD, LawEstimates, Levels, levels_at, rig_toml, spread_of
+from stickslip.experiments import LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.formatting import (
     EstimateText,
     estimate_text,
@@ -124,7 +124,7 @@ class Estimate(metaclass=Described):
     high: float
     """Upper end; infinity where the data do not bound it."""
     interval: str
-    """What the interval is: ``"rounding range"``, ``"stated interval"`` or ``"95 %"``."""
+    """What the interval is, such as ``"95 %"``."""
     reason: str = ""
     """Why an end is infinite, in words."""
     sources: Mapping[str, float] = field(default_factory=dict)
@@ -390,10 +390,8 @@ def estimates_for(
     ]
     told = [i for i, e in enumerate(spreads_of) if e.path in own and e.bounded]
     names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(spreads_of) if i in told}
-    kinds = [e.interval for e in own.values() if e.interval in HARD]
-    kind = kinds[0] if kinds else "95 %"
     shown = [spreads_of[i] for i in told]
-    spreads = np.array([spread_of(e.value, e.low, e.high, kind) for e in shown])
+    spreads = np.array([spread_of(e.value, e.low, e.high) for e in shown])
     table = np.asarray(correlation)[np.ix_(told, told)] * np.outer(spreads, spreads)
     table = 0.5 * (table + table.T)
     paths = [path for path, _, _ in parameters(law, "friction")]
@@ -402,7 +400,6 @@ def estimates_for(
         intervals={
             name: _around(estimates[i]) for i, name in names.items() if estimates[i].bounded
         },
-        interval=kind,
         covariance_of=tuple(names.values()),
         covariance=tuple(map(tuple, table.tolist())),
         not_identified={

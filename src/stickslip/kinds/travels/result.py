@@ -47,7 +47,7 @@ class TravelFit(Fit[Law_co]):
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> result = fit(rig, Coulomb, reading)
     >>> print(result.estimates[0])
-    mu_k = 0.255 (0.249 to 0.261)
+    mu_k = 0.255 (0.243 to 0.271)
     """
 
     measured: tuple[float, ...]
