@@ -34,6 +34,7 @@ INSIDE = {
     "CURE": "checking.mains",
     "Column": "readers.reader_options",
     "GAP": "differentiation",
+    "HARD": "estimates",
     "LOAD": "estimates",
     "Levels": "estimates",
     "LoopSamples": "recorded_drive",

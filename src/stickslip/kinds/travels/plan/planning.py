@@ -12,6 +12,7 @@
 import math
 from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import permutations
 from typing import TypeAlias
 
@@ -299,21 +300,35 @@ class _Bench:
         assert self.now.knob is not None
         return self.now.knob[0]
 
-    def _parts(self, doubts: Mapping[str, float], repeats: int) -> dict[str, float]:
-        """Return standard errors of the level by source, over itself: of readings and the rig."""
+    @cached_property
+    def _per_unit(self) -> dict[str, float]:
+        """Standard error of the level over itself by one run a setting, by source.
+
+        That of the readings, and that of a parameter of the rig by its uncertainty, to first order.
+        """
+        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        units = {p: TINY * (abs(v) or 1.0) for p, v in known.items() if v or p in self.stated}
         law = self.typical[self.named]
         path = self.now.law_of(self.named).model.free[0]
         level = {p: value for p, _, value in parameters(law, "friction")}[path]
         model = TravelModel(law, [path], self.now.t_end)
-        trials = self.trials(self.named, 1, doubts)
+        trials = self.trials(self.named, 1, units)
         ends = [model.travels(trials, [factor * level]) for factor in (1.0 - STEP, 1.0 + STEP)]
         slope = (ends[1] - ends[0]) / (2.0 * STEP)
         gain = slope / float(slope @ slope)
         alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
-        many = math.sqrt(repeats)
-        parts = {path: float(np.linalg.norm(gain * one)) / many for path, one in alone.items()}
-        parts |= {path: abs(float(gain @ one)) for path, one in shared.items()}
-        return {READINGS: self.error * float(np.linalg.norm(gain)) / many, **parts}
+        found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
+        found |= {path: abs(float(gain @ one)) for path, one in shared.items()}
+        size = {READINGS: self.error * float(np.linalg.norm(gain))}
+        return size | {path: one / units[path] for path, one in found.items()}
+
+    def _part(self, path: str, doubt: float, repeats: int) -> float:
+        """Return the part of a source: what differs from run to run averages out."""
+        return (
+            self._per_unit[path]
+            * doubt
+            / (math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0)
+        )
 
     def needed(self, repeats: int) -> dict[str, float]:
         """Return by path how well the rig is to be known for its part in the level to be small.
@@ -321,19 +336,18 @@ class _Bench:
         Gravity and what the travels do not depend on are left out.
         """
         known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
-        known |= {self._knob: float(np.max(self.places))}
-        units = {p: TINY * abs(v) for p, v in known.items() if v and not p.endswith(".gravity")}
-        parts = self._parts(units, repeats)
-        return {
-            path: HALF * parts[READINGS] * unit / parts[path]
-            for path, unit in units.items()
-            if parts[path] > TINY * TINY
+        parts = {
+            path: self._part(path, 1.0, repeats)
+            for path in self._per_unit
+            if path != READINGS and known[path] and not path.endswith(".gravity")
         }
+        half = HALF * self._part(READINGS, 1.0, repeats)
+        return {p: half / one for p, one in parts.items() if one * abs(known[p]) > TINY}
 
     def share(self, repeats: int, **changed: float) -> float:
         """Return the standard uncertainty of the level over itself, with other parts of the rig."""
-        doubts = {**self.needed(repeats), **self.stated, **changed}
-        return math.hypot(*self._parts(doubts, repeats).values())
+        doubts = {READINGS: 1.0, **self.needed(repeats), **self.stated, **changed}
+        return math.hypot(*(self._part(path, x, repeats) for path, x in doubts.items()))
 
     def preparations(self, repeats: int, level: Estimate) -> tuple[Preparation, ...]:
         """Return what to measure before, and how well, for an interval of the level."""
@@ -354,13 +368,11 @@ class _Bench:
                     percent(wide * one)
                     for one in (self.share(repeats), self.share(repeats, **{path: rough}))
                 )
-                rest = (
-                    f"If it is known only to 1 %, the 95 % interval of ${symbol}$ stays at"
-                    f" ± {got} of the value."
-                    if got == wanted  # as it is stated to 1 %, say
-                    else f"If it is known only to 1 %, the 95 % interval of ${symbol}$ is ± {got}"
-                    f" of the value instead of ± {wanted}."
-                )
+                rest = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
+                if got == wanted:  # as it is stated to 1 %, say
+                    rest += f"stays at ± {got} of the value."
+                else:
+                    rest += f"is ± {got} of the value instead of ± {wanted}."
             found.append(
                 Preparation(
                     path=path,
@@ -713,24 +725,24 @@ def _expected(
     for name, law in laws.items():
         every = after[name].law_of(name).model.free
         estimates = [*travel_fit(after[name], name, every).estimates]
-        for path, one, value in parameters(law, "friction"):
+        for path, parameter, value in parameters(law, "friction"):
             if path not in every and path.rpartition(".")[2] in ADVICE:
                 estimates.append(
                     Estimate(
-                        path=path, quantity=one, value=value, low=-math.inf, high=math.inf,
+                        path=path, quantity=parameter, value=value, low=-math.inf, high=math.inf,
                         interval="95 %", reason=INSENSITIVE,
                     )
                 )  # fmt: skip
         for one in estimates:
-            parameter = one.path.rpartition(".")[2]
+            last = one.path.rpartition(".")[2]
             # off its limit, as `select` asks it to be
-            settled = one.bounded and one.low > limit_of(law, parameter)
+            settled = one.bounded and one.low > limit_of(law, last)
             found.append(
                 Expectation(
                     law=name,
                     estimate=one,
                     identified=settled,
-                    advice="" if settled else ADVICE.get(parameter, ""),
+                    advice="" if settled else ADVICE.get(last, ""),
                 )
             )
     return found
