@@ -56,7 +56,7 @@ from stickslip import (
 from stickslip.drives import Pulse, Square
 from stickslip.errors import StickslipError
 from stickslip.identification import Estimate
-from stickslip.kinds import TravelCandidate, TravelVerdict
+from stickslip.kinds import TravelVerdict
 from stickslip.mechanisms import Torque, slip_of
 from stickslip.quantities import parameters, vary
 
@@ -269,7 +269,8 @@ def judge(
     assert isinstance(verdict, TravelVerdict)
     best = verdict.best
     ties = [c for c in verdict.candidates[1:] if (c.name,) in verdict.set]
-    errors = {c.name: _error(rig, c) for c in (best, *ties) if c is not None}
+    fits = {c.name: c.fit for c in (best, *ties) if c is not None}
+    errors = {name: _error(rig, one.law) if one else math.inf for name, one in fits.items()}
     true = _true_names(rig, truth)
     intervals = _intervals(rig, verdict.intervals if best else ())
     alone = best.fit.estimates if best and best.fit and best.name in true else ()
@@ -315,6 +316,8 @@ def judge_fit(
         "seconds": time.process_time() - began,
         "kind": rig.kind,
         "law": repr(rig.law),
+        "error": rig.error,
+        "off": _error(rig, found.law),
         "alone": _intervals(rig, found.estimates),
     }
 
@@ -338,11 +341,8 @@ def _wrong(rig: TravelRig, fault: float) -> Mechanism:
     return vary(rig.mechanism, "mechanism", {path: (1.0 + fault) * known[path]})
 
 
-def _error(rig: TravelRig, candidate: TravelCandidate) -> float:
-    """Return the root mean square error of a fit on fresh travels [m]."""
-    if candidate.fit is None:
-        return math.inf
-    law = candidate.fit.law
+def _error(rig: TravelRig, law: FrictionLaw) -> float:
+    """Return the root mean square error of a fitted law on fresh travels [m]."""
     try:
         errors = [rig.travel(one, law) - rig.travel(one) for one in unseen(rig)]
     except StickslipError:
@@ -393,6 +393,8 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     if rows and "right" not in rows[0]:
         yield f"{len(rows)} rigs ({len(failed)} failed)"
         yield from _coverage("nominal 95 %, fits with the true law", rows, "alone")
+        worse = [row["off"] / row["error"] for row in rows]
+        yield f"error of unseen travels over that of a reading: median {np.median(worse):.2f}"
         yield from (f"rig {row['rig']} failed: {row['failed']}" for row in failed)
         return
     yield f"{len(rows)} rigs ({len(failed)} failed); target {100 * TARGET:.0f} % right, 0 false"

@@ -101,16 +101,8 @@ def test_a_filled_sheet_is_read_by_select(run, folder):
     }  # fmt: skip
     # 1 % of the stiffness is shared by all runs: no number of readings makes it smaller
     assert level["standard_error_from"]["mechanism.stiffness"] == pytest.approx(0.0021, rel=0.05)
-    # other laws leave more than the stiffness does, and are said first
-    (settled,) = verdict["settles"]
-    number = r"(\d+\.\d+)"
-    found = re.search(
-        f"between {number} and {number} whichever.*between {number} and {number}\\.", settled
-    )
-    assert found is not None, settled
-    low, high, own_low, own_high = map(float, found.groups())
-    assert low < own_low < 0.21 < own_high < high
-    assert high - low > 5.0 * (own_high - own_low)
+    settled = " ".join(verdict["settles"])
+    assert "The stiffness (1 %) contributes more to its uncertainty than the readings." in settled
 
 
 def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):

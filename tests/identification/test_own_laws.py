@@ -306,5 +306,5 @@ def test_a_selection_says_that_a_law_has_nothing_to_fit():
     names = {"name": "slope", "title": "Slope", "formula": "F = a v", "sources": ()}
     told = dataclass(frozen=True, kw_only=True)(type("Told", (Slope,), names))
     assert told.fit_order == ()
-    with pytest.raises(InputError, match="Slope has no parameter to fit here: name one in vary"):
+    with pytest.raises(InputError, match="nothing to fit: name a parameter of Slope in vary"):
         select(PUSH, [told()], TRAVEL)

@@ -16,7 +16,6 @@ from stickslip import (
 )
 from stickslip.drives import Pulse
 from stickslip.identification import TravelModel
-from stickslip.kinds.travels.profiles import profile_ends
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import vary
 
@@ -63,10 +62,7 @@ THREE = Measurement(
     "seed", [pytest.param(seed, marks=[pytest.mark.slow] * (seed > 0)) for seed in range(8)]
 )
 def test_intervals_do_not_turn_on_the_last_bits_of_travels(seed, monkeypatch):
-    """These readings gave mu_k .2483 to .2554 or .127 to .2554, by the kernel of linear algebra.
-
-    With friction at rest up to the largest speeds, and viscous friction, no level is needed.
-    """
+    """These readings gave mu_k .2483 to .2554 or .127 to .2554, by the kernel of linear algebra."""
     table, noise = TravelModel.table, np.random.default_rng(seed)
 
     def rounded(self, trials, rows):
@@ -75,47 +71,8 @@ def test_intervals_do_not_turn_on_the_last_bits_of_travels(seed, monkeypatch):
 
     monkeypatch.setattr(TravelModel, "table", rounded)
     found = fit(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), Stribeck, THREE)
-    level, slope = found.estimates
-    assert (f"{level.low:.3g}", f"{level.high:.3g}") == ("0", "0.255")
-    assert level.range == "0.00 to 0.26"
-    assert not slope.bounded
-
-
-def test_an_end_is_looked_for_from_other_valleys_at_the_value_that_is_followed():
-    """Where a power of the speed was followed itself, its ends were those of other powers."""
-
-    def descend(points, moving):
-        # beside x, y goes to the nearer of two values, of which one explains no more
-        points = np.where(moving, np.where(points > 3.0, 5.0, 1.0), points)
-        x, y = points.T
-        return points, x**2 * np.where(y > 3.0, 1.0, 4.0)
-
-    inside, outside, share = profile_ends(
-        descend, np.array([[0.0, 1.0]]), np.array([0]), np.array([[1.0, 0.0]]),
-        low=np.full(2, -90.0), high=np.full(2, 90.0), least=0.0, target=4.0,
-        again=lambda point: np.array([point, [0.1, 5.0], [7.0, 5.0]]),
-    )  # fmt: skip
-    end = inside + share[:, None] * (outside - inside)
-    np.testing.assert_allclose(end, [[2.0, 5.0]], rtol=1e-6)  # the profile is straight in x
-
-
-def test_an_interval_holds_a_law_of_a_third_of_the_level_that_explains_as_well():
-    """Its travels are the means of the repeats, so it leaves their pure error: the least of all."""
-    rig, path = SpringBlock(mass=0.82, stiffness=145.0, compression=0.1), "mechanism.compression"
-    settings, read = (0.06, 0.06, 0.08, 0.08, 0.1), np.array([0.106, 0.105, 0.187, 0.189, 0.292])
-    trials = tuple(
-        Measurement(travel=travel, uncertainty=1e-3, overrides={path: setting})
-        for setting, travel in zip(settings, read.tolist(), strict=True)
-    )
-    found = fit(rig, Stribeck, Measurement(trials=trials)).estimate("kinetic_coefficient")
-    other = Stribeck(
-        kinetic_coefficient=0.10, static_coefficient=0.2792, stribeck_velocity=0.8581,
-        viscous_coefficient=1.3169,
-    )  # fmt: skip
-    left = np.sum(((read - travels(rig, other, path, settings)) / 1e-3) ** 2)
-    assert left == pytest.approx(2.5, abs=0.05)
-    assert found.low <= 0.10
-    assert found.high == pytest.approx(0.31, abs=0.005)
+    first = found.estimates[0]
+    assert (f"{first.low:.2g}", f"{first.high:.3g}") == ("0.15", "0.254")
 
 
 @pytest.mark.slow
@@ -158,29 +115,3 @@ def test_a_fit_that_leaves_more_than_the_readings_errors_says_so():
     measurement, _ = readings(rig, truth, path, settings, np.zeros(4), stated=1e-4)
     assert "their stated uncertainty" in " ".join(fit(rig, Coulomb, measurement).told_apart)
     assert not fit(rig, CoulombViscous, measurement).told_apart
-
-
-def parabola(points, moving):
-    return np.where(moving, 0.0, points), points[:, 0] ** 2
-
-
-@pytest.mark.parametrize(("high", "end"), [(9.0, 2.0), (1.5, 1.5)])
-def test_a_walk_ends_at_the_target_or_at_a_bound(high, end):
-    inside, outside, share = profile_ends(
-        parabola, np.zeros((1, 2)), np.array([0]), np.array([[1.0, 0.0]]),
-        low=np.full(2, -9.0), high=np.full(2, high), least=0.0, target=4.0,
-        again=lambda point: point[None],
-    )  # fmt: skip
-    # the root of a parabola is straight: its interpolation is exact
-    assert (inside + share[:, None] * (outside - inside))[0, 0] == pytest.approx(end, rel=1e-12)
-
-
-def test_a_walk_that_meets_no_end_is_open():
-    inside, outside, _ = profile_ends(
-        lambda points, _: (points, np.zeros(len(points))),
-        np.zeros((1, 1)), np.array([0]), np.array([[-1.0]]),
-        low=np.full(1, -1e9), high=np.full(1, 1e9), least=0.0, target=4.0,
-        again=lambda point: point[None],
-    )  # fmt: skip
-    assert np.isfinite(inside).all()
-    assert outside[0, 0] == -np.inf

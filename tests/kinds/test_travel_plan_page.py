@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from stickslip import SpringBlock, plan
+from stickslip import Coulomb, SpringBlock, plan
 from stickslip.kinds.travels.plan.page import plan_page
 from stickslip.kinds.travels.plan.tables import tables_of
 from stickslip.report.core.page import render
@@ -82,8 +82,11 @@ def test_a_parameter_has_an_interval_or_is_not_identified(sheet):
 
 
 def test_no_law_told_apart_is_a_section_without_a_table():
-    """Coulomb + viscous + drag without drag and viscous part is Coulomb."""
-    alike = plan(BLOCK, ["coulomb", "quadratic-drag"])
+    laws = {
+        "plain": Coulomb(kinetic_coefficient=0.25),
+        "static": Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3),
+    }
+    alike = plan(BLOCK, laws)
     made = plan_page(alike, title="Own block", subject="", save_as="", versions={})
     (apart,) = (section for section in made.sections if section.id == "apart")
     assert apart.heading == "The runs distinguish 0 of 1 pair of laws"

@@ -145,8 +145,8 @@ def _show(found: Plan) -> None:
         )
     if found.repeated:
         console.print(f"The uncertainty is {known_by(found)}.", markup=False)
-    if found.range_source:
-        console.print(plain(found.range_source), markup=False)
+    for line in filter(None, (found.range_source, found.band_sentence)):
+        console.print(plain(line), markup=False)
     for line in found.remarks:
         console.print(f"! {plain(line)}", markup=False, style="yellow")
     title = ""

@@ -93,7 +93,6 @@ INSIDE = {
     "segments_of": "shooting.segments",
     "sentences_of": "estimation.estimates",
     "span_of": "rig_uncertainties",
-    "spanning": "results",
     "standard_errors": "travel_model",
     "stretches_of": "force_map.data",
     "told": "estimation.parameters",

@@ -60,7 +60,6 @@ from stickslip.identification.results import Law_co as Law_co
 from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import estimates_for as estimates_for
 from stickslip.identification.results import far_above_dry as far_above_dry
-from stickslip.identification.results import spanning as spanning
 from stickslip.identification.rig_uncertainties import span_of as span_of
 from stickslip.identification.rig_uncertainties import uncertainties_of as uncertainties_of
 from stickslip.identification.series.applied_force import applied_force as applied_force

@@ -3,7 +3,7 @@
 import html
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
@@ -16,7 +16,7 @@ from stickslip.described import Described
 from stickslip.display import OnAxes, Summary
 from stickslip.documents import write_file
 from stickslip.errors import InputError
-from stickslip.experiments import HARD, LawEstimates, Levels, levels_at, rig_toml, spread_of
+from stickslip.experiments import LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.formatting import (
     EstimateText,
     estimate_text,
@@ -47,10 +47,6 @@ AnyLaw_co = TypeVar(
     "AnyLaw_co", bound=FrictionLaw | Laws | RateState, default=FrictionLaw, covariant=True
 )
 """The same, of laws that are not simulated too."""
-BRIDGED = 0.2
-"""Gaps between parts of an interval, over the value above, that are bridged."""
-PIECES = 3
-"""Pieces of an interval that are told one by one."""
 READINGS = "readings"
 """What the readings themselves are called among the sources of an estimate's uncertainty."""
 FRICTION = "friction."
@@ -128,15 +124,12 @@ class Estimate(metaclass=Described):
     high: float
     """Upper end; infinity where the data do not bound it."""
     interval: str
-    """What the interval is: ``"rounding range"``, ``"stated interval"`` or ``"95 %"``."""
+    """What the interval is, such as ``"95 %"``."""
     reason: str = ""
     """Why an end is infinite, in words."""
     sources: Mapping[str, float] = field(default_factory=dict)
     """Standard errors by where they come from: ``"readings"``, and parameters of the mechanism by
     path; empty where no uncertainty of the mechanism was stated."""
-    pieces: tuple[tuple[float, float], ...] = ()
-    """Intervals, the lowest first, of which the interval is made where values between them are
-    ruled out; empty if it is of one piece."""
 
     @property
     def bounded(self) -> bool:
@@ -165,11 +158,8 @@ class Estimate(metaclass=Described):
 
     @property
     def range(self) -> str:
-        """The interval in words, with its pieces."""
-        if len(self.pieces) > PIECES:
-            first, last = (interval(*self.pieces[at]) for at in (0, -1))
-            return f"{first}, …, {last}"
-        return " or ".join(interval(*one) for one in self.pieces or ((self.low, self.high),))
+        """The interval in words."""
+        return interval(self.low, self.high)
 
     @override
     def __str__(self) -> str:
@@ -196,25 +186,7 @@ class Estimate(metaclass=Described):
             "interval": self.interval,
             "reason": self.reason,
             **({"standard_error_from": dict(self.sources)} if self.sources else {}),
-            **({"pieces": [list(one) for one in self.pieces]} if self.pieces else {}),
         }
-
-
-def spanning(
-    one: Estimate, parts: Iterable[tuple[float, float]], least: float = -math.inf
-) -> Estimate:
-    """Return an estimate whose interval holds all parts, in pieces where these lie apart.
-
-    Gaps of less than a fifth of the value are bridged: parts are samples of what explains the data.
-    """
-    merged: list[tuple[float, float]] = []
-    for start, end in sorted((max(low, least), high) for low, high in parts):
-        if merged and start - merged[-1][1] <= BRIDGED * abs(start):
-            merged[-1] = merged[-1][0], max(end, merged[-1][1])
-        else:
-            merged.append((start, end))
-    pieces = tuple(merged) if len(merged) > 1 else ()
-    return replace(one, low=merged[0][0], high=merged[-1][1], pieces=pieces)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -418,10 +390,8 @@ def estimates_for(
     ]
     told = [i for i, e in enumerate(spreads_of) if e.path in own and e.bounded]
     names = {i: e.path.removeprefix(FRICTION) for i, e in enumerate(spreads_of) if i in told}
-    kinds = [e.interval for e in own.values() if e.interval in HARD]
-    kind = kinds[0] if kinds else "95 %"
     shown = [spreads_of[i] for i in told]
-    spreads = np.array([spread_of(e.value, e.low, e.high, kind) for e in shown])
+    spreads = np.array([spread_of(e.value, e.low, e.high) for e in shown])
     table = np.asarray(correlation)[np.ix_(told, told)] * np.outer(spreads, spreads)
     table = 0.5 * (table + table.T)
     paths = [path for path, _, _ in parameters(law, "friction")]
@@ -430,7 +400,6 @@ def estimates_for(
         intervals={
             name: _around(estimates[i]) for i, name in names.items() if estimates[i].bounded
         },
-        interval=kind,
         covariance_of=tuple(names.values()),
         covariance=tuple(map(tuple, table.tolist())),
         not_identified={

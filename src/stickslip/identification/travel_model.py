@@ -279,7 +279,8 @@ class TravelModel:
 
     def table(self, trials: Sequence[Trial], rows: Array) -> Array:
         """Return the travels of each trial for many values at once, by ensembles."""
-        if any(map(is_rig, self.free)):
+        if any(map(is_rig, self.free)) and any(trial.cycles is not None for trial in trials):
+            # when a run ends may depend on what is fitted
             return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
         found: dict[Hashable, Array] = {}
         for alike in self._alike(trials):

@@ -32,7 +32,6 @@ def descended(
     sizes: Array,
     moving: NDArray[np.bool_],
     steps: int,
-    exact: bool = False,
 ) -> tuple[Array, Array]:
     """Return where damped Gauss-Newton descents from k starts end, and their costs.
 
@@ -48,7 +47,6 @@ def descended(
     ...     sizes=np.array([0.1]),
     ...     moving=np.array([True]),
     ...     steps=20,
-    ...     exact=True,
     ... )
     >>> ends.round(6).tolist()
     [[1.414214], [-1.414214]]
@@ -80,7 +78,7 @@ def descended(
         better = cost < costs[at]
         kept = at[better]
         gain = costs[kept] - cost[better]
-        done = (moved[better] < DONE) | (not exact and gain <= WORTH * costs[kept])
+        done = (moved[better] < DONE) | (gain <= WORTH * costs[kept])
         found[kept], left[kept], costs[kept] = there[better], left_there[better], cost[better]
         stale[kept] = True
         damping[kept] *= EASED

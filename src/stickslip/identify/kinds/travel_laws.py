@@ -10,12 +10,16 @@ by damped Gauss-Newton descents (`travel_descent`), all shapes in one ensemble o
 sum is a prior, as wide as what is plausible: slopes that double friction at the largest speed, a
 surplus of half the level. The level has none. Searches begin at the levels where a scan of the
 leading coefficient explains the travels best; a body that swings before it rests has several.
+Parameters of the mechanism may be unknown too: they are coefficients with a prior about the value
+that was given, and searches begin at points drawn about it, since a resonance lies elsewhere with
+another stiffness.
 """
 
 import itertools
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -23,12 +27,11 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelModel, Trial, required_of, under_cycles
+from stickslip.identification import TravelModel, Trial, is_rig, required_of, under_cycles
 from stickslip.identify.kinds.travel_descent import descended, slopes_of
-from stickslip.identify.kinds.travel_starts import force_and_speed, room_for, spread_out
 from stickslip.identify.problem import Array
 from stickslip.mechanisms import slip_of
-from stickslip.quantities import fields_of
+from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.simulation import simulate
 
 LEVELS = np.geomspace(1e-5, 1e5, 61)
@@ -48,6 +51,8 @@ SPEEDS = (0.03, 0.1, 0.25, 0.6)
 """Speeds of shapes over the largest one of a run."""
 STIFFNESSES = (1e3, 1e5)
 """Stiffness of bristles over the level [1/m]."""
+SOFT = (10.0, 100.0)
+"""The same, tried too where the stiffness is named: no law is judged by bristles that soft."""
 EXPONENTS = (0.33, 0.5, 1.5, 2.0)
 """Powers of the speed."""
 DAMPING = 0.18
@@ -59,6 +64,9 @@ TRIED = np.geomspace(0.25, 1.3, 10)
 """Levels over that of a branch from which laws with more than a level are tried."""
 SHARES = (0.05, 0.5, 1.5)
 """The same of further coefficients, over their prior spread."""
+DRAWN, AROUND = 256, 3.0
+"""Points that are drawn where parameters of the mechanism are unknown, and the factor from the
+values that were given up to which they lie."""
 POINTS = 64
 """Combinations that are tried of each shape, at most; half where runs are of many cycles."""
 STEPS = 8
@@ -119,15 +127,23 @@ class TravelLaw:
     model: TravelModel
     count: int
     """Number of coefficients, which come before the shape."""
+    quantities: Sequence[Quantity]
+    """What the unknowns are (p,)."""
     matrix: Array
     """Values from unknowns (p, p)."""
     means: Array
-    """Prior means of the unknowns (p,)."""
+    """Prior means of the unknowns (p,); 0 where none was given."""
+    named: Collection[str] = ()
+    """Names of parameters that were asked for one by one."""
+    thorough: bool = False
+    """Whether a law with bristles is searched as others are, whatever its runs take."""
     structures: list[TravelStructure] = field(default_factory=list)
     measured: Array = field(default_factory=lambda: np.zeros(0))
     """Travels (n,) [m] that it was fitted to."""
     errors: Array = field(default_factory=lambda: np.zeros(0))
     """Their standard errors as they weighed [m]."""
+    tried: Array = field(default_factory=lambda: np.zeros((1, 0)))
+    """Shapes that were tried (k, p - c)."""
     typical: Array = field(default_factory=lambda: np.zeros(0))
     """Typical shape (p - c,), if shapes are fitted too."""
 
@@ -142,33 +158,48 @@ class TravelLaw:
         held: Collection[str],
         given: bool,
         guessed: Collection[str] = (),
+        named: Collection[str] = (),
+        rig: Sequence[str] = (),
         watch: Callable[[int], object] | None = None,
     ) -> "TravelLaw":
-        """Return a law with the parameters that are not held; values that were given are means."""
+        """Return a law with the parameters that are not held; values that were given are means.
+
+        `rig` are paths of parameters of the mechanism that are unknown too.
+        """
         known = fields_of(type(law))
-        names = dict.fromkeys([*law.fit_order, *required_of(type(law))])
+        again = [  # it breaks away in every cycle, which tells the level at rest too
+            one for one, x in known.items()
+            if x.scale == "level" and x.at_least is not None and under_cycles(trials)
+        ]  # fmt: skip
+        names = dict.fromkeys([*law.fit_order, *required_of(type(law)), *again, *named])
         coefficients, shape = list[str](), list[str]()
         for one in names:
-            scale = known[one].scale
-            if one in held or getattr(law, one) is None or scale in ("slope+", "slope-"):
+            scale, absent = known[one].scale, getattr(law, one) is None
+            if one in held or absent or (scale in ("slope+", "slope-") and one not in named):
                 continue
             if scale.rstrip("+-") in ("level", "slope", "drag"):
                 coefficients.append(one)
-            elif not (scale == "none" and law.states):
+            elif not (scale == "none" and law.states) or one in named:
                 shape.append(one)
-        both = [*coefficients, *shape]
-        matrix, values = np.eye(len(both)), np.array([float(getattr(law, one)) for one in both])
+        own = {p: (q, v) for p, q, v in parameters(trials[0].mechanism, "mechanism")}
+        both = [*coefficients, *rig, *shape]
+        matrix = np.eye(len(both))
+        values = np.array([own[x][1] if x in rig else float(getattr(law, x)) for x in both])
         for i, one in enumerate(coefficients):
             base = known[one].at_least or one.replace("backward", "forward")
             if base in coefficients and base != one:
                 matrix[i, coefficients.index(base)] = 1.0
         means = np.linalg.solve(matrix, values) if given else np.zeros(len(both))
+        means[len(coefficients) : len(both) - len(shape)] = [own[one][1] for one in rig]
         # a shape that was guessed is tried on the grid
         means[[i for i, one in enumerate(both) if one in shape and one in guessed]] = 0.0
         return cls(
             name=name, law=law, trials=trials, t_end=t_end,
-            model=TravelModel(law, [f"friction.{one}" for one in both], t_end, watch),
-            count=len(coefficients), matrix=matrix, means=means,
+            model=TravelModel(
+                law, [x if x in rig else f"friction.{x}" for x in both], t_end, watch
+            ),
+            count=len(coefficients) + len(rig), matrix=matrix, means=means, named=named,
+            quantities=[own[x][0] if x in rig else known[x] for x in both],
         )  # fmt: skip
 
     @property
@@ -177,14 +208,19 @@ class TravelLaw:
         return [path.rpartition(".")[2] for path in self.model.free]
 
     @property
+    def rig(self) -> NDArray[np.bool_]:
+        """Which unknowns (p,) are parameters of the mechanism."""
+        return np.array([is_rig(path) for path in self.model.free])
+
+    @property
     def slow(self) -> bool:
         """Whether runs take long: the law has bristles."""
-        return bool(self.law.states)
+        return bool(self.law.states) and not self.thorough
 
     def values(self, unknowns: Array) -> Array:
         """Return the values (k, p) of unknowns (k, p)."""
-        known = fields_of(type(self.law))
-        least = np.array([max(known[name].low, 0.0) for name in self.names])
+        least = np.array([max(one.low, 0.0) for one in self.quantities])
+        least[self.rig] = self._ends[0][self.rig]
         if len(self.typical):  # a linear step may lead a shape that was fitted below 0
             least[self.count :] = np.maximum(least[self.count :], RESOLVED * self.typical)
         return np.asarray(np.maximum(unknowns @ self.matrix.T, least))
@@ -205,7 +241,7 @@ class TravelLaw:
         Values at which anything moves are found on a coarse grid, from which a fine one goes down.
         """
         measured = np.array([trial.travel for trial in self.trials])
-        low, high = room_for(self.law, self.names[0], self.names[:1])
+        low, high = room_for(self.law, self.names[0], self.names)
         rest = np.zeros(len(self.names) - 1)
 
         def travels(levels: Array) -> Array:
@@ -236,26 +272,28 @@ class TravelLaw:
 
     def shapes(self, size: Size) -> Array:
         """Return the shapes that are plausible (k, p - c); one that is empty without any."""
-        known = fields_of(type(self.law))
         level = size.level
         axes: list[Sequence[float]] = []
-        for name in self.names[self.count :]:
-            scale = known[name].scale
-            given = float(self.means[self.names.index(name)])
+        scales = [one.scale for one in self.quantities[self.count :]]
+        for name, scale, mean in zip(
+            self.names[self.count :], scales, self.means[self.count :], strict=True
+        ):
+            given = float(mean)
             if given:
                 axes.append([given])
             elif scale == "speed":
                 axes.append([share * size.speed for share in SPEEDS[:: 2 if self.slow else 1]])
             elif scale == "stiffness":
-                axes.append([factor * level for factor in STIFFNESSES])
+                factors = (*SOFT, *STIFFNESSES) if name in self.named else STIFFNESSES
+                axes.append([factor * level for factor in factors])
             elif scale == "damping":
                 axes.append([math.nan])
             else:
                 axes.append(EXPONENTS[1::2] if under_cycles(self.trials) else EXPONENTS)
         rows = np.array(list(itertools.product(*axes)), dtype=float)
-        for k, name in enumerate(self.names[self.count :]):
-            if known[name].scale == "damping":  # goes with the root of the stiffness beside it
-                stiff = [known[x].scale == "stiffness" for x in self.names[self.count :]]
+        for k, scale in enumerate(scales):
+            if scale == "damping":  # goes with the root of the stiffness beside it
+                stiff = [other == "stiffness" for other in scales]
                 of = rows[:, stiff.index(True)] if any(stiff) else np.full(len(rows), 1e4 * level)
                 rows[:, k] = np.where(
                     np.isnan(rows[:, k]), DAMPING * np.sqrt(of * level), rows[:, k]
@@ -264,17 +302,18 @@ class TravelLaw:
 
     def spreads(self, size: Size, points: Array) -> Array:
         """Return prior spreads (k, c) of coefficients of points (k, p); infinite of the first."""
-        known = fields_of(type(self.law))
         found = np.full((len(points), self.count), np.inf)
         exponent = np.ones(len(points))
-        for i, name in enumerate(self.names):
-            if i >= self.count and known[name].scale == "none":
+        for i, one in enumerate(self.quantities):
+            if i >= self.count and one.scale == "none":
                 exponent = points[:, i]
-        for i, name in enumerate(self.names[: self.count]):
-            scale = known[name].scale
-            if i == 0:
+        for i, unknown in enumerate(self.rig[: self.count]):
+            scale = self.quantities[i].scale
+            if unknown:
+                found[:, i] = LEADING * (abs(self.means[i]) or 1.0)
+            elif i == 0:
                 continue
-            if scale.endswith("-"):
+            elif scale.endswith("-"):
                 found[:, i] = SIDES * size.level
             elif scale.startswith("slope"):
                 found[:, i] = size.force / size.speed**exponent
@@ -284,21 +323,31 @@ class TravelLaw:
                 found[:, i] = SURPLUS * size.level
         return found
 
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        """Least and largest values of the unknowns (p,) that the law and the mechanism allow."""
+        pairs = []
+        for path, one, mean in zip(self.model.free, self.quantities, self.means, strict=True):
+            if is_rig(path):
+                least = one.low if one.above is None else one.above + RESOLVED * abs(mean)
+                pairs.append((least, one.high))
+            else:
+                pairs.append(room_for(self.law, path.rpartition(".")[2], self.names))
+        low, high = np.array(pairs, dtype=float).T
+        return low, high
+
     def bounds(self, size: Size) -> tuple[Array, Array]:
         """Return the least and largest unknowns (p,)."""
-        known, low, high = fields_of(type(self.law)), [], []
+        low, high = (ends.copy() for ends in self._ends)
         for i, name in enumerate(self.names):
-            if name.startswith("backward") and np.count_nonzero(self.matrix[i]) > 1:
-                ends = (-0.8 * size.level, math.inf)
-            elif np.count_nonzero(self.matrix[i]) > 1:
-                ends = (0.0, math.inf)
-            else:
-                ends = room_for(self.law, name, self.names)
-            if known[name].above is not None or i == 0:
-                ends = (max(ends[0], 1e-6 * size.levels[0]), ends[1])
-            low.append(ends[0])
-            high.append(min(ends[1], 1e4 * size.levels[0]) if i == 0 else ends[1])
-        return np.array(low), np.array(high)
+            if np.count_nonzero(self.matrix[i]) > 1:
+                low[i] = -0.8 * size.level if name.startswith("backward") else 0.0
+                high[i] = math.inf
+            if not self.rig[i] and (self.quantities[i].above is not None or i == 0):
+                low[i] = max(low[i], 1e-6 * size.levels[0])
+        if not self.rig[0]:
+            high[0] = min(high[0], 1e4 * size.levels[0])
+        return low, high
 
     def fit(self, size: Size, errors: Array, simpler: Sequence["TravelLaw"] = ()) -> None:
         """Fit every shape to travels with standard errors (n,) [m]; fills `structures`."""
@@ -307,9 +356,10 @@ class TravelLaw:
         self.measured, self.errors = measured, errors
         moving = np.arange(len(low)) < self.count
         scale = np.where(moving, 0.1 * size.level, 1.0)
-        shapes = self.shapes(size)
+        shapes = self.tried = self.shapes(size)
         spread = self.spreads(size, np.column_stack([np.zeros((len(shapes), self.count)), shapes]))
-        scale[1 : self.count] = 0.1 * spread[0, 1:]
+        told = np.isfinite(spread[0])
+        scale[: self.count][told] = 0.1 * spread[0, told]
 
         def residuals(points: Array) -> Array:
             left = (measured - self.table(self.trials, np.clip(points, low, high))) / errors
@@ -317,7 +367,8 @@ class TravelLaw:
             prior = (points - self.means)[:, : self.count] / self.spreads(size, points)
             return np.hstack([left, prior])
 
-        few = [self.trials.index(trial) for trial in spread_out(self.trials, REFINED)]
+        most = 4 * self.count if self.rig.any() else REFINED
+        few = [self.trials.index(trial) for trial in spread_out(self.trials, most)]
 
         def cost(points: Array) -> Array:
             tried = self.table([self.trials[i] for i in few], np.clip(points, low, high))
@@ -325,12 +376,12 @@ class TravelLaw:
             return np.where(np.isfinite(left).all(axis=1), np.sum(left**2, axis=1), FAILED**2)
 
         starts = np.clip(self._starts(size, shapes, spread, cost, simpler), low, high)
-        steps = STEPS // 2 if self.slow else STEPS
+        steps = STEPS // 2 if self.slow else 2 * STEPS if self.rig.any() else STEPS
         points, costs = descended(
             residuals, starts, low=low, high=high, sizes=scale, moving=moving, steps=steps
         )
         kept = list[int]()
-        for i in np.argsort(costs, kind="stable").tolist():
+        for i in np.argsort(np.round(costs, 6), kind="stable").tolist():
             same = [
                 k for k in kept if np.allclose(points[k, self.count :], points[i, self.count :])
             ]
@@ -387,10 +438,14 @@ class TravelLaw:
         )  # fmt: skip
         measured, errors = self.measured, self.errors
         n, spreads = len(measured), self.spreads(size, points)
-        spreads[:, 0] = LEADING * np.abs(points[:, 0])
         typical = np.tile(self.typical, (len(points), 1))
+        leading = points[:, :1]
+        if self.rig[0]:
+            leading = np.full_like(leading, self.means[0])
+        else:
+            spreads[:, 0] = LEADING * np.abs(points[:, 0])
         wide = np.hstack([spreads, WIDE * typical])[:, :count]
-        means = np.hstack([points[:, :1], np.tile(self.means[1 : self.count], (len(points), 1)),
+        means = np.hstack([leading, np.tile(self.means[1 : self.count], (len(points), 1)),
                            typical])[:, :count]  # fmt: skip
         return [
             TravelStructure(
@@ -420,14 +475,17 @@ class TravelLaw:
 
         A law with bristles begins where that without them ended.
         """
-        if self.slow and simpler:
+        if self.rig.any():
+            return self._drawn(size, shapes, spread, cost)
+        if self.law.states and simpler:
             return self._from(simpler, shapes)
+        levels = [*([float(self.means[0])] if self.means[0] else []), *size.levels]
         if self.count == 1:
-            return np.array([[x, *shape] for shape in shapes for x in size.levels], dtype=float)
+            return np.array([[x, *shape] for shape in shapes for x in levels], dtype=float)
         sides = [name.startswith("backward") for name in self.names[1 : self.count]]
         further = [(*(-x for x in SHARES), *SHARES) if side else SHARES for side in sides]
         mixed = np.array(list(itertools.product(TRIED, *further)))
-        cycles = under_cycles(self.trials)
+        cycles = under_cycles(self.trials) and not self.thorough
         most = POINTS // 2 if cycles else POINTS
         if len(mixed) > most:
             shares = qmc.Sobol(self.count, rng=np.random.default_rng(0)).random(most)
@@ -440,13 +498,30 @@ class TravelLaw:
                     level * mixed[:, 0], mixed[:, 1:] * widths[1:],
                     np.tile(shape, (len(mixed), 1)),
                 ])
-                for level in size.levels
+                for level in levels
             ])  # fmt: skip
-            rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in size.levels]])
+            rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in levels]])
             order = np.argsort(cost(rows), kind="stable")
-            count = 2 if cycles or len(size.levels) == 1 else BRANCHES
+            count = 2 if cycles or len(levels) == 1 else BRANCHES
             starts += [rows[i] for i in order[:count]]
         return np.array(starts)
+
+    def _drawn(
+        self, size: Size, shapes: Array, spread: Array, cost: Callable[[Array], Array]
+    ) -> Array:
+        """Return the best of points drawn about what was given of the mechanism."""
+        shares = qmc.Sobol(self.count, rng=np.random.default_rng(0)).random(DRAWN)
+        rig = self.rig[: self.count]
+        drawn = SHARES[-1] * shares * np.where(np.isfinite(spread[0]), spread[0], 0.0)
+        mean = np.where(self.means[: self.count] == 0.0, 1.0, self.means[: self.count])
+        drawn[:, rig] = (mean * AROUND ** (2.0 * shares - 1.0))[:, rig]
+        if not rig[0]:  # a level that fits with the wrong mechanism may be far off
+            top = HOLDING * size.level
+            drawn[:, 0] = top * SPAN ** (shares[:, 0] - 1.0)
+        rows = np.vstack([
+            np.column_stack([drawn, np.tile(shape, (DRAWN, 1))]) for shape in shapes
+        ])  # fmt: skip
+        return rows[np.argsort(cost(rows), kind="stable")[: 2 * BRANCHES]]
 
     def _from(self, simpler: Sequence["TravelLaw"], shapes: Array) -> Array:
         """Return the points of the law without bristles that has most of the parameters."""
@@ -471,6 +546,40 @@ class TravelLaw:
                     row[own.index(name)] = value
             starts.append(row)
         return np.array(starts)
+
+
+def spread_out(trials: Sequence[Trial], most: int) -> list[Trial]:
+    """Return one trial of each setting; of many some, from the shortest to the longest travel."""
+    different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
+    chosen = np.linspace(0, len(different), most).astype(int)
+    return [different[min(i, len(different) - 1)] for i in dict.fromkeys(chosen.tolist())]
+
+
+def force_and_speed(
+    model: TravelModel, trials: Sequence[Trial], values: Sequence[float]
+) -> tuple[float, float]:
+    """Return the friction [N] of the first parameter as a level, and the largest speed [m/s]."""
+    trial = max(trials, key=lambda one: abs(one.travel))
+    law = model.with_values(values)
+    end = trial.until(model.t_end)
+    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
+    slip = slip_of(trial.mechanism)
+    rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
+    force = values[0] * float(np.median(run["normal_force"]))
+    return force, max(float(np.max(np.abs(run[rate]))), 1e-6)
+
+
+def room_for(law: FrictionLaw, name: str, free: Collection[str]) -> tuple[float, float]:
+    """Return the values a parameter may take while all that are not free stay as they are."""
+    known = fields_of(type(law))
+    one = known[name]
+    low, high = max(one.low, one.above or 0.0, 0.0), one.high
+    if one.scale == "none" and one.bounds:  # powers: beyond these no law is meant
+        low, high = max(low, one.bounds[0]), min(high, one.bounds[1])
+    if one.at_least is not None:
+        low = max(low, getattr(law, one.at_least))
+    above = [x for x, other in known.items() if other.at_least == name and x not in free]
+    return low, min([high, *(getattr(law, x) for x in above if getattr(law, x) is not None)])
 
 
 def moving_back(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> bool:

@@ -18,23 +18,32 @@ r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, wh
    proposal, not a result. A band is the quantiles of their travels at a setting.
 """
 
+import contextlib
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import final
+from typing import TypeAlias, final
 
 import numpy as np
 from scipy.special import logsumexp, softmax
 
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import whole_cycles
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
+from stickslip.identification import (
+    READINGS,
+    TravelModel,
+    Trial,
+    span_of,
+    standard_errors,
+    starting_law,
+    under_cycles,
+)
 from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
 from stickslip.identify.ensemble import allotted
 from stickslip.identify.kinds.travel_descent import STEP
-from stickslip.identify.kinds.travel_doubts import propagated
 from stickslip.identify.kinds.travel_laws import (
     HOLDING,
     RESOLVED,
@@ -162,6 +171,8 @@ class TravelJudgement:
     dropped: Mapping[str, tuple[FrictionLaw, str]] = field(default_factory=dict)
     """Laws that are left out, and why, by name."""
     seed: int = 0
+    curve: bool = True
+    """Whether the curve as measured joins, from `FEWEST` settings on."""
 
     def __post_init__(self) -> None:
         self.measured = np.array([trial.travel for trial in self.trials])
@@ -175,24 +186,12 @@ class TravelJudgement:
     @cached_property
     def knob(self) -> tuple[str, float] | None:
         """What is set to get other travels: its path, and its value as the rig stands."""
-        known = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
-        varied = [path for path in known if len({*self._set(path)}) > 1]
-        for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
-            if known.get(path):
-                return path, float(known[path])
-        return None
-
-    def _set(self, path: str) -> list[float]:
-        """Return the values of a parameter in the trials."""
-        return [
-            float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
-            for trial in self.trials
-        ]
+        return knob_of(self.mechanism, self.trials)
 
     @cached_property
     def settings(self) -> Array:
         """Values of the knob (n,) in the trials; empty without one."""
-        return np.array(self._set(self.knob[0])) if self.knob else np.zeros(0)
+        return np.array(_set(self.trials, self.knob[0])) if self.knob else np.zeros(0)
 
     @cached_property
     def one_way(self) -> bool:
@@ -226,11 +225,13 @@ class TravelJudgement:
             key=lambda one: float(np.sum(((self.measured - one.predicted) / self.readings) ** 2)),
         )
         self._reference = law.law.with_unknowns(law.unknowns)
-        made = propagated(TravelModel(self._reference, (), self.t_end), self.trials, ())
-        self._columns = np.array([*made.shared.values()]).reshape(-1, len(self.trials)).T
-        self._alone = made.own
-        alone = sum((part**2 for part in made.own.values()), np.zeros(len(self.trials)))
-        return [*made.shared], alone
+        values = law.law.values(law.unknowns[None])[0].tolist()
+        trials = [law.law.model.set_up(trial, values) for trial in self.trials]
+        alone, shared = propagated(TravelModel(self._reference, (), self.t_end), trials)
+        self._columns = np.array([*shared.values()]).reshape(-1, len(self.trials)).T
+        self._alone = alone
+        own = sum((part**2 for part in alone.values()), np.zeros(len(self.trials)))
+        return [*shared], own
 
     @cached_property
     def nuisances_count(self) -> int:
@@ -241,8 +242,8 @@ class TravelJudgement:
         """Return what nuisances of spread 1 move the travels of trials (m, k) [m]."""
         paths, _ = self._doubts
         model = TravelModel(self._reference, (), self.t_end)
-        made = propagated(model, trials, ()) if paths else None
-        columns = [made.shared[path] for path in paths] if made else []
+        _, shared = propagated(model, trials) if paths else ({}, {})
+        columns = [shared[path] for path in paths]
         # an offset is of the readings, and not of the travels
         return np.array([*columns, np.zeros(len(trials))]).T
 
@@ -266,7 +267,7 @@ class TravelJudgement:
     def _curves(self, best: Linear) -> list[Linear]:
         """Return the measured curve about a law, with several spreads of its factor."""
         base = best.predicted
-        if not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
+        if not self.curve or not self.one_way or np.abs(base).min() < 0.02 * np.abs(base).max():
             return []
         found = []
         for bending in BENDING:
@@ -436,8 +437,22 @@ class TravelJudgement:
         }  # fmt: skip
 
     def best_of(self, name: str) -> Solved:
-        """Return the structure of a family with the most evidence."""
-        return max((s for s in self.solved if s.linear.name == name), key=lambda s: s.evidence)
+        """Return the structure of a family with the most evidence.
+
+        Of a law whose leading coefficient was given, among values that leave the same up to one
+        standard error, it is the one near that.
+        """
+        own = [one for one in self.solved if one.linear.name == name]
+        given = own[0].linear.structure.law.means[0] if name else 0.0
+        if not given:
+            return max(own, key=lambda one: one.evidence)
+        costs = [float(one.left @ one.left) for one in own]
+        alike = [one for one, cost in zip(own, costs, strict=True) if cost <= min(costs) + 1.0]
+        return min(
+            alike,
+            key=lambda one: (round(abs(math.log(abs(one.values[0] / given) + LEAST)), 1),
+                             -one.evidence),
+        )  # fmt: skip
 
     @cached_property
     def explained(self) -> bool:
@@ -500,6 +515,8 @@ class TravelJudgement:
         shares = np.asarray(softmax([one.evidence for one in own]))
         law = own[0].linear.structure.law
         wanted = PROPOSED * max(count, TRIED)
+        if law.law.states or under_cycles(self.trials):
+            wanted = TRIED
         if law.slow:
             wanted = min(wanted, max(SLOW, len(own)))
         rows, weights = [], []
@@ -657,10 +674,9 @@ class TravelJudgement:
         return found
 
     def values(self, name: str) -> dict[str, Array]:
-        """Return the parameters of the draws of a law (d,) by path; coefficients that are told."""
+        """Return the parameters of the draws of a law (d,) by path."""
         draws = self.named_draws.get(name) or self.drawn(name, THRESHOLDS.draws // 4)
-        values = draws.law.values(draws.unknowns)
-        return {p: values[:, i] for i, p in enumerate(draws.law.model.free[: draws.law.count])}
+        return dict(zip(draws.law.model.free, draws.law.values(draws.unknowns).T, strict=True))
 
     def sources(self, name: str) -> list[dict[str, float]]:
         """Return the standard errors of the coefficients of a law by where they come from.
@@ -683,24 +699,56 @@ class TravelJudgement:
         return [{path: float(x[i]) for path, x in parts.items()} for i in range(count)]
 
     def around_zero(self, name: str) -> Collection[str]:
-        """Return paths of coefficients of a law that may be 0: draws are cut off there."""
+        """Return paths of coefficients of a law that may be 0: draws are cut off there.
+
+        What lies above another coefficient is not 0 where it lies no higher.
+        """
         one = self.best_of(name)
         law = one.linear.structure.law
         spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
         inside = one.values[: law.count] < 2.0 * spread
-        return [path for path, near in zip(law.model.free, inside, strict=False) if near]
+        alone = np.count_nonzero(law.matrix, axis=1) == 1
+        return [
+            path
+            for path, near, plain in zip(law.model.free, inside, alone, strict=False)
+            if near and plain
+        ]
 
     def untold(self, name: str) -> Collection[str]:
-        """Return paths of coefficients of a law that travels hardly depend on."""
+        """Return paths of parameters of a law that travels hardly depend on.
+
+        Shapes are not told where draws of them scatter as those that were tried do.
+        """
         one = self.best_of(name)
         law = one.linear.structure.law
         spread = np.sqrt(np.sum(one.root**2, axis=0))[: law.count]
-        prior = one.linear.precisions[: law.count] ** 0.5
-        return [
-            path
-            for path, own, wide in zip(law.model.free, spread, prior, strict=False)
-            if own * wide > UNTOLD
-        ]
+        share = [*(spread * one.linear.precisions[: law.count] ** 0.5)]
+        for i, path in enumerate(law.model.free[law.count :]):
+            tried = np.std(np.log(law.tried[:, i]))
+            share.append(np.std(np.log(self.values(name)[path])) / tried if tried else math.inf)
+        return [path for path, x in zip(law.model.free, share, strict=True) if x > UNTOLD]
+
+
+def knob_of(mechanism: Mechanism, trials: Sequence[Trial]) -> tuple[str, float] | None:
+    """Return what is set to get other travels, with its value; None without any.
+
+    What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
+    rig stands, it is the one that is easiest to turn.
+    """
+    known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    varied = [path for path in known if len({*_set(trials, path)}) > 1]
+    for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
+        if known.get(path):
+            return path, float(known[path])
+    return None
+
+
+def _set(trials: Sequence[Trial], path: str) -> list[float]:
+    """Return the values of a parameter of the mechanism in trials."""
+    return [
+        float({p: v for p, _, v in parameters(trial.mechanism, "mechanism")}[path])
+        for trial in trials
+    ]
 
 
 def _scales(count: int, rng: np.random.Generator) -> Array:
@@ -769,6 +817,7 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     step = np.linalg.solve(matrix, columns.T @ left - precision * off)
     law, count = linear.structure.law, linear.structure.count
     signed = np.array([not name.startswith("backward") for name in law.names[:count]])
+    signed &= ~law.rig[:count]
     outside = np.zeros(len(step), dtype=bool)
     outside[:count] = (linear.centre + step < 0.0)[:count] & signed
     if outside.any():  # nothing is negative: others follow what is held
@@ -832,46 +881,23 @@ def judged_travels(
     given = laws
     if laws is None:
         laws = {name: starting_law(law_type(name)) for name in USUAL_LAWS if name in listed()}
-    coulomb = starting_law(law_type("coulomb"))
-    leading = TravelLaw.of("coulomb", coulomb, trials, t_end, held=(), given=False)
-    size = leading.size(*leading.scanned())
-    errors, _ = standard_errors(trials)
-    measured = np.array([trial.travel for trial in trials])
-    errors = np.maximum(errors, RESOLVED * float(np.mean(np.abs(measured))))
-    settings = len({trial.setting for trial in trials})
+    fits = _Fits.of(trials, t_end)
     fitted, dropped = list[TravelLaw](), dict[str, tuple[FrictionLaw, str]]()
     for name in sorted(laws, key=lambda one: bool(laws[one].states)):
         law, usual = laws[name], given is None or name in ordinary
         if given is None and isinstance(law, DirectionDependent):
-            start = leading.with_unknowns(np.array(size.levels[:1]))
+            start = fits.leading.with_unknowns(np.array(fits.size.levels[:1]))
             if not moving_back(start, trials, t_end):
                 continue
         marked = set((assumed or {}).get(name, ()))
         known = set() if usual else {x for x in _given_names(law) if x not in marked}
-        held = set() if usual else _unpaid(law, known, settings)
+        held = set() if usual else _unpaid(law, known, trials)
         said = None if watch is None else partial(watch, name)
         try:
             one = TravelLaw.of(
                 name, law, trials, t_end, held=held, given=not usual, guessed=marked, watch=said
             )
-            own = size
-            if not one.names:
-                raise InputError(f"{law.title} has no parameter to fit here: name one in vary.")
-            if fields_of(type(law))[one.names[0]].scale != "level":  # a level tells nothing of it
-                levels, top = one.scanned()
-                own = replace(size, levels=levels, level=max(levels[0], top / HOLDING))
-            one.fit(own, errors, [x for x in fitted if not x.slow])
-            best = min(
-                one.structures,
-                key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
-            )
-            moved = np.abs(measured) > THRESHOLDS.outlier * errors
-            if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
-                raise ConvergenceError(
-                    f"{law.title} friction holds the body at rest in a trial in which it moved."
-                )
-            one.model.check_rest(trials, one.values(best.unknowns[None])[0].tolist(), errors)
-            fitted.append(one)
+            fitted.append(fits.fitted(one, [x for x in fitted if not x.slow]))
         except (StickslipError, ValueError, IndexError) as error:
             why = str(error) if isinstance(error, StickslipError) else ""
             dropped[name] = law, why or "no values reproduce the travels"
@@ -880,9 +906,142 @@ def judged_travels(
             "no law can be fitted to these travels: " + " ".join(why for _, why in dropped.values())
         )
     return TravelJudgement(
-        mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=size, order=USUAL_LAWS,
-        dropped=dropped,
+        mechanism=mechanism, trials=trials, t_end=t_end, laws=fitted, size=fits.size,
+        order=USUAL_LAWS, dropped=dropped,
     )  # fmt: skip
+
+
+def fitted_travels(
+    mechanism: Mechanism,
+    trials: Sequence[Trial],
+    law: FrictionLaw,
+    *,
+    named: Sequence[str] | None = None,
+    rig: Sequence[str] = (),
+    known: Collection[str] = (),
+    given: bool = False,
+    t_end: float = 10.0,
+    watch: Callable[[int], object] | None = None,
+) -> TravelJudgement:
+    """Judge travels by a single law, without the measured curve, whatever leaves.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    trials : sequence of Trial
+        What was measured.
+    law : FrictionLaw
+        Holds what is not fitted.
+    named : sequence of str, optional
+        Names of the parameters of the law that are fitted; if not given, all that travels tell.
+    rig : sequence of str
+        Paths of parameters of the mechanism that are fitted too.
+    known : collection of str
+        Names of parameters that are held.
+    given : bool
+        Whether the values of the law were given: shapes are held, and coefficients for which the
+        settings do not pay.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    watch : callable, optional
+        Called with the number of runs.
+
+    Raises
+    ------
+    ConvergenceError
+        If no values of the law make these travels.
+    """
+    fits, kind = _Fits.of(trials, t_end), type(law)
+    held = {*known}
+    if named is not None:  # a value that was given is where a search begins, and no more
+        given = False
+        held |= {name for name in fields_of(kind) if name not in named}
+    elif given:
+        held |= _unpaid(law, set(_given_names(law)), trials)
+    simpler = list[TravelLaw]()
+    if law.states and not rig:  # begins where the law without bristles ends
+        others = [law_type(name) for name in USUAL_LAWS if name in listed()]
+        like = max(
+            (one for one in others if not starting_law(one).states),
+            key=lambda one: len(fields_of(one).keys() & fields_of(kind).keys() - held),
+        )
+        plain = TravelLaw.of(like.name, starting_law(like), trials, t_end, held=held, given=False)
+        with contextlib.suppress(StickslipError):
+            simpler = [fits.fitted(plain)]
+    one = TravelLaw.of(
+        law.name, law, trials, t_end, held=held, given=given, named=named or (), rig=rig,
+        watch=watch,
+    )  # fmt: skip
+    one.thorough = True
+    return TravelJudgement(
+        mechanism=mechanism, trials=trials, t_end=t_end, laws=[fits.fitted(one, simpler)],
+        size=fits.size, order=USUAL_LAWS, curve=False,
+    )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Fits:
+    """What fits of all laws to the same travels share."""
+
+    leading: TravelLaw
+    """Coulomb friction, by which levels are scanned."""
+    size: Size
+    errors: Array
+    """Standard errors (n,) by which readings weigh [m]."""
+
+    @classmethod
+    def of(cls, trials: Sequence[Trial], t_end: float) -> "_Fits":
+        coulomb = starting_law(law_type("coulomb"))
+        leading = TravelLaw.of("coulomb", coulomb, trials, t_end, held=(), given=False)
+        errors, _ = standard_errors(trials)
+        measured = np.array([trial.travel for trial in trials])
+        errors = np.maximum(errors, RESOLVED * float(np.mean(np.abs(measured))))
+        return cls(leading=leading, size=leading.size(*leading.scanned()), errors=errors)
+
+    def fitted(self, one: TravelLaw, simpler: Sequence[TravelLaw] = ()) -> TravelLaw:
+        """Return a law fitted in all its shapes; an error says why it makes no such travels."""
+        law, own, trials, errors = one.law, self.size, one.trials, self.errors
+        measured = np.array([trial.travel for trial in trials])
+        if not one.names:
+            raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
+        if not one.rig[0] and one.quantities[0].scale != "level":  # a level tells nothing of it
+            levels, top = one.scanned()
+            own = replace(own, levels=levels, level=max(levels[0], top / HOLDING))
+        one.fit(own, errors, simpler)
+        if not one.structures:
+            raise ConvergenceError(
+                f"no values of {', '.join(one.model.free)} were found with which every trial can be"
+                " simulated."
+            )
+        best = min(
+            one.structures,
+            key=lambda s: float(np.sum(((measured - s.predicted) / errors) ** 2)),
+        )
+        moved = np.abs(measured) > THRESHOLDS.outlier * errors
+        if np.any(moved & (np.abs(best.predicted) < STILL * np.abs(measured))):
+            raise ConvergenceError(
+                f"{law.title} friction holds the body at rest in a trial in which it moved."
+            )
+        values = one.values(best.unknowns[None])[0].tolist()
+        off = abs(float(np.mean(measured - best.predicted)))
+        alike = len({trial.setting for trial in trials}) == 1
+        said = ""
+        if alike and off > THRESHOLDS.outlier * float(np.max(errors)):
+            said = (
+                f"no value of {joined(list(one.model.free))} gives a travel of"
+                f" {number(float(np.mean(measured)))} m; the nearest is"
+                f" {quantity(float(best.predicted[0]), 'm', 4)}."
+            )
+        least, stated = standard_errors(trials)
+        try:
+            one.model.check_rest(trials, values, least if stated else errors)
+        except ConvergenceError as error:
+            raise ConvergenceError(f"{said} {error}".strip()) from None
+        if said:
+            raise ConvergenceError(said)
+        return one
 
 
 def _given_names(law: FrictionLaw) -> list[str]:
@@ -890,8 +1049,46 @@ def _given_names(law: FrictionLaw) -> list[str]:
     return [path.rpartition(".")[2] for path, _, value in parameters(law, "friction") if value]
 
 
-def _unpaid(law: FrictionLaw, known: Collection[str], settings: int) -> set[str]:
+def _unpaid(law: FrictionLaw, known: Collection[str], trials: Sequence[Trial]) -> set[str]:
     """Return names of given coefficients for which the settings are too few."""
+    settings = len({trial.setting for trial in trials})
     free = [name for name in law.fit_order if name not in known][: max(settings - 1, 0)]
     rest = [name for name in law.fit_order if name in known]
     return set(rest[max(settings - 1 - len(free), 1) :]) if rest else set()
+
+
+Errors: TypeAlias = dict[str, Array]
+"""What standard uncertainties of parameters make of travels (n,) [m], by path."""
+
+
+def propagated(model: TravelModel, trials: Sequence[Trial]) -> tuple[Errors, Errors]:
+    """Return what the uncertainties of the mechanism make of each travel, to first order.
+
+    The first are of what was set anew for each trial, which scatters; the second of what all trials
+    share, which moves them together, so that its entries have a sign. Slopes are those of a law and
+    not of what was measured: a covariance that follows the readings' own noise biases estimates
+    (Peelle's puzzle).
+    """
+    slopes: dict[tuple[Hashable, str], float] = {}
+
+    def slope(trial: Trial, path: str, doubt: float) -> float:
+        if (trial.run, path) not in slopes:
+            ends = span_of(trial.mechanism, path, doubt)
+            low, high = (
+                model.travel(
+                    trial.with_mechanism(vary(trial.mechanism, "mechanism", {path: end})), ()
+                )
+                for end in ends
+            )
+            slopes[trial.run, path] = (high - low) / (ends[1] - ends[0])
+        return slopes[trial.run, path]
+
+    def errors(doubts: Sequence[Mapping[str, float]]) -> Errors:
+        pairs = list(zip(trials, doubts, strict=True))
+        return {
+            path: np.array([slope(t, path, x[path]) * x[path] if path in x else 0.0
+                            for t, x in pairs])
+            for path in dict.fromkeys(path for one in doubts for path in one)
+        }  # fmt: skip
+
+    return errors([trial.doubts for trial in trials]), errors([trial.shared for trial in trials])

@@ -1,33 +1,30 @@
 """Fits a law to travels: distances to rest, or per cycle of a drive."""
 
-import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
-from stickslip.errors import InputError, UnknownNameError
+import numpy as np
+
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement, refuse_faults
 from stickslip.formatting import count, joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     LAW,
+    Estimate,
     Parameters,
-    TravelModel,
     Trial,
     is_rig,
-    standard_errors,
     starting_law,
     trials_of,
-    under_cycles,
     with_known,
 )
-from stickslip.identify import Start, nuisances_of
+from stickslip.identify import INSENSITIVE, THRESHOLDS, TravelJudgement, fitted_travels
 from stickslip.kinds.travels.result import TravelFit
-from stickslip.kinds.travels.search import fit_readings
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import fields_of, parameters
-from stickslip.solver import prepare
+from stickslip.quantities import Quantity, parameters
 
-TOLD = ("level", "slope")
-"""Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
+WIDER = "the trials tell no more than that it is of this size"
+"""Why an estimate is open whose interval is wider than the value."""
 
 
 def fit_travels(
@@ -41,6 +38,9 @@ def fit_travels(
     progress: Callable[[float], object] | None = None,
 ) -> TravelFit:
     """Fit a law to travels by runs to rest; arguments and errors as in `stickslip.fit`.
+
+    The fit is that of `select` with this law alone. Parameters that travels hardly tell are tried
+    on a grid of plausible values, and intervals hold all that explain the travels.
 
     Examples
     --------
@@ -56,26 +56,30 @@ def fit_travels(
     trials = trials_of(chosen.mechanism, measurement, t_end)
     refuse_faults(measurement, mechanism)
     check_rig(trials, chosen.unknown)
-    free = _travel_paths(start, trials, chosen.free, chosen.known, chosen.unknown)
-    nuisances = []
-    if isinstance(given, type) and not chosen.unknown and len({t.setting for t in trials}) > 1:
-        nuisances = nuisances_of(given, free, chosen.known)
-    found = fit_trials(start, trials, free=free, nuisances=nuisances, t_end=t_end, watch=progress)
-    check_rest(found, t_end)
-    return found
-
-
-def _travel_paths(
-    law: FrictionLaw,
-    trials: Sequence[Trial],
-    free: Sequence[str] | None,
-    fixed: Collection[str],
-    rig: Sequence[str] = (),
-) -> list[str]:
-    """Return the paths of the parameters to fit, with the default of the law where it is asked."""
-    found = list(free) if free is not None else [LAW]
-    usual = payable(law, trials, fixed, rig) if LAW in found else []
-    return list(dict.fromkeys([*usual, *(path for path in found if path != LAW), *rig]))
+    named: list[str] | None = None
+    if chosen.free is not None:
+        named = [path.removeprefix("friction.") for path in chosen.free if path != LAW]
+        asked = [*named, *chosen.unknown]
+        if len(asked) > len(trials):
+            raise InputError(
+                f"{count(len(trials), 'travel')} cannot determine {len(asked)} parameters: vary"
+                f" fewer of {', '.join(asked)}, or measure more trials."
+            )
+        if LAW in chosen.free:
+            named += [name for name in start.fit_order if name not in (*named, *chosen.known)]
+    judgement = fitted_travels(
+        chosen.mechanism,
+        trials,
+        start,
+        named=named,
+        rig=chosen.unknown,
+        known=chosen.known,
+        given=not isinstance(given, type),
+        t_end=t_end,
+        watch=progress,
+    )
+    paths = (f"friction.{name}" for name in named or ())
+    return travel_fit(judgement, start.name, {*paths, *chosen.unknown})
 
 
 def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
@@ -89,25 +93,26 @@ def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
             f"travels of {count(settings, 'setting')} cannot determine {needed}: that takes at"
             f" least {len(rig) + 2} different settings. Measure more, or vary fewer."
         )
-    known = {
-        path: (one, value) for path, one, value in parameters(trials[0].mechanism, "mechanism")
-    }
+    rigs = [
+        {path: (one, value) for path, one, value in parameters(trial.mechanism, "mechanism")}
+        for trial in trials
+    ]
     for path in rig:
-        if path not in known:
+        if path not in rigs[0]:
             raise InputError(
                 f"{path} has no value from which a search could begin: give it one in the rig file."
             )
-        quantity, value = known[path]
-        if value == 0.0 and (quantity.low == 0.0 or quantity.above is not None):
+        one, value = rigs[0][path]
+        if value == 0.0 and (one.low == 0.0 or one.above is not None):
             raise InputError(
-                f"{path} ({quantity.symbol}) is 0 {quantity.unit}, from which no search can begin:"
+                f"{path} ({one.symbol}) is 0 {one.unit}, from which no search can begin:"
                 " give a value of the right order of magnitude."
             )
-        values = {dict(_values(trial))[path] for trial in trials}
+        values = {known[path][1] for known in rigs}
         if len(values) > 1:
             raise InputError(
                 f"trials set {path} themselves, from {number(min(values))} to"
-                f" {number(max(values))} {quantity.unit}: it cannot be fitted as one value for all"
+                f" {number(max(values))} {one.unit}: it cannot be fitted as one value for all"
                 " of them. Leave these values out, or do not vary it."
             )
         if any(path in trial.doubts or path in trial.shared for trial in trials):
@@ -116,95 +121,65 @@ def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
             )
 
 
-def _values(trial: Trial) -> Iterator[tuple[str, float]]:
-    return ((path, value) for path, _, value in parameters(trial.mechanism, "mechanism"))
+def travel_fit(judgement: TravelJudgement, name: str, named: Collection[str] = ()) -> TravelFit:
+    """Return a law as a fit: its coefficients with their 95 % intervals if it holds.
 
-
-def fit_trials(
-    law: FrictionLaw,
-    trials: Sequence[Trial],
-    *,
-    free: Sequence[str] | None = None,
-    starts: Sequence[Start] | None = None,
-    nuisances: Sequence[str] = (),
-    thorough: bool = False,
-    t_end: float = 10.0,
-    watch: Callable[[int], object] | None = None,
-) -> TravelFit:
-    """Fit to trials as `fit` does to a measurement.
-
-    Where there are several, searches begin at `starts`, or at points found by a scan of the
-    parameters if none are given.
+    Coefficients that the travels hardly depend on are left out, but for the first and those that
+    are `named`, which have no interval then.
     """
-    names = (
-        payable(law, trials)
-        if free is None
-        else [name if is_rig(name) else _path(law, name) for name in free]
-    )
-    if not names:
-        raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
-    if len(names) > len(trials):
-        raise InputError(
-            f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"
-            f" of {', '.join(names)}, or measure more trials."
+    best, law = judgement.best_of(name), judgement.law_of(name)
+    unknowns = judgement.unknowns_of(name)
+    values, paths = law.values(unknowns[None])[0], law.model.free
+    draws, limits = judgement.values(name), _limits(law.quantities)
+    untold, zero = judgement.untold(name), judgement.around_zero(name)
+    tail, sources = 0.5 * (1.0 - THRESHOLDS.interval), judgement.sources(name)
+    alone = ""
+    if not judgement.stated and len(judgement.trials) == 1:
+        alone = "no uncertainty of the reading was stated"
+    estimates = []
+    for i, (path, one) in enumerate(zip(paths, law.quantities, strict=True)):
+        asked, coefficient = path in named, i < law.count
+        if not asked and i > 0 and (path in untold or not coefficient):
+            continue
+        value = float(values[i])
+        low, high = np.quantile(draws[path], (tail, 1.0 - tail)).tolist()
+        low = 0.0 if path in zero and not is_rig(path) else low
+        reason = INSENSITIVE if path in untold else alone
+        if is_rig(path) and 0.5 * (high - low) > abs(value):
+            reason = reason or WIDER
+        estimates.append(
+            Estimate(
+                path=path,
+                quantity=one,
+                value=value,
+                low=-np.inf if reason else min(max(low, limits[i]), value),
+                high=np.inf if reason else max(high, value),
+                interval="95 %",
+                reason=reason,
+                sources=sources[i] if sources and not reason and i < len(sources) else {},
+            )
         )
-    model = TravelModel(law, names, t_end, watch)
-    return fit_readings(model, trials, starts, nuisances, thorough=thorough)
+    table = np.array([draws[one.path] for one in estimates])
+    spread = np.where(table.std(axis=1) > 0.0, table.std(axis=1), 1.0)
+    scaled = (table - table.mean(axis=1, keepdims=True)) / spread[:, None]
+    correlation = np.clip(scaled @ scaled.T / table.shape[1], -1.0, 1.0)
+    np.fill_diagonal(correlation, 1.0)
+    trials = tuple(law.model.set_up(trial, values.tolist()) for trial in judgement.trials)
+    return TravelFit(
+        law=law.with_unknowns(unknowns),
+        mechanism=trials[0].mechanism,
+        estimates=tuple(estimates),
+        measured=tuple(judgement.measured.tolist()),
+        predicted=tuple((judgement.measured - best.left * judgement.errors).tolist()),
+        runs=law.model.runs,
+        standard_errors=tuple(judgement.errors.tolist()),
+        stated=judgement.stated,
+        misfit=judgement.misfit,
+        correlation=tuple(map(tuple, correlation.tolist())),
+        trials=trials,
+    )
 
 
-def check_rest(fit: TravelFit, t_end: float) -> None:
-    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
-    errors, stated = standard_errors(fit.trials)
-    # the last digit that is written down is no bound on the error of a reading
-    scale = 1.0 if stated or not fit.freedom > 0 else max(math.sqrt(fit.variance[0]), 1.0)
-    TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), scale * errors)
-
-
-def payable(
-    law: FrictionLaw,
-    trials: Sequence[Trial],
-    fixed: Collection[str] = (),
-    rig: Collection[str] = (),
-) -> list[str]:
-    """Return the paths of the parameters that the trials can pay for, one left over if possible.
-
-    A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
-    """
-    different = len({trial.setting for trial in trials})
-    known = fields_of(type(law))
-    order = [name for name in law.fit_order if name not in fixed]
-    sliding = [name for name in order if known[name].at_least is None]
-    names = [name for name in sliding if known[name].scale in TOLD] or order[:1]
-    if under_cycles(trials):  # it breaks away in every cycle, which tells the level at rest too
-        names += [
-            name
-            for name in known
-            if known[name].at_least is not None
-            and known[name].scale == "level"
-            and name not in fixed
-            and getattr(law, name) is not None
-        ]
-    return [f"friction.{name}" for name in names[: max(1, different - 1 - len(rig))]]
-
-
-def _path(law: FrictionLaw, name: str) -> str:
-    paths = [path for path, _, _ in parameters(law, "friction")]
-    full = name if name.startswith("friction.") else f"friction.{name}"
-    if full not in paths:
-        raise UnknownNameError(f"parameter of {type(law).__name__}", name, paths)
-    return full
-
-
-def compile_for(trials: Sequence[Trial], laws: Iterable[FrictionLaw]) -> None:
-    """Compile the laws whose fit to trials takes so many slow runs that it is worth the wait.
-
-    These are the laws with bristles, if there are several trials, and all laws if the trials are
-    of many cycles.
-    """
-    cycles = under_cycles(trials)
-    slow = [law for law in laws if cycles or law.states]
-    if len(trials) < 2:
-        return
-    for law in slow:
-        for trial in trials:
-            prepare(trial.mechanism, law)
+def _limits(quantities: Sequence[Quantity]) -> list[float]:
+    """Return the least values that estimates have."""
+    return [max(one.low, -np.inf if one.above is None else one.above) for one in quantities]

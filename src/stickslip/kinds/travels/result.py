@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments import LawEstimates, levels_at
-from stickslip.formatting import joined, quantity, ratio
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, Law_co, Trial, estimates_for, is_rig
-from stickslip.identify import agreeing_scale, covariance_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.simulation import simulate
 
@@ -21,29 +20,6 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
 Array: TypeAlias = NDArray[np.float64]
-
-POOR = 2.0
-"""Residuals over their stated standard errors from which a fit with a mechanism is doubted."""
-SIGNIFICANT = 0.99
-"""Quantile of chi-square above which residuals contradict the stated uncertainty."""
-
-
-def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float, float]:
-    """Return the variance of standardised residuals and its degrees of freedom.
-
-    Examples
-    --------
-    >>> variance_of(3.0, 2, stated=True), variance_of(30.0, 2, stated=True)
-    ((1.0, inf), (15.0, 2.0))
-    >>> variance_of(3.0, 2, stated=False)
-    (1.5, 2.0)
-    """
-    from scipy.stats import chi2
-
-    if stated and (freedom <= 0 or chi_square <= chi2.ppf(SIGNIFICANT, freedom)):
-        return 1.0, math.inf
-    return max(1.0, chi_square / freedom) if freedom > 0 else 1.0, float(max(freedom, 0))
-
 
 LONG = 10.0
 """Time in which a body that comes to rest has had its largest speed [s]."""
@@ -71,7 +47,7 @@ class TravelFit(Fit[Law_co]):
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> result = fit(rig, Coulomb, reading)
     >>> print(result.estimates[0])
-    mu_k = 0.255 (0.249 to 0.261)
+    mu_k = 0.255 (0.243 to 0.271)
     """
 
     measured: tuple[float, ...]
@@ -80,24 +56,12 @@ class TravelFit(Fit[Law_co]):
     """Travels of the fitted law [m]."""
     runs: int
     """Simulations spent."""
-    others: tuple[float, ...] = ()
-    """Further values of a single free parameter that explain the travels as well."""
-    standard_errors: tuple[float, ...] = ()
-    """Standard errors of several travels [m]: as stated, or else lower bounds; with those of what
-    was set for each trial by hand."""
-    reading_errors: tuple[float, ...] = ()
-    """Those of the readings alone [m]."""
-    slopes: tuple[tuple[float, ...], ...] = ()
-    """Derivatives of several travels (n, p) by what was fitted; 0 by what a bound holds."""
-    shared: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    """How far the standard uncertainty of a parameter that trials share moves each travel [m], by
-    path."""
+    standard_errors: tuple[float, ...]
+    """Standard errors of the travels [m]: as stated, or as the travels show about the law."""
     stated: bool = True
     """Whether an uncertainty of the travels was stated."""
-    rivals: tuple[tuple[float, ...], ...] = ()
-    """Other values of what was fitted, with parameters of the mechanism, that fit as well."""
-    condition: float = 1.0
-    """Condition number of the Jacobian with scaled columns."""
+    misfit: bool = False
+    """Whether the travels are far from the law, for what was stated."""
     correlation: tuple[tuple[float, ...], ...] = ((1.0,),)
     """Of the estimates (p, p); 0 with what the travels do not tell."""
     trials: tuple[Trial, ...] = ()
@@ -122,8 +86,7 @@ class TravelFit(Fit[Law_co]):
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
 
-        errors = self.standard_errors or (math.nan,) * len(self.residuals)
-        pairs = enumerate(zip(self.residuals, errors, strict=True), 1)
+        pairs = enumerate(zip(self.residuals, self.standard_errors, strict=True), 1)
         rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
         draw = draw_intervals(rows, "measured minus predicted travel", "mm")
         return on_axes(draw, ax, INTERVAL_SIZE)
@@ -156,37 +119,23 @@ class TravelFit(Fit[Law_co]):
 
     @property
     def told_apart(self) -> tuple[str, ...]:
-        """What the travels cannot tell: other values, and parameters of the mechanism."""
-        if self.others:
-            one = self.estimates[0].quantity
-            shown = joined([quantity(value, one.unit, 3) for value in self.others])
-            what = "the travels" if len(self.measured) > 1 else "the travel"
-            return (f"Other values of {one.symbol} explain {what} as well: {shown}.",)
-        rig = any(is_rig(e.path) for e in self.estimates)
+        """What the travels cannot tell: parameters without an interval, and a law far off."""
         said = [
             f"{e.quantity.symbol} is not identified: {e.reason}."
             for e in self.estimates
-            if e.reason and rig
+            if e.reason and is_rig(e.path)
         ]
-        scatter = math.sqrt(self.variance[0])
-        if self.stated and scatter > POOR:
+        if self.misfit:
             said.append(
-                f"The readings differ from this fit by {ratio(scatter)} their stated uncertainty:"
-                " the law or the mechanism is not that of the trials, or the search ended in a"
-                " local minimum. Try other start values."
-            )
-        for values in self.rivals[: 1 if rig else 0]:
-            shown = joined(
-                [
-                    f"{e.quantity.symbol} = {quantity(v, e.quantity.unit, 3)}"
-                    for e, v in zip(self.estimates, values, strict=True)
-                ]
-            )
-            said.append(
-                f"Other values fit as well: {shown}. Intervals reach over both. Measure more"
-                " settings."
+                f"The readings differ from this fit by {quantity(self.scatter, 'm', 2)}, more than"
+                " their stated uncertainty: the law or the mechanism is not that of the trials."
             )
         return tuple(said)
+
+    @property
+    def scatter(self) -> float:
+        """Root mean square of the residuals [m]."""
+        return math.sqrt(sum(one**2 for one in self.residuals) / len(self.residuals))
 
     @property
     def residuals(self) -> tuple[float, ...]:
@@ -198,53 +147,15 @@ class TravelFit(Fit[Law_co]):
         """Number of readings less number of fitted parameters."""
         return len(self.measured) - len(self.estimates)
 
-    def travel_covariance(self, scale: float = 1.0) -> Array:
-        """Return the covariance of several travels (n, n) [m^2], with what trials share.
-
-        Parameters
-        ----------
-        scale : float
-            Variance of the readings over that of their standard errors.
-        """
-        readings = np.square(self.reading_errors)
-        scatter = np.sqrt(np.square(self.standard_errors) + (scale - 1.0) * readings)
-        return covariance_of(scatter, {path: np.array(p) for path, p in self.shared.items()})
-
     @property
     def standardised(self) -> tuple[float, ...]:
-        """Residuals over the standard deviations of several travels, one a trial."""
-        spread = np.sqrt(np.diag(self.travel_covariance())).tolist()
-        return tuple(r / e for r, e in zip(self.residuals, spread, strict=True))
+        """Residuals over the standard errors of the travels, one a trial."""
+        return tuple(r / e for r, e in zip(self.residuals, self.standard_errors, strict=True))
 
     @property
     def chi_square(self) -> float:
-        """Residuals squared over their covariance.
-
-        Where trials share no uncertainty, it is the sum of squares of `standardised`.
-        """
-        if not self.standard_errors:
-            return 0.0
-        residuals = np.array(self.residuals)
-        return float(residuals @ np.linalg.solve(self.travel_covariance(), residuals))
-
-    @property
-    def variance(self) -> tuple[float, float]:
-        """Variance of a reading over the square of its standard error, and degrees of freedom.
-
-        It is 1 and known, with infinitely many degrees of freedom, where uncertainties were stated
-        and chi-square does not exceed the 99 % quantile of its distribution. Else it is estimated
-        from the residuals, beside what trials share or set, which has no scale.
-        """
-        whole = variance_of(self.chi_square, self.freedom, stated=self.stated)
-        if not 0.0 < whole[1] < math.inf or (
-            not self.shared and self.standard_errors == self.reading_errors
-        ):
-            return whole
-        residuals, errors = np.array(self.residuals), np.array(self.reading_errors)
-        return (
-            agreeing_scale(residuals, errors, self.freedom, self.travel_covariance),
-            whole[1],
-        )
+        """Sum of the squares of `standardised`."""
+        return sum(one**2 for one in self.standardised)
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
@@ -253,8 +164,7 @@ class TravelFit(Fit[Law_co]):
             "estimates": [estimate.to_dict() for estimate in self.estimates],
             "measured_travel": list(self.measured),
             "predicted_travel": list(self.predicted),
-            "chi_square": self.chi_square if self.standard_errors and self.stated else None,
+            "chi_square": self.chi_square if self.stated else None,
             "degrees_of_freedom": self.freedom,
             "runs": self.runs,
-            "other_values": list(self.others),
         }

@@ -19,8 +19,8 @@ from stickslip.identification import (
     starting_law,
     trials_of,
 )
-from stickslip.identify import INSENSITIVE, THRESHOLDS, TravelJudgement, band_of, judged_travels
-from stickslip.kinds.travels.result import TravelFit
+from stickslip.identify import THRESHOLDS, TravelJudgement, band_of, judged_travels
+from stickslip.kinds.travels.fit import travel_fit
 from stickslip.kinds.travels.settings import rounded_setting
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
 from stickslip.kinds.travels.wording import WORTH, wording
@@ -81,7 +81,7 @@ def select_travels(
     trials = trials_of(mechanism, measurement, t_end)
     if isinstance(laws, Mapping) and not laws:
         laws = None  # a rig file without friction values: the command tries the usual laws too
-    named, ordinary = _named(laws)
+    named, ordinary = named_laws(laws)
     judgement = judged_travels(
         mechanism, trials, named, ordinary=ordinary, assumed=assumed, t_end=t_end, watch=progress
     )
@@ -117,7 +117,7 @@ def select_travels(
     )
 
 
-def _named(laws: Laws | None) -> tuple[dict[str, FrictionLaw] | None, set[str]]:
+def named_laws(laws: Laws | None) -> tuple[dict[str, FrictionLaw] | None, set[str]]:
     """Return laws by name, None for the usual ones, and the names of those without values."""
     if laws is None:
         return None, set()
@@ -196,59 +196,6 @@ def _candidates(judgement: TravelJudgement, t_end: float) -> list[TravelCandidat
             )
         )
     return found
-
-
-def travel_fit(judgement: TravelJudgement, name: str) -> TravelFit:
-    """Return a law as a fit: its coefficients with their 95 % intervals if it holds."""
-    best, law = judgement.best_of(name), judgement.law_of(name)
-    unknowns = judgement.unknowns_of(name)
-    values = law.values(unknowns[None])[0]
-    paths, known = (
-        law.model.free[: law.count],
-        {p: q for p, q, _ in parameters(law.law, "friction")},
-    )
-    draws = judgement.values(name)
-    untold, zero = judgement.untold(name), judgement.around_zero(name)
-    tail, sources = 0.5 * (1.0 - THRESHOLDS.interval), judgement.sources(name)
-    estimates = []
-    for i, path in enumerate(paths):
-        if path in untold and i > 0:
-            continue
-        quantity = known[path]
-        low, high = np.quantile(draws[path], (tail, 1.0 - tail)).tolist()
-        open_ = path in untold
-        low = 0.0 if path in zero else low
-        estimates.append(
-            Estimate(
-                path=path,
-                quantity=quantity,
-                value=float(values[i]),
-                low=-np.inf if open_ else min(max(low, quantity.low, 0.0), float(values[i])),
-                high=np.inf if open_ else max(high, float(values[i])),
-                interval="95 %",
-                reason=INSENSITIVE if open_ else "",
-                sources=sources[i] if sources and not open_ else {},
-            )
-        )
-    kept = [one.path for one in estimates]
-    table = np.array([draws[path] for path in kept])
-    spread = np.where(table.std(axis=1) > 0.0, table.std(axis=1), 1.0)
-    scaled = (table - table.mean(axis=1, keepdims=True)) / spread[:, None]
-    correlation = np.clip(scaled @ scaled.T / table.shape[1], -1.0, 1.0)
-    np.fill_diagonal(correlation, 1.0)
-    return TravelFit(
-        law=law.with_unknowns(unknowns),
-        mechanism=judgement.trials[0].mechanism,
-        estimates=tuple(estimates),
-        measured=tuple(judgement.measured.tolist()),
-        predicted=tuple((judgement.measured - best.left * judgement.errors).tolist()),
-        runs=law.model.runs,
-        standard_errors=tuple(judgement.errors.tolist()),
-        reading_errors=tuple(judgement.readings.tolist()),
-        stated=judgement.stated,
-        correlation=tuple(map(tuple, correlation.tolist())),
-        trials=tuple(judgement.trials),
-    )
 
 
 def _any_law(judgement: TravelJudgement, own: Estimate) -> Estimate:

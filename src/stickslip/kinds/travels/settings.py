@@ -1,23 +1,8 @@
-"""Settings of a rig: what is set, in which unit, and what laws predict there."""
+"""Settings of a rig in words, and in the units in which they are read."""
 
-import contextlib
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-
-from stickslip.errors import StickslipError
-from stickslip.experiments import whole_cycles
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelModel, Trial
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters, vary
-
-KNOBS = ("mechanism.compression", "mechanism.drive.level", "mechanism.drive.amplitude")
-"""Parameters an experimenter can turn, in the order of ease."""
 
 
 def unit_of(unit: str) -> tuple[str, float]:
@@ -54,111 +39,13 @@ def words_of(path: str) -> str:
     return path.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Separation:
-    """One setting of the rig and the travel each fitted law predicts for it."""
+def setting_text(value: float, unit: str) -> str:
+    """Return a setting [SI] with its unit, lengths in millimetres and angles in degrees.
 
-    path: str
-    """Parameter to set."""
-    symbol: str
-    """Its symbol."""
-    unit: str
-    """Its SI unit."""
-    value: float
-    """Setting, SI."""
-    predicted: Mapping[str, float]
-    """Travel [m] by law."""
-
-    @property
-    def text(self) -> str:
-        """The setting with its unit, lengths in millimetres and angles in degrees."""
-        unit, factor = unit_of(self.unit)
-        return f"{number(factor * self.value, 6)} {unit}".replace(" °", "°")
-
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return the separation as plain numbers and strings."""
-        return {"set": {self.path: self.value}, "predicted_travel": dict(self.predicted)}
-
-
-def knob_of(
-    mechanism: Mechanism, trials: Sequence[Trial] = ()
-) -> tuple[str, str, str, float] | None:
-    """Return path, symbol, unit and value of the parameter that is set to get other travels.
-
-    What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
-    rig stands, it is the one that is easiest to turn.
+    Examples
+    --------
+    >>> setting_text(0.1, "m"), setting_text(math.radians(5.0), "rad")
+    ('100 mm', '5°')
     """
-    known = {
-        path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
-    }
-    varied = [path for path in known if len({_value(trial, path) for trial in trials}) > 1]
-    for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
-        if path in known and known[path][2] != 0:
-            return path, *known[path]
-    return None
-
-
-def _value(trial: Trial, path: str) -> float | None:
-    found = {name: value for name, _, value in parameters(trial.mechanism, "mechanism")}
-    return found.get(path)
-
-
-def predictions(
-    mechanism: Mechanism,
-    laws: Mapping[str, FrictionLaw],
-    path: str,
-    settings: Sequence[float],
-    *,
-    t_end: float,
-    initial: Mapping[str, float] | None = None,
-    per_cycle: bool = False,
-) -> tuple[Separation, ...]:
-    """Predict the travel of each law at given settings, but for those where no run ends."""
-    symbol, unit = next(
-        (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path
-    )
-    asked = []
-    for setting in settings:
-        changed = vary(mechanism, "mechanism", {path: setting})
-        with contextlib.suppress(StickslipError):
-            trial = Trial(
-                mechanism=changed,
-                initial=initial or {},
-                travel=0.0,
-                half_width=0.0,
-                cycles=whole_cycles(changed, t_end) if per_cycle else None,
-            )
-            asked.append((trial, setting))
-    if not asked:
-        return ()
-    trials = [trial for trial, _ in asked]
-    travels = {name: _travels(law, trials, t_end) for name, law in laws.items()}
-    found = []
-    for i, (_, setting) in enumerate(asked):
-        predicted = {name: float(made[i]) for name, made in travels.items()}
-        if all(map(math.isfinite, predicted.values())):
-            found.append(
-                Separation(
-                    path=path,
-                    symbol=symbol,
-                    unit=unit,
-                    value=setting,
-                    predicted=predicted,
-                )
-            )
-    return tuple(found)
-
-
-def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> list[float]:
-    """Return the travel of each trial [m]; NaN where a run cannot be made."""
-    model = TravelModel(law, (), t_end)
-    try:
-        travels: list[float] = model.table(trials, np.zeros((1, 0)))[0].tolist()
-    except StickslipError:  # of one setting, which is one of many
-        travels = []
-        for trial in trials:
-            try:
-                travels.append(model.travel(trial, ()))
-            except StickslipError:
-                travels.append(math.nan)
-    return travels
+    shown, factor = unit_of(unit)
+    return f"{number(factor * value, 6)} {shown}".replace(" °", "°")

@@ -75,7 +75,7 @@ def _section(plan: Plan, tables: Sequence[SheetTable], name: str) -> Section:
     """Return the section of the tables of one name."""
     blocks: list[Block] = []
     if name == "before":
-        blocks.append(Paragraph(text=plan.sentence))
+        blocks.append(Paragraph(text=f"{plan.sentence} {plan.band_sentence}"))
         blocks += [Note(title="Note.", text=line) for line in plan.remarks]
     mine = [table for table in tables if table.name == name]
     for table in mine:

@@ -1,27 +1,32 @@
 """The verb `plan`: which travels to measure for a law, how often and how well.
 
-All numbers come from runs. Each law has the level with which the body travels equally far at the
-present setting; rivals are fitted to the travels of the law that is taken to hold; intervals follow
-from the slopes of the travels there.
+1. *Now*: the judge of `select` takes the travels that were measured, or one that the first law
+   makes as the rig stands, and draws laws; the quantiles of their travels over the settings are the
+   band whichever law holds.
+2. *Law by law*: the judge takes the travels that this law makes at the settings, with the errors to
+   be expected. A law that then leaves the set is told apart; intervals and the band are those that
+   the runs will give.
+3. *The rig*: a parameter moves travels, and with them the level, in proportion to its uncertainty.
 """
 
-import contextlib
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import permutations
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, StickslipError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number, percent, quantity
-from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
+from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     LEAST_ERROR,
     READINGS,
+    Estimate,
     Laws,
     TravelModel,
     Trial,
@@ -30,27 +35,25 @@ from stickslip.identification import (
     laws_of,
     required_of,
     standard_errors,
-    starting_law,
     trials_of,
     uncertainties_of,
 )
-from stickslip.identify import covariance_of, doubling_slope
-from stickslip.kinds.travels.fit import fit_trials, payable
-from stickslip.kinds.travels.plan.preparing import how_to, otherwise
-from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Telling
-from stickslip.kinds.travels.result import TravelFit
-from stickslip.kinds.travels.search import expected_fit
-from stickslip.kinds.travels.settings import (
-    Separation,
+from stickslip.identify import (
+    INSENSITIVE,
+    THRESHOLDS,
+    TravelJudgement,
+    band_of,
+    judged_travels,
     knob_of,
-    predictions,
-    rounded_setting,
-    unit_of,
-    words_of,
+    propagated,
 )
+from stickslip.kinds.travels.fit import travel_fit
+from stickslip.kinds.travels.plan.preparing import how_to, otherwise
+from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Separation, Telling
+from stickslip.kinds.travels.selection import named_laws
+from stickslip.kinds.travels.settings import rounded_setting, setting_text, unit_of, words_of
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
-from stickslip.selection import check_any
 from stickslip.simulation import simulate
 
 Array: TypeAlias = NDArray[np.float64]
@@ -73,19 +76,21 @@ ROUGH = 0.01
 of this is said."""
 LEAST, MOST = 3, 10
 """Runs at each setting: fewer do not show their scatter, more are not asked for."""
-TELLING = 3.523
-"""Standard deviations that tell two laws apart: 2.241 for the test of `select` (97.5 % quantile of
-chi-square with one degree of freedom), 1.282 more for nine of ten such sets to pass it."""
+ODDS = math.log(THRESHOLDS.odds)
+SURE = (1.282 / math.sqrt(2.0) + math.sqrt(0.5 * 1.282**2 + ODDS)) ** 2
+"""Evidence of readings without errors with which a law leaves the set in nine of ten sets of
+readings: their errors move evidence by the root of twice itself (1.282 standard deviations)."""
+RESOLVED = 1e-3
+"""Uncertainty of the travel that is assumed where none was measured, over itself."""
+ALIKE = 1e-4
+"""Share of the longest travel up to which laws predict the same."""
 HALF = 0.5
 """Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
 large widen the interval by a third."""
 TINY = 1e-6
 """Share of a parameter that stands for its uncertainty where only the slope is asked for."""
-VISCOUS = 0.25
-"""Viscous part over the level at the largest speed, where nobody gave a value: a fifth of both. A
-law without a level has a viscous part that is as large as the usual level there."""
-NEAR = 0.9
-"""A second point, over the first, where the search of a rival's parameters begins."""
+STEP = 1e-4
+"""Share of a level by which it is moved for the slope of travels."""
 NEAR_STOP = 1e-9
 """Distance from a hard stop at which the body is at it [m]."""
 MOVES = 0.05
@@ -125,15 +130,20 @@ def plan(
 ) -> Plan:
     """Plan travels that tell friction laws apart and fix their parameters.
 
+    The band of the travel over the settings, whichever law holds, is that of `select`: where it is
+    widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
+    that each law predicts.
+
     Parameters
     ----------
     mechanism : Mechanism
         What a compressed spring or a push sets in motion and friction stops, as it stands.
     laws : mapping, sequence or a single law, optional
         The candidates, as instances, types or names; of an instance the values are taken for
-        plausible, but for its level. Coulomb, viscous, both together and Stribeck if not given.
+        plausible, but for its level; of others, what travels leave plausible. Coulomb, viscous,
+        both together and Stribeck if not given.
     measurement : Measurement, optional
-        Travels that were measured before: levels are fitted to them, and their uncertainty is
+        Travels that were measured before: laws are fitted to them, and their uncertainty is
         counted on. Without it all laws travel as far as the first one at the present setting.
     parameter_uncertainties : mapping of str to float, optional
         Standard uncertainties of the mechanism's parameters, by path or last name; those of the
@@ -180,39 +190,64 @@ def plan(
     done = _done(mechanism, measurement, t_end)
     knob = _knob(mechanism, done)
     ends, source = _range(mechanism, knob, done, between)
-    candidates = _candidates(mechanism, laws, t_end)
+    asked = laws_of(laws)
+    if asked is None or asked == {}:  # a rig file without friction values has an empty mapping
+        asked = list(USUAL)
+    chosen, ordinary = named_laws(asked)
+    assert chosen is not None
     error, repeated = _error(uncertainty, done)
-    if not done:
-        _check_present(mechanism, candidates[_first(candidates)], t_end, error)
-    levelled, remarks = _levelled(mechanism, candidates, done, t_end)
-    settings_at = _settings(mechanism, knob, ends, count)
-    levelled, idle = _stopping(mechanism, knob, settings_at, levelled, t_end, error)
-    named = _first(levelled)
-    rows, still = _rows(mechanism, knob, settings_at, levelled, named, t_end)
-    size = _checked(error, max(abs(row.predicted[named]) for row in rows))
-    stated = _stated(mechanism, measurement, parameter_uncertainties)
-    bench = _Bench(mechanism=mechanism, rows=rows, error=size, stated=stated, t_end=t_end)
-    contrasts = _contrasts(bench.known(levelled[named], LEAST), levelled)
-    needed = [one.repeats(size) for one in contrasts]
-    repeats = max([LEAST, *(n for n in needed if n is not None)])
-    bench = bench.known(levelled[named], repeats)
-    share = bench.share(levelled[named], repeats)
+    trials = done or (_assumed(mechanism, chosen[_first(chosen)], t_end, error),)
+    now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
+    remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
+    known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
+    unit = known[knob][0].unit
+    places = np.array([rounded_setting(one, unit) for one in np.linspace(*ends, count)])
+    typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
+    kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
+    named = _first(kept)
+    places, still = _moving(now, kept[named], places)
+    travels = {name: _travels(law, now.at(places), t_end) for name, law in kept.items()}
+    size = _checked(error, float(np.max(np.abs(travels[named]))))
+    bench = _Bench(
+        now=now, laws={name: chosen[name] for name in kept}, ordinary=ordinary, typical=kept,
+        named=named, places=places, travels=travels, error=size,
+        stated=_stated(mechanism, measurement, parameter_uncertainties),
+    )  # fmt: skip
+    few = {name: bench.judged(name, LEAST) for name in kept}
+    pairs, repeats = _pairs(bench, few)
+    after = few
+    if repeats > LEAST:
+        after = {name: bench.judged(name, repeats) for name in kept}
+    band = band_of(now.travels(places))
+    # the widest that any law leaves
+    ends_after = [band_of(one.travels(places)) for one in after.values()]
+    expected = 0.5 * np.max([one.high - one.low for one in ends_after], axis=0)
+    rows = tuple(
+        Separation(
+            path=knob,
+            symbol=known[knob][0].symbol,
+            unit=unit,
+            value=float(place),
+            predicted={name: float(one[i]) for name, one in travels.items()},
+            low=float(band.low[i]),
+            high=float(band.high[i]),
+            expected=float(expected[i]),
+        )
+        for i, place in enumerate(places)
+    )
     return Plan(
         mechanism=mechanism,
-        laws=levelled,
+        laws=kept,
         reference=named,
         settings=rows,
         repeats=repeats,
         uncertainty=size,
         assumed=error is None,
         repeated=repeated,
-        preparations=tuple(
-            replace(one, rough=_rough(bench, one, levelled, named, contrasts, repeats))
-            for one in bench.preparations(levelled[named], repeats)
-        ),
-        rest=otherwise(mechanism, levelled[named], share),
-        tellings=tuple(one.telling(size, repeats) for one in contrasts),
-        expectations=tuple(_expected(bench, levelled, repeats)),
+        preparations=bench.preparations(repeats, travel_fit(after[named], named).estimates[0]),
+        rest=otherwise(mechanism, kept[named], bench.share(repeats)),
+        tellings=tuple(_telling(few, rows, travels, *pair) for pair in pairs),
+        expectations=tuple(_expected(after, kept)),
         range_source=source,
         from_trials=bool(done),
         remarks=(*remarks, *idle, *still),
@@ -223,136 +258,133 @@ def plan(
 class _Bench:
     """The rig at the planned settings, and how well it and its readings are known."""
 
-    mechanism: Mechanism
-    rows: Sequence[Separation]
+    now: TravelJudgement
+    laws: Mapping[str, FrictionLaw]
+    """Laws as they were given."""
+    ordinary: Collection[str]
+    """Names of those whose values nobody gave."""
+    typical: Mapping[str, FrictionLaw]
+    """Laws with values that are plausible now."""
+    named: str
+    """The law whose level the preparations are for."""
+    places: Array
+    """Settings (m,)."""
+    travels: Mapping[str, Array]
+    """Travels (m,) of the typical laws [m]."""
     error: float
+    """Standard uncertainty of a reading [m]."""
     stated: Mapping[str, float]
-    t_end: float
-    doubts: Mapping[str, float] | None = None
-    """What is counted on: as stated, or else as needed."""
 
-    def trials(self, repeats: int = 1) -> list[Trial]:
-        """Return the planned trials, none measured yet."""
+    def trials(self, name: str, repeats: int, doubts: Mapping[str, float]) -> tuple[Trial, ...]:
+        """Return the planned trials as they are if a law holds."""
+        path, shared = self._knob, dict(doubts)
+        by_hand = {path: shared.pop(path)} if path in shared else {}
         found = []
-        path, doubts = self.rows[0].path, dict(self.doubts or {})
-        by_hand = {path: doubts.pop(path)} if path in doubts else {}
-        for row in self.rows:
-            changed = vary(self.mechanism, "mechanism", {path: row.value})
-            one = Trial(
-                mechanism=changed, initial={}, travel=0.0, half_width=self.error,
-                doubts=by_hand, shared=doubts,
+        for one, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
+            made = Trial(
+                mechanism=one.mechanism, initial={}, travel=float(travel), half_width=self.error,
+                doubts=by_hand, shared=shared,
             )  # fmt: skip
-            found += [one] * repeats
-        return found
+            found += [made] * repeats
+        return tuple(found)
 
-    def fit(self, law: FrictionLaw, free: Sequence[str], repeats: int) -> TravelFit:
-        """Return the fit to expect of some of a law's parameters."""
-        known = {path: value for path, _, value in parameters(law, "friction")}
-        values = [known[path] for path in free]
-        return expected_fit(TravelModel(law, free, self.t_end), self.trials(repeats), values)
+    def judged(self, name: str, repeats: int) -> TravelJudgement:
+        """Return what `select` makes of the planned trials if a law holds."""
+        trials = self.trials(name, repeats, {**self.needed(repeats), **self.stated})
+        return judged_travels(
+            self.now.mechanism, trials, self.laws, ordinary=self.ordinary, t_end=self.now.t_end
+        )
 
-    def share(self, law: FrictionLaw, repeats: int) -> float:
-        """Return the standard uncertainty of a law's level over itself."""
-        (level,) = self.fit(law, payable(law, self.trials())[:1], repeats).estimates
-        return math.hypot(*level.sources.values()) / level.value if level.sources else math.inf
+    @property
+    def _knob(self) -> str:
+        assert self.now.knob is not None
+        return self.now.knob[0]
 
-    def width(self, law: FrictionLaw, repeats: int) -> tuple[str, float]:
-        """Return the symbol of a law's level, and half its 95 % interval over its value."""
-        (level,) = self.fit(law, payable(law, self.trials())[:1], repeats).estimates
-        return level.quantity.symbol, 0.5 * (level.high - level.low) / level.value
+    @cached_property
+    def _per_unit(self) -> dict[str, float]:
+        """Standard error of the level over itself by one run a setting, by source.
 
-    def needed(self, law: FrictionLaw, repeats: int) -> dict[str, float]:
-        """Return by path how well the rig is to be known for its part in a law's level to be small.
+        That of the readings, and that of a parameter of the rig by its uncertainty, to first order.
+        """
+        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        units = {p: TINY * (abs(v) or 1.0) for p, v in known.items() if v or p in self.stated}
+        law = self.typical[self.named]
+        path = self.now.law_of(self.named).model.free[0]
+        level = {p: value for p, _, value in parameters(law, "friction")}[path]
+        model = TravelModel(law, [path], self.now.t_end)
+        trials = self.trials(self.named, 1, units)
+        ends = [model.travels(trials, [factor * level]) for factor in (1.0 - STEP, 1.0 + STEP)]
+        slope = (ends[1] - ends[0]) / (2.0 * STEP)
+        gain = slope / float(slope @ slope)
+        alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
+        found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
+        found |= {path: abs(float(gain @ one)) for path, one in shared.items()}
+        size = {READINGS: self.error * float(np.linalg.norm(gain))}
+        return size | {path: one / units[path] for path, one in found.items()}
+
+    def _part(self, path: str, doubt: float, repeats: int) -> float:
+        """Return the part of a source: what differs from run to run averages out."""
+        return (
+            self._per_unit[path]
+            * doubt
+            / (math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0)
+        )
+
+    def needed(self, repeats: int) -> dict[str, float]:
+        """Return by path how well the rig is to be known for its part in the level to be small.
 
         Gravity and what the travels do not depend on are left out.
         """
-        known = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
-        known |= {self.rows[0].path: max(row.value for row in self.rows)}
-        units = {p: TINY * abs(v) for p, v in known.items() if v and not p.endswith(".gravity")}
-        exact = replace(self, doubts=units)
-        (level,) = exact.fit(law, payable(law, self.trials())[:1], repeats).estimates
-        found = {}
-        for path, unit in units.items():
-            part = level.sources.get(path, 0.0)
-            if part > TINY * unit / abs(known[path]) * level.value:
-                found[path] = HALF * level.sources[READINGS] * unit / part
-        return found
+        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        parts = {
+            path: self._part(path, 1.0, repeats)
+            for path in self._per_unit
+            if path != READINGS and known[path] and not path.endswith(".gravity")
+        }
+        half = HALF * self._part(READINGS, 1.0, repeats)
+        return {p: half / one for p, one in parts.items() if one * abs(known[p]) > TINY}
 
-    def known(self, law: FrictionLaw, repeats: int) -> "_Bench":
-        """Return the rig known as well as stated, or else as needed for a law's level."""
-        return replace(self, doubts={**self.needed(law, repeats), **self.stated})
+    def share(self, repeats: int, **changed: float) -> float:
+        """Return the standard uncertainty of the level over itself, with other parts of the rig."""
+        doubts = {READINGS: 1.0, **self.needed(repeats), **self.stated, **changed}
+        return math.hypot(*(self._part(path, x, repeats) for path, x in doubts.items()))
 
-    def preparations(self, law: FrictionLaw, repeats: int) -> tuple[Preparation, ...]:
-        """Return what to measure before, and how well."""
-        known = {path: (q, v) for path, q, v in parameters(self.mechanism, "mechanism")}
+    def preparations(self, repeats: int, level: Estimate) -> tuple[Preparation, ...]:
+        """Return what to measure before, and how well, for an interval of the level."""
+        mechanism = self.now.mechanism
+        known = {path: (q, v) for path, q, v in parameters(mechanism, "mechanism")}
         # how far the spring is compressed at most, whatever is set
         spring = "mechanism.compression"
-        moved = [row.value for row in self.rows if row.path == spring]
-        largest = max(map(abs, moved or [known[spring][1] if spring in known else 0.0]))
-        return tuple(
-            Preparation(
-                path=path,
-                quantity=known[path][0],
-                value=known[path][1],
-                needed=needed,
-                stated=self.stated.get(path),
-                how=how_to(self.mechanism, path, needed, largest),
+        moved = self.places if self._knob == spring else [known.get(spring, (None, 0.0))[1]]
+        largest = float(np.max(np.abs(moved)))
+        symbol = level.quantity.symbol
+        wide = level.half_width / level.value / self.share(repeats)
+        found = []
+        for path, needed in self.needed(repeats).items():
+            size = float(np.max(np.abs(self.places))) if path == self._knob else known[path][1]
+            rough, rest = ROUGH * abs(size), ""
+            if needed < rough:
+                wanted, got = (
+                    percent(wide * one)
+                    for one in (self.share(repeats), self.share(repeats, **{path: rough}))
+                )
+                rest = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
+                if got == wanted:  # as it is stated to 1 %, say
+                    rest += f"stays at ± {got} of the value."
+                else:
+                    rest += f"is ± {got} of the value instead of ± {wanted}."
+            found.append(
+                Preparation(
+                    path=path,
+                    quantity=known[path][0],
+                    value=known[path][1],
+                    needed=needed,
+                    stated=self.stated.get(path),
+                    how=how_to(mechanism, path, needed, largest),
+                    rough=rest,
+                )
             )
-            for path, needed in self.needed(law, repeats).items()
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Contrast:
-    """What a rival's fit to the travels of a law leaves, and how the rig spreads it."""
-
-    holds: str
-    rival: str
-    rows: Sequence[Separation]
-    left: Array
-    """Differences of the travels (n,) [m]."""
-    by_hand: Array
-    """Standard errors from what is set anew for each run (n,) [m]."""
-    shared: Mapping[str, Array]
-
-    @property
-    def longest(self) -> float:
-        """The longest travel of the law that holds [m]."""
-        return max(abs(row.predicted[self.holds]) for row in self.rows)
-
-    def sigmas(self, error: float, repeats: int) -> float:
-        """Return the differences over their uncertainty, with so many runs at each setting."""
-        scatter = np.sqrt((error**2 + self.by_hand**2) / repeats)
-        weighed = np.linalg.solve(covariance_of(scatter, self.shared), self.left)
-        return math.sqrt(float(self.left @ weighed))
-
-    def repeats(self, error: float) -> int | None:
-        """Return how many runs at each setting tell the laws apart; None beyond `MOST`."""
-        return next((n for n in range(1, MOST + 1) if self.sigmas(error, n) >= TELLING), None)
-
-    def uncertainty(self, repeats: int) -> float:
-        """Return the uncertainty of a reading at which so many runs do [m]; 0 if none is."""
-        low, high = 1e-9, float(np.abs(self.left).max()) * math.sqrt(len(self.left) * repeats)
-        if high <= low or self.sigmas(low, repeats) < TELLING:
-            return 0.0
-        for _ in range(60):
-            middle = math.sqrt(low * high)
-            low, high = (middle, high) if self.sigmas(middle, repeats) >= TELLING else (low, middle)
-        return low
-
-    def telling(self, error: float, repeats: int) -> Telling:
-        """Return it as it stands in a plan."""
-        worst = int(np.argmax(np.abs(self.left)))
-        return Telling(
-            holds=self.holds,
-            rival=self.rival,
-            gap=float(np.abs(self.left[worst])),
-            setting=self.rows[worst],
-            repeats=self.repeats(error),
-            most=MOST,
-            uncertainty=self.uncertainty(repeats),
-            alike=float(np.abs(self.left[worst])) <= LEAST_ERROR * self.longest,
-        )
+        return tuple(found)
 
 
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
@@ -398,85 +430,54 @@ def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     return knob[0]
 
 
-def _candidates(
-    mechanism: Mechanism, given: Laws | FrictionLaw | type[FrictionLaw] | str | None, t_end: float
-) -> dict[str, FrictionLaw]:
-    """Return the laws by name with plausible values."""
-    laws = laws_of(given)
-    if isinstance(laws, Mapping):
-        found = dict(laws)
-        if found:
-            return found
-        laws = None
-    chosen = [LAWS[name] for name in USUAL] if laws is None else list(laws)
-    found = {}
-    for one in chosen:
-        kind = law_type(one) if isinstance(one, str) else one
-        law = _ordinary(mechanism, kind, t_end) if isinstance(kind, type) else kind
-        found[law.name] = law
-    check_any(found)
-    return found
-
-
-def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> FrictionLaw:
-    """Return a law with ordinary values; its viscous part is what it would be on this rig."""
-    law = starting_law(kind)
-    slopes = [name for name in required_of(kind) if fields_of(kind)[name].scale == "slope"]
-    if not slopes:
-        return law
-    beside = law if _has_level(law) else starting_law(Coulomb)
-    path, level = _levels(beside)[0]
-    one = _trial(mechanism)
-    slope = doubling_slope(TravelModel(beside, [path], t_end), [one], [level])
-    share = VISCOUS if beside is law else 1.0
-    return vary(law, "friction", {f"friction.{slopes[0]}": share * slope})
-
-
 def _first(laws: Mapping[str, FrictionLaw]) -> str:
     """Return the name of the first law with a level, or of the first one."""
-    return next((name for name, law in laws.items() if _has_level(law)), next(iter(laws)))
+    levels = (
+        name
+        for name, law in laws.items()
+        if any(one.scale == "level" for _, one, _ in parameters(law, "friction"))
+    )
+    return next(levels, next(iter(laws)))
 
 
-def _has_level(law: FrictionLaw) -> bool:
-    return bool(_levels(law))
+def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> Trial:
+    """Return the travel that a law makes as the rig stands, as if it had been measured well."""
+    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    travel = abs(float(_travels(law, [trial], t_end)[0]))
+    if travel == 0.0:
+        raise InputError(
+            f"{law.title} friction{_values_of(law)} holds the body at rest: lower the friction"
+            " level, or raise the setting of the rig."
+        )
+    if said := _why_none(mechanism, law, t_end, SCATTER * travel if error is None else error):
+        raise InputError(
+            f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
+        )
+    signed = float(_travels(law, [trial], t_end)[0])
+    return replace(trial, travel=signed, half_width=RESOLVED * travel)
 
 
-def _levels(law: FrictionLaw) -> list[tuple[str, float]]:
-    """Return paths and values of the levels of sliding."""
-    return [
-        (path, value)
-        for path, quantity, value in parameters(law, "friction")
-        if quantity.scale == "level" and quantity.at_least is None
-    ]
+def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> Array:
+    """Return the travels (n,) of a law in trials [m]."""
+    return TravelModel(law, (), t_end).travels(trials, ())
 
 
-def _levelled(
-    mechanism: Mechanism,
-    laws: Mapping[str, FrictionLaw],
-    done: Sequence[Trial],
-    t_end: float,
-) -> tuple[dict[str, FrictionLaw], list[str]]:
-    """Return laws with the level that travels measured before call for, or else the first law's.
+def _typical(now: TravelJudgement, name: str, places: Array) -> FrictionLaw:
+    """Return a law with values that are plausible now: as fitted, or its draw in the middle.
 
-    The sentences say which laws have none.
+    A fit whose best value of a part is 0 is another law by name only.
     """
-    trials = list(done)
-    found, remarks = {}, []
-    for name, law in sorted(laws.items(), key=lambda item: not _has_level(item[1])):
-        if not trials:
-            one = _trial(mechanism)
-            trials = [replace(one, travel=TravelModel(law, (), t_end).travel(one, ()))]
-            if trials[0].travel == 0.0:
-                raise InputError(
-                    f"{law.title} friction{_values_of(law)} holds the body at rest: lower the"
-                    " friction level, or raise the setting of the rig."
-                )
-        try:
-            found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
-        except (ConvergenceError, InputError) as error:
-            remarks.append(f"{law.title} friction was left out: {error}")
-    _check_planned(found, remarks)
-    return {name: found[name] for name in laws if name in found}, remarks
+    law = now.law_of(name)
+    if not now.around_zero(name):
+        return law.with_unknowns(now.unknowns_of(name))
+    draws = now.drawn(name, THRESHOLDS.draws // 4)
+    travels = law.table(now.at(places), draws.unknowns)
+    further = np.abs(draws.unknowns[:, 1 : law.count])
+    # those without a part are of another law by name only, too
+    full = np.all(further > RESOLVED * further.max(axis=0, initial=0.0), axis=1)
+    travels[~full & full.any()] = np.nan
+    off = np.sum((travels - np.nanmedian(travels, axis=0)) ** 2, axis=1)
+    return law.with_unknowns(draws.unknowns[int(np.nanargmin(off))])
 
 
 def _check_planned(laws: Mapping[str, FrictionLaw], remarks: Sequence[str]) -> None:
@@ -491,8 +492,9 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
     Bodies that still move by less than the error of a reading, as on undamped bristles, are at
     rest.
     """
+    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
     try:
-        TravelModel(law, (), t_end).check_rest([_trial(mechanism)], (), [error])
+        TravelModel(law, (), t_end).check_rest([trial], (), [error])
     except ConvergenceError as reason:
         return str(reason)
     run = simulate(mechanism, law, t_end=t_end)
@@ -505,27 +507,6 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
             at = quantity(float(stop.position), mechanism.units[0])
             return f"the body hits the stop at {at}. Lower the setting of the rig."
     return ""
-
-
-def _travel(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> float:
-    """Return how far the body is at the end from where it began [m]."""
-    return abs(TravelModel(law, (), t_end).travel(_trial(mechanism), ()))
-
-
-def _trial(mechanism: Mechanism) -> Trial:
-    """Return a run that is not yet measured."""
-    return Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
-
-
-def _check_present(
-    mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None
-) -> None:
-    """Refuse a rig that makes no travel as it stands, where the laws are to make the same one."""
-    size = SCATTER * _travel(mechanism, law, t_end) if error is None else error
-    if said := _why_none(mechanism, law, t_end, size):
-        raise InputError(
-            f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
-        )
 
 
 def _values_of(law: FrictionLaw) -> str:
@@ -575,14 +556,6 @@ def _range(
     return (low, high), f"{source}, {shown}. Use --between (Python: between) for another range."
 
 
-def _settings(
-    mechanism: Mechanism, path: str, ends: tuple[float, float], count: int
-) -> list[float]:
-    """Return equidistant settings, to three digits of the unit in which they are read."""
-    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
-    return [rounded_setting(one, unit) for one in np.linspace(*ends, count)]
-
-
 def _stopping(
     mechanism: Mechanism,
     path: str,
@@ -602,7 +575,8 @@ def _stopping(
     for name, law in laws.items():
         size = error
         if size is None:
-            size = SCATTER * max(_travel(rig, law, t_end) for rig in rigs)
+            trials = [Trial(mechanism=rig, initial={}, travel=0.0, half_width=0.0) for rig in rigs]
+            size = SCATTER * float(np.max(np.abs(_travels(law, trials, t_end))))
         reasons = {
             value: said
             for value, rig in zip(settings, rigs, strict=True)
@@ -618,33 +592,23 @@ def _stopping(
     return found, remarks
 
 
-def _rows(
-    mechanism: Mechanism,
-    path: str,
-    settings: Sequence[float],
-    laws: Mapping[str, FrictionLaw],
-    named: str,
-    t_end: float,
-) -> tuple[tuple[Separation, ...], list[str]]:
+def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Array, list[str]]:
     """Return settings at which the body moves, and which were left out, as sentences."""
-    rows = predictions(mechanism, laws, path, settings, t_end=t_end)
-    least = MOVES * max((abs(row.predicted[named]) for row in rows), default=0.0)
-    kept = tuple(row for row in rows if abs(row.predicted[named]) > least)
-    if len(kept) < 2:
-        word, unit = words_of(path), rows[0].unit if rows else ""
-        ends = " to ".join(quantity(one, unit, degrees=True) for one in (settings[0], settings[-1]))
+    assert now.knob is not None
+    path, _ = now.knob
+    unit = {p: q.unit for p, q, _ in parameters(now.mechanism, "mechanism")}[path]
+    travels = np.abs(_travels(law, now.at(places), now.t_end))
+    moves = travels > MOVES * np.max(travels)
+    if moves.sum() < 2:
+        ends = " to ".join(quantity(one, unit, degrees=True) for one in (places[0], places[-1]))
         raise InputError(
-            f"the body moves at {len(kept)} of {len(settings)} settings of the {word} from {ends}:"
-            " raise the setting of the rig, or give a higher range with --between (Python:"
-            " between)."
+            f"the body moves at {moves.sum()} of {len(places)} settings of the {words_of(path)}"
+            f" from {ends}: raise the setting of the rig, or give a higher range with --between"
+            " (Python: between)."
         )
-    idle = [row.text for row in rows if row not in kept]
-    said = (
-        [(f"At {joined(idle)} the body hardly moves, so no runs are planned there.")]
-        if idle
-        else []
-    )
-    return kept, said
+    idle = [setting_text(one, unit) for one in places[~moves].tolist()]
+    said = f"At {joined(idle)} the body hardly moves, so no runs are planned there."
+    return places[moves], [said] if idle else []
 
 
 def _checked(error: float | None, longest: float) -> float:
@@ -680,37 +644,6 @@ def _error(given: float | None, done: Sequence[Trial]) -> tuple[float | None, in
     return (float(errors.max()) if stated else None), 0
 
 
-def _rough(
-    bench: _Bench,
-    one: Preparation,
-    laws: Mapping[str, FrictionLaw],
-    named: str,
-    contrasts: Sequence[_Contrast],
-    repeats: int,
-) -> str:
-    """Return what it costs to know a parameter of the rig to 1 % only; nothing if more will do."""
-    size = max([abs(row.value) for row in bench.rows if row.path == one.path] or [abs(one.value)])
-    if one.needed >= ROUGH * size:
-        return ""
-    worse = replace(bench, doubts={**(bench.doubts or {}), one.path: ROUGH * size})
-    symbol, wanted = bench.width(laws[named], repeats)
-    _, got = worse.width(laws[named], repeats)
-    said = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
-    if percent(got) == percent(wanted):  # as it is stated to 1 %, say
-        said += f"stays at ± {percent(got)} of the value"
-    else:
-        said += f"is ± {percent(got)} of the value instead of ± {percent(wanted)}"
-    told = [pair for pair in contrasts if pair.sigmas(bench.error, repeats) >= TELLING]
-    lost = [
-        f"{laws[pair.holds].title} from {laws[pair.rival].title}"
-        for pair in told
-        if _contrast(worse, pair.holds, pair.rival, laws).sigmas(bench.error, repeats) < TELLING
-    ]
-    if lost:
-        return f"{said}, and the runs no longer distinguish {joined(lost)}."
-    return f"{said}; the runs distinguish the same laws." if told else f"{said}."
-
-
 def _stated(
     mechanism: Mechanism, measurement: Measurement | None, doubts: Mapping[str, float] | None
 ) -> dict[str, float]:
@@ -724,62 +657,92 @@ def _stated(
     return own
 
 
-def _contrasts(bench: _Bench, laws: Mapping[str, FrictionLaw]) -> list[_Contrast]:
-    """Return for each pair of laws what it takes to rule one out, the easiest first.
+def _pairs(
+    bench: _Bench, few: Mapping[str, TravelJudgement]
+) -> tuple[list[tuple[str, str, int | None]], int]:
+    """Return which law each pair of laws rules out, with how many runs, and how many are needed.
 
     The law with more parameters is taken to hold: the other one cannot imitate it. Of two with as
-    many, whichever is harder to rule out.
+    many, whichever is harder to rule out. None for a pair that `MOST` runs do not tell apart.
+    Evidence grows in proportion to the number of runs.
     """
-    sizes = {name: len(required_of(type(law))) for name, law in laws.items()}
-    found: dict[frozenset[str], _Contrast] = {}
-    for holds, rival in permutations(laws, 2):
-        if sizes[rival] > sizes[holds]:
-            continue
-        one = _contrast(bench, holds, rival, laws)
-        known = found.get(frozenset((holds, rival)))
-        if known is None or one.sigmas(bench.error, 1) < known.sigmas(bench.error, 1):
-            found[frozenset((holds, rival))] = one
-    return sorted(found.values(), key=lambda one: -one.sigmas(bench.error, 1))
+    sizes = {name: len(required_of(type(law))) for name, law in bench.laws.items()}
+    chosen = dict[frozenset[str], tuple[float, str, str]]()
+    for holds, rival in permutations(bench.laws, 2):
+        if sizes[rival] <= sizes[holds]:
+            pair, gained = frozenset((holds, rival)), _gained(few[holds], holds, rival)
+            if pair not in chosen or gained < chosen[pair][0]:
+                chosen[pair] = gained, holds, rival
+    many = dict[str, TravelJudgement]()
+    found, repeats = list[tuple[str, str, int | None]](), LEAST
+    for gained, holds, rival in sorted(chosen.values(), reverse=True):
+        needed: int | None = LEAST
+        if gained < SURE:
+            if holds not in many:
+                many[holds] = bench.judged(holds, MOST)
+            most = _gained(many[holds], holds, rival)
+            share = (SURE - gained) / (most - gained) if most >= SURE else math.inf
+            needed = LEAST + math.ceil(share * (MOST - LEAST)) if share <= 1.0 else None
+        repeats = max(repeats, needed or 0)
+        found.append((holds, rival, needed))
+    return found, repeats
 
 
-def _contrast(bench: _Bench, holds: str, rival: str, laws: Mapping[str, FrictionLaw]) -> _Contrast:
-    """Return what a rival's fit to the travels of a law leaves."""
-    pairs = zip(bench.trials(), bench.rows, strict=True)
-    trials = [replace(trial, travel=row.predicted[holds]) for trial, row in pairs]
-    free = payable(laws[rival], trials)
-    values = {path: value for path, _, value in parameters(laws[rival], "friction")}
-    near = [[factor * values[path] for path in free] for factor in (1.0, NEAR)]
-    fit = fit_trials(laws[rival], trials, free=free, starts=near, t_end=bench.t_end)
-    return _Contrast(
-        holds=holds,
-        rival=rival,
-        rows=bench.rows,
-        left=np.array(fit.residuals),
-        by_hand=np.sqrt(np.maximum(np.square(fit.standard_errors) - bench.error**2, 0.0)),
-        shared={path: np.array(part) for path, part in fit.shared.items()},
-    )
+def _gained(judgement: TravelJudgement, holds: str, rival: str) -> float:
+    """Return the evidence of a law over a rival; infinite if that makes no such travels."""
+    evidence = judgement.evidence
+    return evidence[holds] - evidence[rival] if rival in evidence else math.inf
 
 
-def _expected(bench: _Bench, laws: Mapping[str, FrictionLaw], repeats: int) -> list[Expectation]:
-    """Return the intervals to expect: of what `select` fits, and of each other parameter beside."""
+def _telling(
+    few: Mapping[str, TravelJudgement],
+    rows: Sequence[Separation],
+    travels: Mapping[str, Array],
+    holds: str,
+    rival: str,
+    repeats: int | None,
+) -> Telling:
+    """Return a pair of laws as it stands in a plan."""
+    judgement = few[holds]
+    made = travels[rival]
+    if rival in judgement.evidence:
+        best = judgement.best_of(rival)
+        made = (judgement.measured - best.left * judgement.errors)[::LEAST]
+    left = np.abs(travels[holds] - made)
+    worst = int(np.argmax(left))
+    return Telling(
+        holds=holds, rival=rival, gap=float(left[worst]), setting=rows[worst], repeats=repeats,
+        most=MOST,
+        alike=float(left[worst]) <= ALIKE * float(np.max(np.abs(travels[holds]))),
+    )  # fmt: skip
+
+
+def _expected(
+    after: Mapping[str, TravelJudgement], laws: Mapping[str, FrictionLaw]
+) -> list[Expectation]:
+    """Return the intervals to expect, and which parameters have none."""
     found = []
     for name, law in laws.items():
-        fitted = payable(law, bench.trials())
-        estimates = [*bench.fit(law, fitted, repeats).estimates]
-        for path, _, _ in parameters(law, "friction"):
-            if path not in fitted:
-                with contextlib.suppress(StickslipError):
-                    estimates.append(bench.fit(law, [*fitted, path], repeats).estimate(path))
+        every = after[name].law_of(name).model.free
+        estimates = [*travel_fit(after[name], name, every).estimates]
+        for path, parameter, value in parameters(law, "friction"):
+            if path not in every and path.rpartition(".")[2] in ADVICE:
+                estimates.append(
+                    Estimate(
+                        path=path, quantity=parameter, value=value, low=-math.inf, high=math.inf,
+                        interval="95 %", reason=INSENSITIVE,
+                    )
+                )  # fmt: skip
         for one in estimates:
+            last = one.path.rpartition(".")[2]
             # off its limit, as `select` asks it to be
-            settled = one.bounded and one.low > limit_of(law, one.path.rpartition(".")[2])
+            settled = one.bounded and one.low > limit_of(law, last)
             found.append(
                 Expectation(
                     law=name,
                     estimate=one,
-                    fitted=one.path in fitted,
                     identified=settled,
-                    advice="" if settled else ADVICE.get(one.path.rpartition(".")[2], ""),
+                    advice="" if settled else ADVICE.get(last, ""),
                 )
             )
     return found

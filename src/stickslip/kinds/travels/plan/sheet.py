@@ -13,7 +13,7 @@ from stickslip.described import Described
 from stickslip.formatting import count, joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
-from stickslip.kinds.travels.settings import Separation, unit_of, words_of
+from stickslip.kinds.travels.settings import setting_text, unit_of, words_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.tables import Tabular
@@ -23,6 +23,48 @@ if TYPE_CHECKING:
 
 TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Separation(metaclass=Described):
+    """One setting of the rig and the travel each fitted law predicts for it."""
+
+    path: str
+    """Parameter to set."""
+    symbol: str
+    """Its symbol."""
+    unit: str
+    """Its SI unit."""
+    value: float
+    """Setting, SI."""
+    predicted: Mapping[str, float]
+    """Travel [m] by law."""
+    low: float
+    """Lower end of the 95 % band of the travel [m], whichever law holds, before the runs."""
+    high: float
+    """Its upper end [m]."""
+    expected: float
+    """Half the width of the band that the runs will leave [m], if the worst of the laws holds."""
+
+    @property
+    def half(self) -> float:
+        """Half the width of the band before the runs [m]."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def text(self) -> str:
+        """The setting with its unit, lengths in millimetres and angles in degrees."""
+        return setting_text(self.value, self.unit)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the separation as plain numbers and strings."""
+        return {
+            "set": {self.path: self.value},
+            "predicted_travel": dict(self.predicted),
+            "band": [self.low, self.high],
+            "expected_half_width": self.expected,
+        }
 
 
 @final
@@ -90,9 +132,6 @@ class Telling(metaclass=Described):
     """Runs at each setting that rule it out in nine of ten such sets; None if more than `most`."""
     most: int
     """Runs at each setting beyond which none are asked for."""
-    uncertainty: float
-    """Standard uncertainty of one reading at which the planned runs do [m]; 0 if none is small
-    enough, since the rig itself is not known well enough."""
     alike: bool = False
     """Whether the rival, fitted, makes the same travels to the accuracy of a run."""
 
@@ -103,12 +142,7 @@ class Telling(metaclass=Described):
             return ""
         if self.alike:
             return "Not distinguishable by travels: both laws predict the same"
-        known = (
-            f"travels known to {quantity(self.uncertainty, 'm', 2)} would suffice"
-            if self.uncertainty > 0.0
-            else "the uncertainty of the rig exceeds the difference"
-        )
-        return f"Not distinguished by up to {self.most} repeats ({known})"
+        return f"Not distinguished by {self.most} runs at each setting"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return it as plain numbers and strings."""
@@ -118,7 +152,6 @@ class Telling(metaclass=Described):
             "largest_difference": self.gap,
             "at": {self.setting.path: self.setting.value},
             "repeats": self.repeats,
-            "needed_uncertainty": self.uncertainty,
             "same_travels": self.alike,
         }
 
@@ -132,8 +165,6 @@ class Expectation(metaclass=Described):
     """Key of the law."""
     estimate: Estimate
     """The value that was assumed, and its interval."""
-    fitted: bool
-    """Whether `select` fits it; else it is fitted beside what that fits, to see if it could."""
     identified: bool
     """Whether the interval ends above the least value that the law allows."""
     advice: str = ""
@@ -144,7 +175,6 @@ class Expectation(metaclass=Described):
         return {
             "law": self.law,
             **self.estimate.to_dict(),
-            "fitted_by_select": self.fitted,
             "identified": self.identified,
             "advice": self.advice.replace("$", ""),
         }
@@ -201,10 +231,25 @@ class Plan(Tabular):
             f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         told = [one for one in self.tellings if one.repeats is not None]
-        if not self.tellings:
-            return said
-        pairs = count(len(self.tellings), "pair")
-        return f"{said} They distinguish {len(told)} of {pairs} of laws."
+        if self.tellings:
+            pairs = count(len(self.tellings), "pair")
+            said += f" They distinguish {len(told)} of {pairs} of laws."
+        return said
+
+    @property
+    def widest(self) -> Separation:
+        """The setting at which the band of the travel is widest: a run there narrows it most."""
+        return max(self.settings, key=lambda one: one.half)
+
+    @property
+    def band_sentence(self) -> str:
+        """Where the travel is known least, and how well it will be."""
+        one = self.widest
+        before, after = (quantity(x, "m", 2) for x in (one.half, one.expected))
+        return (
+            f"The travel is known least with the {self.knob} {one.text}: ± {before} whichever law"
+            f" holds, and ± {after} expected after the runs."
+        )
 
     def csv(self) -> str:
         """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.
@@ -241,6 +286,7 @@ class Plan(Tabular):
         """Return the plan as plain numbers and strings, ready for JSON."""
         return {
             "plan": self.sentence,
+            "band": self.band_sentence,
             "repeats": self.repeats,
             "uncertainty": self.uncertainty,
             "uncertainty_assumed": self.assumed,

@@ -113,9 +113,13 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
     # a digit beyond that of the uncertainty
     decimals = min(max(0, 1 - math.floor(math.log10(1e3 * plan.uncertainty))), 4)
     level = (
-        "The level of each law is fitted to the trials."
+        "Each law is fitted to the trials."
         if plan.from_trials
-        else "The level of each law gives the same travel with the rig as described."
+        else "Each law gives the same travel with the rig as described."
+    )
+    band = (
+        "The last rows are half the width of the 95 % band of the travel whichever law holds: now,"
+        " and as these runs will leave it in the worst case."
     )
     known = quantity(plan.uncertainty, "m", 2)
     doubt = (
@@ -140,6 +144,11 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
             )
             for name in plan.laws
         ]
+        for head, half in (
+            ("± now", [row.half for row in block]),
+            ("± expected", [row.expected for row in block]),
+        ):
+            rows.append(SheetRow(cells=(head, *(fixed(1e3 * one, decimals) for one in half))))
         last = block is blocks[-1]
         found.append(
             SheetTable(
@@ -147,7 +156,7 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
                 title=title,
                 heads=("law", *(number(factor * row.value) for row in block)),
                 rows=tuple(rows),
-                caption=f"{level} {doubt} {plan.range_source}".rstrip() if last else "",
+                caption=f"{level} {band} {doubt} {plan.range_source}".rstrip() if last else "",
             )
         )
     return tuple(found)
@@ -215,8 +224,8 @@ def _apart(plan: Plan) -> SheetTable:
         caption=(
             "Gap: the largest difference that remains when the law to be ruled out is fitted to"
             " the travels of the other law, and the setting at which it occurs. Runs each: the"
-            " runs per setting with which the test of `stickslip select` rules that law out in"
-            " nine of ten experiments."
+            " runs per setting with which `stickslip select` rules that law out in nine of ten"
+            " experiments."
         ),
         lines={said: _pairs(pairs, titles) for said, pairs in open_.items()},
     )
@@ -258,11 +267,10 @@ def _values(plan: Plan) -> SheetTable:
         heads=("law", "parameter", "true value", "expected 95 % interval"),
         rows=tuple(rows),
         caption=(
-            "The expected interval if the law is true with this value and the rig has the stated"
-            " (otherwise the needed) uncertainties. Parameters that `stickslip select` does not"
-            " fit are fitted here together with those that it fits: their intervals are the best"
-            " that these travels can give. Not identified: the interval reaches the lowest value"
-            " that the law allows."
+            "The interval that `stickslip select` will state if the law is true with this value"
+            " and the rig has the stated (otherwise the needed) uncertainties. Not identified: the"
+            " travels hardly depend on it, or the interval reaches the lowest value that the law"
+            " allows."
         ),
         lines={f"To identify ${symbol}$": text for symbol, text in advice.items()},
     )
