@@ -35,6 +35,8 @@ class Sizes(ABC):
     """Numbers that the equations need of parameters alone."""
     rest_is_final: bool
     """Whether only drives can move what is held."""
+    waves: bool
+    """Whether exact modes may have harmonic terms in time."""
 
     @property
     def states(self) -> int:
@@ -60,6 +62,11 @@ class Sizes(ABC):
     def header(self) -> tuple[int, ...]:
         """The whole numbers of a run that begins: its state, 0, then sizes, places and tables."""
         return _header(self)
+
+    @property
+    @abstractmethod
+    def waving(self) -> int:
+        """Rows that may have harmonic terms."""
 
     @abstractmethod
     def lengths(self) -> dict[str, int]:
@@ -94,6 +101,7 @@ class Sizes(ABC):
             at.REACHED: guards,
             at.LOWEST: guards,
             at.SLOPES: guards * (n + 1),
+            at.WAVES: (at.SERIES + 2 + 2 * self.waving) * self.waves,
         }
 
 
@@ -110,6 +118,7 @@ def _header(sizes: Sizes) -> tuple[int, ...]:
     whole[at.N_DRIVES] = sizes.drives
     whole[at.HAS_BRISTLES] = int(sizes.bristles > 0)
     whole[at.REST_IS_FINAL] = int(sizes.rest_is_final)
+    whole[at.N_WAVES] = int(sizes.waves)
     whole[at.DENSE_SIZE] = 1 + (at.SERIES + 1) * n
     whole[at.ROW_COLUMNS] = at.ROW_DENSE + 1 + (at.TERMS + 1) * n
     whole[at.WALL_COLUMNS] = 3 + sizes.coordinates
@@ -159,6 +168,12 @@ class ModeSizes(Sizes):
         """Friction, normal force, efforts."""
         return 2 + self.channels
 
+    @property
+    @override
+    def waving(self) -> int:
+        """Rates and guards."""
+        return self.states + self.guards
+
     @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
@@ -179,6 +194,7 @@ class ModeSizes(Sizes):
             "rest": 3,
             "walls": len(self.walls) * (3 + self.coordinates),
             "constants": self.constants,
+            "waves": (2 * self.waving + 1) * self.waves,
             "field_slopes": n * quantities,
             "guard_parameters": guards * quantities,
             "impact": self.coordinates,
@@ -318,6 +334,12 @@ class ContactSizes(Sizes):
         """Friction, load and mode of each contact, efforts."""
         return 3 * self.contacts + self.channels
 
+    @property
+    @override
+    def waving(self) -> int:
+        """Forces that change in time."""
+        return len(self.time_slopes)
+
     @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
@@ -326,12 +348,14 @@ class ContactSizes(Sizes):
             "energy": 1,
             "power": 1,
             "margins": self.switches,
+            "margin_slopes": self.switches * (self.states + 1),
             "rest": self.coordinates,
             "forces": self.coordinates + self.held,
             "masses": len(self.mass),
             "loads": self.contacts + sum(self.inputs_of),
             "geometry": self.contacts * (1 + 2 * self.held),
             "force_slopes": len(self.slopes) + len(self.time_slopes),
+            "waves": (2 * self.waving + 1) * self.waves,
             "part_slopes": sum(map(len, self.part_slopes)),
         }
         some = {
