@@ -6,17 +6,21 @@ states, and the least number of cycles after which the states of a cycle's start
 """
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.measuring import Section, Target
 from stickslip import Capsule, Coulomb, ensemble
 from stickslip.drives import Sine
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.outputs import Samples
-from stickslip.sweep import average_velocity, orbit_diagram
+from stickslip.sweep import OrbitDiagram, average_velocity, orbit_diagram
 from stickslip.sweep.cycles import period_of
+
+Array = NDArray[np.float64]
 
 LAW = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
 BARE = Capsule(
@@ -40,6 +44,8 @@ RANGE = (2.0, 20.0)
 RUNS, SETTLE, MOST, SEED = 2000, 400, 4, 5
 NEAR = 2e-3
 """Distance from an orbit, over the size of the states, of a settled run that lies on it."""
+BETWEEN = 0.01
+"""The same from a straight line between two orbits of a branch."""
 GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
 
 
@@ -51,7 +57,7 @@ def sweep(rig: Capsule) -> float:
     return time.process_time() - begun
 
 
-def settled(rig: Capsule, names, sizes):
+def settled(rig: Capsule, names: Sequence[str], sizes: Array) -> tuple[Array, Array, float]:
     """Return frequencies of settled runs, once-a-cycle states (runs, 2 MOST, k), and the time."""
     noise = np.random.default_rng(SEED)
     frequencies = np.sort(noise.uniform(*RANGE, RUNS))
@@ -59,9 +65,9 @@ def settled(rig: Capsule, names, sizes):
         f"initial.{name}": 2.0 * size * noise.uniform(-1.0, 1.0, RUNS)
         for name, size in zip(names, sizes, strict=True)
     }
-    stops = rig.lower_stop, rig.upper_stop
-    inside = [(-np.inf, np.inf)[i] if stop is None else stop for i, stop in enumerate(stops)]
-    starts["initial.xi"] = np.clip(starts["initial.xi"], *inside)
+    lower = -np.inf if rig.lower_stop is None else rig.lower_stop
+    upper = np.inf if rig.upper_stop is None else rig.upper_stop
+    starts["initial.xi"] = np.clip(starts["initial.xi"], lower, upper)
     points, begun = [], time.process_time()
     for i, frequency in enumerate(frequencies):
         times = (SETTLE + np.arange(1, 2 * MOST + 1)) / frequency
@@ -72,19 +78,21 @@ def settled(rig: Capsule, names, sizes):
     return frequencies, np.array(points), time.process_time() - begun
 
 
-def lies_on(diagram, frequency, points, period, sizes) -> bool:
-    """Whether a settled run lies on a branch, by orbits solved for at its frequency."""
+def lies_on(
+    diagram: OrbitDiagram, frequency: float, points: Array, period: int, sizes: Array
+) -> bool:
+    """Whether a settled run lies on a branch; where points of it are far, by orbits solved for."""
+
+    def gap(starts: Array) -> float:
+        off = np.abs(starts[:, None, :] - points[None, :period, :]) / sizes
+        return float(off.max(axis=2).min(initial=np.inf))
+
     own = [branch for branch in diagram.branches if branch.cycles == period]
-    for close in (0.1 * NEAR, 1.0):  # between points of a branch first, then at the frequency
-        for branch in own:
-            guesses = branch.crossings(frequency)
-            if close == 1.0:
-                orbits = branch.orbits_at(frequency)
-                guesses = np.array([[orbit.start[name] for name in orbit.free] for orbit in orbits])
-            for guess in guesses:
-                if np.abs((guess - points[:period]) / sizes).max(axis=1).min() <= NEAR:
-                    return True
-    return False
+    if any(gap(branch.crossings(frequency)) <= BETWEEN for branch in own):
+        return True
+    orbits = [orbit for branch in own for orbit in branch.orbits_at(frequency)]
+    starts = [[orbit.start[name] for name in diagram.states] for orbit in orbits]
+    return gap(np.reshape(starts, (-1, len(sizes)))) <= NEAR
 
 
 def branches(name: str) -> tuple[tuple[str, ...], Target]:
