@@ -329,7 +329,7 @@ def _sizes(
         drives=len(equations.symbols.drives),
         parameters=parameter_count,
         constants=constants,
-        waves=bool(equations.waves.symbols),
+        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,
         looped=parts.directions.loops.looped,

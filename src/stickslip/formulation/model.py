@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from threading import RLock
 
 import symengine as se
@@ -79,9 +80,9 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     functions = _functions(symbols, mechanics, modes, board, quantities)
     first = 4 * len(symbols.drives) + 1 + len(index)
     text, constants = program(functions, index.values(), first)
-    sizes = _sizes(
-        symbols, mechanics, modes, len(switches), len(index), constants, "waves" in functions
-    )
+    sizes = _sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    if "waves" in functions:
+        sizes = replace(sizes, waves=sizes.states + sizes.guards)
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
         sizes=sizes,
@@ -270,7 +271,6 @@ def _sizes(
     switches: int,
     parameters: int,
     constants: int,
-    waves: bool,
 ) -> ModeSizes:
     return ModeSizes(
         coordinates=len(symbols.coordinates),
@@ -282,7 +282,7 @@ def _sizes(
         drives=len(symbols.drives),
         parameters=parameters,
         constants=constants,
-        waves=waves,
+        waves=0,
         walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
         can_stick=Mode.STICK in modes,
         can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),

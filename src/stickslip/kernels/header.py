@@ -35,8 +35,9 @@ class Sizes(ABC):
     """Numbers that the equations need of parameters alone."""
     rest_is_final: bool
     """Whether only drives can move what is held."""
-    waves: bool
-    """Whether exact modes may have harmonic terms in time."""
+    waves: int
+    """Rows that may have harmonic terms in time where modes are exact: rates and guards of one
+    contact, forces where several rub; 0 if none has any."""
 
     @property
     def states(self) -> int:
@@ -62,11 +63,6 @@ class Sizes(ABC):
     def header(self) -> tuple[int, ...]:
         """The whole numbers of a run that begins: its state, 0, then sizes, places and tables."""
         return _header(self)
-
-    @property
-    @abstractmethod
-    def waving(self) -> int:
-        """Rows that may have harmonic terms."""
 
     @abstractmethod
     def lengths(self) -> dict[str, int]:
@@ -101,7 +97,7 @@ class Sizes(ABC):
             at.REACHED: guards,
             at.LOWEST: guards,
             at.SLOPES: guards * (n + 1),
-            at.WAVES: (at.SERIES + 2 + 2 * self.waving) * self.waves,
+            at.WAVES: at.SERIES + 2 + 2 * self.waves,
         }
 
 
@@ -118,7 +114,7 @@ def _header(sizes: Sizes) -> tuple[int, ...]:
     whole[at.N_DRIVES] = sizes.drives
     whole[at.HAS_BRISTLES] = int(sizes.bristles > 0)
     whole[at.REST_IS_FINAL] = int(sizes.rest_is_final)
-    whole[at.N_WAVES] = int(sizes.waves)
+    whole[at.N_WAVES] = sizes.waves
     whole[at.DENSE_SIZE] = 1 + (at.SERIES + 1) * n
     whole[at.ROW_COLUMNS] = at.ROW_DENSE + 1 + (at.TERMS + 1) * n
     whole[at.WALL_COLUMNS] = 3 + sizes.coordinates
@@ -168,12 +164,6 @@ class ModeSizes(Sizes):
         """Friction, normal force, efforts."""
         return 2 + self.channels
 
-    @property
-    @override
-    def waving(self) -> int:
-        """Rates and guards."""
-        return self.states + self.guards
-
     @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
@@ -194,7 +184,7 @@ class ModeSizes(Sizes):
             "rest": 3,
             "walls": len(self.walls) * (3 + self.coordinates),
             "constants": self.constants,
-            "waves": (2 * self.waving + 1) * self.waves,
+            "waves": 2 * self.waves + int(self.waves > 0),
             "field_slopes": n * quantities,
             "guard_parameters": guards * quantities,
             "impact": self.coordinates,
@@ -334,12 +324,6 @@ class ContactSizes(Sizes):
         """Friction, load and mode of each contact, efforts."""
         return 3 * self.contacts + self.channels
 
-    @property
-    @override
-    def waving(self) -> int:
-        """Forces that change in time."""
-        return len(self.time_slopes)
-
     @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
@@ -355,7 +339,7 @@ class ContactSizes(Sizes):
             "loads": self.contacts + sum(self.inputs_of),
             "geometry": self.contacts * (1 + 2 * self.held),
             "force_slopes": len(self.slopes) + len(self.time_slopes),
-            "waves": (2 * self.waving + 1) * self.waves,
+            "waves": 2 * self.waves + int(self.waves > 0),
             "part_slopes": sum(map(len, self.part_slopes)),
         }
         some = {

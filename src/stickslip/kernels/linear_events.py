@@ -39,9 +39,8 @@ def guard_waves(guard: int, w: Vector, whole: Wholes) -> bool:
     """Whether a guard of one contact has a harmonic term in this step."""
     if whole[N_WAVES] == 0:
         return False
-    n, rows = whole[N_STATES], whole[N_STATES] + whole[N_GUARDS]
-    own = whole[WAVES] + SERIES + 1 + n + guard
-    return w[own] != 0.0 or w[own + rows] != 0.0
+    own = whole[WAVES] + SERIES + 1 + whole[N_STATES] + guard
+    return w[own] != 0.0 or w[own + whole[N_WAVES]] != 0.0
 
 
 def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
@@ -63,7 +62,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     for k in range(1, terms + 1):
         total = h * w[row + n] if k == 1 else 0.0
         if k > 1 and waves:
-            power, place = wave_at(k, n + whole[N_GUARDS], w, whole)
+            power, place = wave_at(k, w, whole)
             total = power * w[place + n + guard]
         for i in range(n):
             total += w[row + i] * w[dense + 1 + k * n + i]

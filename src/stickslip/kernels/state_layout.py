@@ -291,8 +291,8 @@ N_INPUTS = 147
 INPUTS = 148
 INPUT_COUNTS = 149
 
-# Harmonic terms in time: whether the equations may have any, 1 or 0; place in `w` of the factors of
-# their powers, then of the terms, their rates, and the square of their angular frequency.
+# Harmonic terms in time: rows that may have any; place in `w` of the factors of their powers, then
+# of the terms, their rates, and the square of their angular frequency.
 N_WAVES = 150
 WAVES = 151
 

@@ -19,7 +19,6 @@ from stickslip.kernels.state_layout import (
     FLAGS,
     MATRIX,
     MODE,
-    N_GUARDS,
     N_STATES,
     N_WAVES,
     POINT,
@@ -32,9 +31,11 @@ RATIOS = (0.0, 0.0, *(1.0 / (k * (k - 1.0)) for k in range(2, SERIES + 1)))
 """1 / (k (k - 1)): the power k of a harmonic over that before the last, over the angle squared."""
 
 
-def fill_waves(t: float, h: float, rows: int, w: Vector, whole: Wholes, at: int) -> int:
+def fill_waves(t: float, h: float, w: Vector, whole: Wholes, at: int) -> int:
     """Write the factors of all powers of the harmonics; return the last that counts, 0 if none."""
-    first = whole[WAVES]
+    first, rows = whole[WAVES], whole[N_WAVES]
+    if rows == 0:
+        return 0
     terms = first + SERIES + 1
     evaluate(WAVES_OF, whole[MODE], whole[FLAGS], t, w, at, terms)
     acts = False
@@ -52,15 +53,15 @@ def fill_waves(t: float, h: float, rows: int, w: Vector, whole: Wholes, at: int)
     return last
 
 
-def wave_at(k: int, rows: int, w: Vector, whole: Wholes) -> tuple[float, int]:
+def wave_at(k: int, w: Vector, whole: Wholes) -> tuple[float, int]:
     """Return the factor of a power of the harmonics, and the place of what it multiplies."""
     first = whole[WAVES]
-    return w[first + k], first + SERIES + 1 + rows * (k % 2)
+    return w[first + k], first + SERIES + 1 + whole[N_WAVES] * (k % 2)
 
 
 def waves_tail(w: Vector, whole: Wholes) -> float:
     """Return the last term of the harmonics over what is allowed."""
-    return abs(w[whole[WAVES] + SERIES]) / TAIL if whole[N_WAVES] else 0.0
+    return abs(w[whole[WAVES] + SERIES]) / TAIL if whole[N_WAVES] > 0 else 0.0
 
 
 def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -78,8 +79,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[last + i] = w[at + i]
         w[last + n + i] *= h
         w[point + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
-    rows = n + whole[N_GUARDS]
-    waving = fill_waves(t, h, rows, w, whole, at) if whole[N_WAVES] else 0
+    waving = fill_waves(t, h, w, whole, at)
     if n == 2 and waving == 0:
         series_of_two(h, w, whole)
         return
@@ -94,7 +94,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
         ended = terms >= waving
         power, waves = 0.0, drift
         if waving > 0:
-            power, waves = wave_at(terms - 1, rows, w, whole)
+            power, waves = wave_at(terms - 1, w, whole)
         for i in range(n):
             # df/dt is constant but for harmonics: time enters the second derivative of the state
             total = h * w[drift + i] if terms == 2 else power * w[waves + i]

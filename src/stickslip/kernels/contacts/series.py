@@ -49,7 +49,6 @@ from stickslip.kernels.state_layout import (
     N_SWITCHES,
     N_TIME_SLOPES,
     N_WALLS,
-    N_WAVES,
     NEEDED,
     NEEDED_SERIES,
     POINT,
@@ -106,8 +105,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
     last += states
     small, terms = 0, 1
-    rows = whole[N_TIME_SLOPES]
-    waving = fill_waves(w[TIME], h, rows, w, whole, at) if whole[N_WAVES] else 0
+    waving = fill_waves(w[TIME], h, w, whole, at)
     while terms < SERIES and small < 2:
         next_forces(terms, h, last, waving, w, whole)
         ratio = h / (terms + 1.0)
@@ -168,7 +166,7 @@ def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: 
 
 def add_waves(terms: int, to: int, w: Vector, whole: Wholes) -> None:
     """Add a power of the harmonics to a term of the forces."""
-    power, waves = wave_at(terms, whole[N_TIME_SLOPES], w, whole)
+    power, waves = wave_at(terms, w, whole)
     for k in range(whole[N_TIME_SLOPES]):
         w[to + whole[whole[TIME_ROWS] + k]] += power * w[waves + k]
 
