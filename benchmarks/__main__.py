@@ -21,6 +21,7 @@ CASES = (
     "sensitivities",
     "contacts",
     "robots",
+    "capsule",
     "engines",
 )
 COMPILE = "compile"

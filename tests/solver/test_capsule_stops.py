@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Capsule, Coulomb, EventDriven, FixedStep, ensemble, simulate
+from stickslip import Capsule, Coulomb, EventDriven, ensemble, simulate
 from stickslip.drives import Sine
-from stickslip.errors import InputError
-from stickslip.mechanisms import Torque
+from stickslip.mechanisms import SoftStop, Torque
 
 SLOWEST = 1e-6
 """Share of the fastest impact below which the reference bounces no more: what is left of a fading
@@ -305,6 +304,44 @@ def test_derivatives_pass_rest_at_a_stop(name, restitution):
     assert run.sensitivity("x", name)[-1] == pytest.approx(difference, rel=1e-5)
 
 
-def test_fixed_steps_refuse_stops():
-    with pytest.raises(InputError, match="FixedStep does not support hard stops"):
-        simulate(robot(6.0), LAW, t_end=0.1, solver=FixedStep(dt=1e-4))
+def test_an_impact_in_a_very_short_step_late_in_a_run_sets_nothing_else():
+    # the step up to the 154th impact lasts .03 ps, less than the time is rounded to
+    run = simulate(robot(15.0), LAW, t_end=158.0 / 15.0)
+    hits = [event.t * 15.0 % 1.0 for event in run.events if event.reason == "xi hits stop"]
+    assert np.ptp(hits[-20:]) < 1e-9
+
+
+SOFT = SoftStop(place=-0.0015, stiffness=3000.0, damping=0.1)
+
+
+@pytest.mark.parametrize("frequency", [2.5, 6.0, 13.0])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"upper_stop": None, "upper_soft_stop": replace(SOFT, place=0.002)},
+        {
+            "upper_stop": None,
+            "upper_soft_stop": replace(SOFT, place=0.002),
+            "lower_soft_stop": SOFT,
+        },
+        {"restitution": 0.0, "lower_soft_stop": SOFT},
+        {"restitution": 0.6, "lower_soft_stop": replace(SOFT, sticks=True)},
+    ],
+    ids=["soft", "two soft", "hard and soft", "hard and soft that sticks"],
+)
+def test_exact_pieces_between_stops_agree_with_steps_of_a_tolerance(frequency, changed):
+    rig = replace(robot(frequency), **changed)
+    drive = rig.drive.drive + Sine(amplitude=0.0, frequency=1.7 * frequency)  # two frequencies
+    period = 1.0 / frequency
+    exact, stepped = (
+        simulate(one, LAW, t_end=6.0 * period, solver=EventDriven(tier="compiled"))
+        for one in (rig, replace(rig, drive=Torque(drive=drive)))
+    )
+    assert exact.certificate.steps < 0.6 * stepped.certificate.steps
+    assert [e.reason for e in exact.events] == [e.reason for e in stepped.events]
+    times = np.linspace(0.0, 6.0 * period, 200)
+    for name in ("x", "xi"):
+        size = np.ptp(exact[name])
+        np.testing.assert_allclose(
+            exact.at(times)[name], stepped.at(times)[name], rtol=0, atol=1e-8 * size
+        )

@@ -57,9 +57,10 @@ def test_a_restitution_above_one_is_refused():
         SpringBlock(mass=1.0, upper_stop=1.0, restitution=1.1)
 
 
-def test_fixed_steps_know_no_stops():
-    with pytest.raises(InputError, match="does not support hard stops, and this Axis has some"):
-        simulate(Axis(inertia=1.0, upper_stop=1.0), LAW, t_end=1.0, solver=FixedStep(dt=0.01))
+def test_fixed_steps_begin_within_stops_too():
+    axis = Axis(inertia=1.0, upper_stop=1.0)
+    with pytest.raises(InputError, match="beyond the upper stop of Axis"):
+        simulate(axis, LAW, t_end=1.0, y0={"x": 1.5}, solver=FixedStep(dt=0.01))
 
 
 @pytest.mark.parametrize("place", [-1.61803, 0.9032740018574321])

@@ -361,6 +361,12 @@ def test_branches_turn_back_at_folds_with_a_multiplier_one(diagram):
     assert turn == pytest.approx(17.2036, abs=1e-3)
 
 
+def test_branches_end_where_the_range_does(diagram):
+    for branch in diagram.branches:  # also those that begin at an end of it
+        assert branch.values.min() >= 12.0 - 1e-9
+        assert branch.values.max() <= 20.0 + 1e-9
+
+
 def test_every_settled_motion_lies_on_a_stable_part_of_a_branch(diagram):
     scale = np.nanmax(np.abs(diagram.samples), axis=(0, 1))
     assert (diagram.settled > 0).all()

@@ -1,5 +1,6 @@
 """From a law and a mechanism to the text of a self-contained numeric module."""
 
+from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
 from stickslip.formulation.matrix_form import LINKS, mass_fault, mass_vanishes
@@ -19,6 +20,7 @@ __all__ = [
     "Syntax",
     "Traced",
     "collapsed",
+    "contact_model",
     "expression",
     "formulate",
     "mass_fault",

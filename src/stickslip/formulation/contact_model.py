@@ -14,6 +14,7 @@ from stickslip.formulation.contact_parts import (
     law_parts,
 )
 from stickslip.formulation.infix import Cases, function, program
+from stickslip.formulation.linearity import linear_where, waves_of
 from stickslip.formulation.mechanics import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
@@ -204,8 +205,10 @@ class _Equations:
             if "t" in _names(self.forces[i])
             and (slope := collapsed(self.forces[i].diff(symbols.t))) != 0
         }
-        self.moving = {str(s) for s in states} | {"t"}
+        self.waves = waves_of(self.forces[:n], symbols.t, states)
+        self.moving = {str(s) for s in (*states, *self.waves.symbols.values())} | {"t"}
         self.margins = [closed(switch.margin) for switch in board.switches.values()]
+        self.flags = [switch.symbol for switch in board.switches.values()]
         self.geometry = [
             *parts.directions.factors,
             *[e for row in parts.held_slips for e in row],
@@ -265,16 +268,29 @@ class _Equations:
         """Return the symbols of the drives' numbers, which change from piece to piece."""
         return {f"p{i}" for i in range(3 * len(self.symbols.drives))}
 
+    @property
+    def margin_slopes(self) -> list[se.Expr]:
+        """Derivatives of each margin along states and time."""
+        along = [*self.symbols.states, self.symbols.t]
+        return [collapsed(e.diff(x)) for e in self.margins for x in along]
+
     def affine(self) -> bool:
-        """Whether all is affine in states and time together, whatever the flags are."""
-        slopes = [*self.slopes.values(), *self.time_slopes.values()]
+        """Whether all is affine in states and time together, whatever the flags are.
+
+        Forces may have harmonics in time beside.
+        """
+        forces = [self.waves.replaced(e) for e in self.forces[: len(self.parts.coordinates)]]
+        along = [*self.symbols.states, self.symbols.t]
+        linear = (
+            linear_where(forces, [*along, *self.waves.symbols.values()], self.flags),
+            linear_where(self.margins, along, self.flags),
+        )
         return (
-            not self.switched
+            linear == (1, 1)
             and self.constant_mass()
             and self.constant_loads()
             and not any(self.parts.reacts)
             and not self.limits
-            and not any(self.varies(e) for e in slopes)
         )
 
     def rest_is_final(self) -> bool:
@@ -313,6 +329,7 @@ def _sizes(
         drives=len(equations.symbols.drives),
         parameters=parameter_count,
         constants=constants,
+        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,
         looped=parts.directions.loops.looped,
@@ -356,8 +373,13 @@ def _functions(equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]) 
         "energy": [parts.energy],
         "power": [equations.supplied],
         "margins": equations.margins,
+        "margin_slopes": equations.margin_slopes,
         "rest": equations.given_forces,
     }
+    if equations.waves.symbols:
+        terms = [equations.waves.term(equations.forces[i]) for i in equations.time_slopes]
+        rates = [e.diff(equations.symbols.t) for e in terms]
+        same = {**same, "waves": [*terms, *rates, equations.waves.square]}
     turning = (*parts.directions.forward, *parts.directions.backward)
     some: Mapping[str, Sequence[se.Expr]] = {
         "turning": [e for row in turning for e in row],

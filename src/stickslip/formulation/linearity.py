@@ -1,6 +1,7 @@
 """What is linear: modes with constant coefficients, solved in closed form; friction in the load."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import symengine as se
 
@@ -10,6 +11,39 @@ from stickslip.friction import FrictionLaw
 
 MOST_SWITCHES = 4
 """A mode that depends on more switches than this is not examined."""
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Sines and cosines in time, all of one frequency, by which linear equations may be driven."""
+
+    symbols: Mapping[se.Expr, se.Symbol]
+    """What stands for each of them."""
+    square: se.Expr
+    """Square of their angular frequency."""
+
+    def replaced(self, e: se.Expr) -> se.Expr:
+        """Return an expression with symbols for the waves."""
+        return e.xreplace(self.symbols) if self.symbols else e
+
+    def term(self, e: se.Expr) -> se.Expr:
+        """Return what the waves add to an expression that is affine in them."""
+        replaced = self.replaced(e)
+        slopes = {wave: collapsed(replaced.diff(symbol)) for wave, symbol in self.symbols.items()}
+        return sum((slope * wave for wave, slope in slopes.items()), se.Integer(0))
+
+
+def waves_of(expressions: Sequence[se.Expr], t: se.Symbol, states: Sequence[se.Symbol]) -> Waves:
+    """Return the waves in expressions; none where their frequencies differ, or change."""
+    atoms = {a for e in expressions for a in e.atoms(se.sin, se.cos) if not _free_of(a, {str(t)})}
+    moving = {str(t), *map(str, states)}
+    squares = {se.expand(a.args[0].diff(t) ** 2) for a in atoms}
+    steady = all(_free_of(square, moving) for square in squares)
+    alone = all(_free_of(a.args[0], moving - {str(t)}) for a in atoms)
+    if len(squares) != 1 or not (steady and alone):
+        return Waves({}, se.Integer(0))
+    ordered = sorted(atoms, key=str)
+    return Waves({a: se.Symbol(f"wave{i}") for i, a in enumerate(ordered)}, squares.pop())
 
 
 def linear_where(

@@ -2,13 +2,14 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from threading import RLock
 
 import symengine as se
 
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.infix import Case, Cases, program
-from stickslip.formulation.linearity import linear_where
+from stickslip.formulation.linearity import linear_where, waves_of
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics, impact_events, wall_guards
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
@@ -80,6 +81,8 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     first = 4 * len(symbols.drives) + 1 + len(index)
     text, constants = program(functions, index.values(), first)
     sizes = _sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    if "waves" in functions:
+        sizes = replace(sizes, waves=sizes.states + sizes.guards)
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
         sizes=sizes,
@@ -173,6 +176,16 @@ def _functions(
     flags = [switch.symbol for switch in switches]
     margins = [closed(board.deciding(s)) for s in switches]
 
+    waves = waves_of([e for mode in modes for e in (*rates[mode], *guards[mode])], t, y)
+    linear = {
+        mode: linear_where(
+            [waves.replaced(e) for e in (*rates[mode], *guards[mode])],
+            [*y, t, *waves.symbols.values()],
+            flags,
+        )
+        for mode in modes
+    }
+
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}
 
@@ -185,7 +198,7 @@ def _functions(
         "time_slope": each(lambda m: [e.diff(t) for e in rates[m]]),
         "guards": each(lambda m: guards[m]),
         "guard_slopes": each(lambda m: _slopes(guards[m], [*y, t])),
-        "linear": each(lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
+        "linear": each(lambda m: [linear[m]]),
         "contact": each(lambda m: [closed(e) for e in _contact(modes[m])]),
         "power": each(lambda m: [closed(e) for e in modes[m].power]),
         "energy": same([mechanics.energy]),
@@ -194,6 +207,15 @@ def _functions(
         "rest": same(_rest(symbols, modes)),
         "walls": same(mechanics.wall_rows()),
     }
+    if waves.symbols and any(linear.values()):
+        terms = {m: [waves.term(e) for e in (*rates[m], *guards[m])] for m in modes}
+        parts["waves"] = each(
+            lambda m: (
+                [*terms[m], *[e.diff(t) for e in terms[m]], waves.square]
+                if linear[m] != 0
+                else [se.Integer(0)] * (2 * len(terms[m]) + 1)
+            )
+        )
     if quantities:
         parts["field_slopes"] = each(lambda m: _slopes(rates[m], quantities))
         parts["guard_parameters"] = each(lambda m: _slopes(guards[m], quantities))
@@ -260,6 +282,7 @@ def _sizes(
         drives=len(symbols.drives),
         parameters=parameters,
         constants=constants,
+        waves=0,
         walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
         can_stick=Mode.STICK in modes,
         can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),

@@ -40,6 +40,8 @@ CONSTANTS_OF = 24
 IMPACT = 25
 IMPACT_SLOPES = 26
 IMPACT_PARAMETERS = 27
+WAVES_OF = 28
+MARGIN_SLOPES_OF = 29
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -69,6 +71,8 @@ CALLED: tuple[str, ...] = (
     "impact",
     "impact_slopes",
     "impact_parameters",
+    "waves",
+    "margin_slopes",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000

@@ -35,6 +35,9 @@ class Sizes(ABC):
     """Numbers that the equations need of parameters alone."""
     rest_is_final: bool
     """Whether only drives can move what is held."""
+    waves: int
+    """Rows that may have harmonic terms in time where modes are exact: rates and guards of one
+    contact, forces where several rub; 0 if none has any."""
 
     @property
     def states(self) -> int:
@@ -94,6 +97,7 @@ class Sizes(ABC):
             at.REACHED: guards,
             at.LOWEST: guards,
             at.SLOPES: guards * (n + 1),
+            at.WAVES: at.SERIES + 2 + 2 * self.waves,
         }
 
 
@@ -110,6 +114,7 @@ def _header(sizes: Sizes) -> tuple[int, ...]:
     whole[at.N_DRIVES] = sizes.drives
     whole[at.HAS_BRISTLES] = int(sizes.bristles > 0)
     whole[at.REST_IS_FINAL] = int(sizes.rest_is_final)
+    whole[at.N_WAVES] = sizes.waves
     whole[at.DENSE_SIZE] = 1 + (at.SERIES + 1) * n
     whole[at.ROW_COLUMNS] = at.ROW_DENSE + 1 + (at.TERMS + 1) * n
     whole[at.WALL_COLUMNS] = 3 + sizes.coordinates
@@ -179,6 +184,7 @@ class ModeSizes(Sizes):
             "rest": 3,
             "walls": len(self.walls) * (3 + self.coordinates),
             "constants": self.constants,
+            "waves": 2 * self.waves + int(self.waves > 0),
             "field_slopes": n * quantities,
             "guard_parameters": guards * quantities,
             "impact": self.coordinates,
@@ -326,12 +332,14 @@ class ContactSizes(Sizes):
             "energy": 1,
             "power": 1,
             "margins": self.switches,
+            "margin_slopes": self.switches * (self.states + 1),
             "rest": self.coordinates,
             "forces": self.coordinates + self.held,
             "masses": len(self.mass),
             "loads": self.contacts + sum(self.inputs_of),
             "geometry": self.contacts * (1 + 2 * self.held),
             "force_slopes": len(self.slopes) + len(self.time_slopes),
+            "waves": 2 * self.waves + int(self.waves > 0),
             "part_slopes": sum(map(len, self.part_slopes)),
         }
         some = {

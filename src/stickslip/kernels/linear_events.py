@@ -18,6 +18,7 @@ from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_GUARDS,
     N_STATES,
+    N_WAVES,
     POINT,
     POLYNOMIAL,
     REACHED,
@@ -25,11 +26,21 @@ from stickslip.kernels.state_layout import (
     SLIP,
     SLOPES,
     VALUES,
+    WAVES,
     Y,
 )
+from stickslip.kernels.taylor_series import wave_at
 
 BALANCED = 4e-15
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
+
+
+def guard_waves(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a guard of one contact has a harmonic term in this step."""
+    if whole[N_WAVES] == 0:
+        return False
+    own = whole[WAVES] + SERIES + 1 + whole[N_STATES] + guard
+    return w[own] != 0.0 or w[own + whole[N_WAVES]] != 0.0
 
 
 def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
@@ -45,10 +56,14 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     first = row
     while first <= row + n and w[first] == 0.0:
         first += 1
+    waves = guard_waves(guard, w, whole)
     # many guards are 0 in a mode, or change with nothing in it
-    terms = int(w[dense]) if first <= row + n else 0
+    terms = int(w[dense]) if first <= row + n or waves else 0
     for k in range(1, terms + 1):
         total = h * w[row + n] if k == 1 else 0.0
+        if k > 1 and waves:
+            power, place = wave_at(k, w, whole)
+            total = power * w[place + n + guard]
         for i in range(n):
             total += w[row + i] * w[dense + 1 + k * n + i]
         w[POLYNOMIAL + k] = total
@@ -76,7 +91,8 @@ def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
         size += abs(w[matrix + slip * n + i] * w[y + i])
     if abs(w[POLYNOMIAL + 1]) <= BALANCED * h * size:
         w[POLYNOMIAL + 1] = 0.0
-        if whole[N_COORDINATES] == 1 and w[drift + slip] == 0.0:  # nor is there anything to follow
+        still = w[drift + slip] == 0.0 and whole[N_WAVES] == 0
+        if whole[N_COORDINATES] == 1 and still:  # nor is there anything to follow
             for k in range(2, SERIES + 1):
                 w[POLYNOMIAL + k] = 0.0
 

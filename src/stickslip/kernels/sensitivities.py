@@ -1,7 +1,7 @@
 """Sensitivities: how the states of a recorded run change with parameters and initial states.
 
 The rows of the run are gone through once more. In each the variational equations, linear along the
-known solution, are solved: in exact modes by the derivative of the series, elsewhere by collocation
+known solution, are solved: in exact modes by an exponential series, elsewhere by collocation
 (Radau IIA, order nine, which stiffness does not hurt and which needs no second derivatives). At an
 event, sensitivities jump with the moment of it (saltation), and those of the rates change by an
 impact. Where two events coincide by chance there are none beyond: they are NaN.
@@ -23,6 +23,7 @@ from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
 from stickslip.kernels.equations import IMPACT, WALLS_OF, evaluate, put_constants
+from stickslip.kernels.gauss_legendre import NODES, WEIGHTS
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
 from stickslip.kernels.lu import lu_factor, lu_solve
@@ -40,8 +41,6 @@ from stickslip.kernels.questions import PREPARE, SERIES_FROM, ask, ask_of
 from stickslip.kernels.state_layout import (
     BOUNDS,
     CAN_STICK,
-    DENSE,
-    DRIFT,
     EVENT_COLUMNS,
     FIRST_WALL,
     FLAGS,
@@ -114,8 +113,14 @@ COINCIDENT = 1e-9
 """Distance from its level, over the latter, at which what breaks away has done so by itself."""
 TOGETHER_TOO = 1e-6
 """Difference of two moments' derivatives, over their size, up to which they are one."""
-MORE_TERMS = 5
-"""Terms that the derivative of a series needs beyond the series."""
+MOST_TERMS = SERIES + 5
+"""Powers of the Jacobian: the derivative of a series needs some beyond its own."""
+SHARES = tuple(
+    weight * (1.0 - node) ** k
+    for k in range(MOST_TERMS + 1)
+    for node, weight in zip(NODES, WEIGHTS, strict=True)
+)
+"""Weights of the nodes in an integral with a power of the time that is left."""
 
 
 def guards_at(q: int, whole: Wholes) -> int:
@@ -135,8 +140,9 @@ def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
 
 def sense_size(q: int, m: int, whole: Wholes) -> int:
     """Return how long the vector of a run must be."""
-    stages = RADAU_STAGES * whole[N_STATES]
-    return columns_at(5, q, m, whole) + stages * (stages + 1 + m)
+    n = whole[N_STATES]
+    stages = RADAU_STAGES * n
+    return columns_at(5, q, m, whole) + max(stages * (stages + 1 + m), len(NODES) * n * m)
 
 
 def forcing(
@@ -175,42 +181,32 @@ def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to:
 def series_sensed(
     t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1."""
-    y = whole[Y]
-    dense = whole[DENSE]
-    matrix = whole[MATRIX]
-    drift = whole[DRIFT]
-    n = whole[N_STATES]
+    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
+
+    With the constant Jacobian A they are ``exp(h A) S + integral of exp((h - s) A) F(s)``. The
+    integral is taken by the rule of Gauss, of which each power of A has a sum of its own.
+    """
+    y, matrix, point = whole[Y], whole[MATRIX], whole[POINT]
+    size, count = whole[N_STATES] * m, len(NODES)
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
-    term, new = columns_at(2, q, m, whole), columns_at(3, q, m, whole)
+    term, forced = columns_at(2, q, m, whole), columns_at(5, q, m, whole)
     if whole[N_CONTACTS] > 0:
         w[TIME] = t
         ask_of(SERIES_FROM, h, w, whole, y, 0)
-        jacobian(t, w, whole, y, matrix)
     else:
         series_fill(t, h, w, whole, y)
-    terms = int(w[dense])
-    forcing(t, y, w, whole, own, q, m, term)
-    add_product(w, whole, matrix, now, m, term)
-    for i in range(n * m):
-        w[term + i] *= h
-        w[result + i] = w[now + i] + w[term + i]
-    for i in range(n):
-        w[drift + i] = 0.0
-    for k in range(1, SERIES + MORE_TERMS):
-        for i in range(n * m):
-            w[new + i] = 0.0
-        if k <= terms:
-            # affine in time and state together: the difference to the value at zero is linear
-            rest = columns_at(4, q, m, whole)
-            forcing(0.0, drift, w, whole, own, q, m, rest)
-            forcing(h if k == 1 else 0.0, dense + 1 + k * n, w, whole, own, q, m, new)
-            for i in range(n * m):
-                w[new + i] -= w[rest + i]
-        add_product(w, whole, matrix, term, m, new)
-        for i in range(n * m):
-            w[term + i] = h / (k + 1) * w[new + i]
-            w[result + i] += w[term + i]
+    for s in range(count):
+        interpolate(w, whole, NODES[s], point)
+        forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
+    jacobian(t, w, whole, y, matrix)
+    for k in range(MOST_TERMS, -1, -1):
+        for i in range(size):
+            w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
+            total = 0.0
+            for s in range(count):
+                total += SHARES[k * count + s] * w[forced + s * size + i]
+            w[result + i] = w[now + i] + h * total
+        add_product(w, whole, matrix, term, m, result)
 
 
 def radau_stage(

@@ -291,7 +291,12 @@ N_INPUTS = 147
 INPUTS = 148
 INPUT_COUNTS = 149
 
-HEADER = 150
+# Harmonic terms in time: rows that may have any; place in `w` of the factors of their powers, then
+# of the terms, their rates, and the square of their angular frequency.
+N_WAVES = 150
+WAVES = 151
+
+HEADER = 152
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -141,6 +141,25 @@ class BlockDiagram(ABC):
     ) -> tuple[float, ...]:
         """Return the energy of a state and what changes it."""
 
+    @property
+    def lost(self) -> float:
+        """Energy that impacts at hard stops have taken so far [J]."""
+        return 0.0
+
+    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:  # noqa: ARG002  # for those with stops
+        """Whether each coordinate of `slips` is at rest at a hard stop."""
+        return (False,) * len(self.slips)
+
+    def struck(
+        self,
+        t: float,  # noqa: ARG002
+        dt: float,  # noqa: ARG002
+        y: list[float],
+        held: tuple[bool, ...],
+    ) -> tuple[list[float], tuple[bool, ...]]:
+        """Return a state at the end of a step after the impacts in it, and what is held then."""
+        return y, held
+
     def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
         """Turn latched switches at the end of a step, within which they stay as they are."""
 

@@ -3,25 +3,28 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self, final
+from typing import Any, NamedTuple, Self, final
 
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.formulation import PAINLEVE, Model, formulate
+from stickslip.formulation import PAINLEVE, Model, contact_model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.contacts.assembly import prepare, put_motion, refresh
 from stickslip.kernels.contacts.guards import law_flags
+from stickslip.kernels.contacts.impacts import strike_stops
 from stickslip.kernels.contacts.motion import slip_rate, supply
 from stickslip.kernels.contacts.transitions import rubs, set_own_flags
 from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.equations import ENERGY, LIMITS, LOADS, evaluate
+from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_RATES,
     BRISTLES,
     CONSTANT_LOADS,
+    FIRST_WALL,
     FLAGS,
     FRICTION,
     LEVELS,
@@ -32,6 +35,7 @@ from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_STATES,
     N_SWITCHES,
+    N_WALLS,
     NEEDED,
     OPEN,
     REACTS,
@@ -39,15 +43,39 @@ from stickslip.kernels.state_layout import (
     SLIPS,
     TIME,
     VALUES,
+    WALL_COLUMNS,
+    WALLS,
     Y,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.solver.block_diagram import BlockDiagram, BreakAway, Lead, check_within, leads_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
+GAINED = 2.0
+"""Most speed, over that which the press gives in a step, that a hop gains in forward Euler steps:
+bounces that lose no more would never end."""
+UNRESOLVED = 5.0
+"""Speed after an impact, over the same, up to which its rebound may be left out."""
 OPENED = 3.0
 """Mode of a contact without load, as columns have it."""
+
+
+class Wall(NamedTuple):
+    """A hard stop of a coordinate."""
+
+    place: int
+    """Index of the coordinate in the state."""
+    side: int
+    """1 above, -1 below."""
+    position: float
+    """Where it is."""
+    restitution: float
+    """Speed after an impact over the speed before."""
+
+    def margin(self, y: Sequence[float]) -> float:
+        """Return the distance from the stop."""
+        return self.side * (self.position - y[self.place])
 
 
 @final
@@ -65,13 +93,17 @@ class ContactDiagram(BlockDiagram):
     equations: Equations
     """Their numbers."""
     slips: tuple[int, ...]
-    """Index in the state of the rate of each coordinate along which a contact slips."""
+    """Index in the state of the rate of each coordinate that a contact or a stop may hold."""
+    walls: tuple[Wall, ...]
+    """Hard stops."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
     break_away: BreakAway
     """Friction of a body at rest that is not held."""
     asked: list[Any] = field(default_factory=list, compare=False, repr=False)
     """State, time, held and pushed coordinates at which everything was last worked out."""
+    losses: list[float] = field(default_factory=list, compare=False, repr=False)
+    """Energies that impacts have taken [J]."""
 
     @classmethod
     def build(
@@ -83,7 +115,8 @@ class ContactDiagram(BlockDiagram):
         break_away: BreakAway,
     ) -> Self:
         """Derive the parts of the equations."""
-        model = formulate(mechanism, law)
+        stops = bool(stops_of(mechanism))
+        model = contact_model(mechanism, law) if stops else formulate(mechanism, law)
         if model.closing:
             raise InputError(
                 f"{type(mechanism).__name__}: the slips of {', '.join(model.closing)} follow from"
@@ -98,13 +131,17 @@ class ContactDiagram(BlockDiagram):
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole
         first, n = whole[SLIPS], whole[N_COORDINATES]
-        slips = sorted({n + whole[first + c] for c in range(whole[N_CONTACTS])})
-        found = cls(model, equations, tuple(slips), leads_of(mechanism, y0), break_away)
-        found._put(0.0, y0)
+        slips = {n + whole[first + c] for c in range(whole[N_CONTACTS])}
+        w[whole[Y] : whole[Y] + whole[N_STATES]] = y0
         for _ in range(whole[N_SWITCHES]):
             set_own_flags(0, w, whole)
         prepare(0.0, w, whole)  # gives the change of coordinates, too
-        return found
+        walls = tuple(
+            Wall(wall_coordinate(k, whole), wall_side(k, whole), *_numbers_of(k, w, whole))
+            for k in range(whole[N_WALLS])
+        )
+        held = tuple(sorted(slips | {n + wall.place for wall in walls}))
+        return cls(model, equations, held, walls, leads_of(mechanism, y0), break_away)
 
     @property
     @override
@@ -205,7 +242,10 @@ class ContactDiagram(BlockDiagram):
         """Return which coordinates at rest stay there, and where others are pushed."""
         whole = self.equations.whole
         n, rigid = whole[N_COORDINATES], whole[RIGID]
-        kept = tuple(y[slip] == 0.0 and bool(whole[rigid + slip - n]) for slip in self.slips)
+        kept = tuple(
+            own or (y[slip] == 0.0 and bool(whole[rigid + slip - n]))
+            for slip, own in zip(self.slips, self.stopped(y), strict=True)
+        )
         pushed: dict[int, int] = {}
         while any(kept):
             slip, side = self._weakest(t, y, kept, pushed)
@@ -247,12 +287,65 @@ class ContactDiagram(BlockDiagram):
         for slip, one in zip(self.slips, held, strict=True):
             needed = float(w[whole[NEEDED] + slip - n])
             level = float(w[whole[LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
-            if not one or (abs(needed) <= level and rubs(slip - n, whole)):
+            if not one or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
             if beyond > excess:
                 found, excess = (slip, 1 if needed > 0.0 else -1), beyond
         return found
+
+    def _may_hold(self, i: int, y: Sequence[float]) -> bool:
+        """Whether a closed contact, or a stop at which it is, can hold a coordinate."""
+        at_stop = any(wall.place == i and wall.margin(y) == 0.0 for wall in self.walls)
+        return at_stop or rubs(i, self.equations.whole)
+
+    @property
+    @override
+    def lost(self) -> float:
+        return sum(self.losses)
+
+    @override
+    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:
+        n = self.coordinates
+        at = {n + wall.place for wall in self.walls if wall.margin(y) == 0.0}
+        return tuple(slip in at and y[slip] == 0.0 for slip in self.slips)
+
+    @override
+    def struck(
+        self, t: float, dt: float, y: list[float], held: tuple[bool, ...]
+    ) -> tuple[list[float], tuple[bool, ...]]:
+        n, beyond = self.coordinates, [k for k, wall in enumerate(self.walls) if wall.margin(y) < 0]
+        if not beyond:
+            return y, held
+        depths = {k: -self.walls[k].margin(y) for k in beyond}
+        y = [*y]
+        for wall in (self.walls[k] for k in beyond):
+            y[wall.place] = wall.position
+        hits = [k for k in beyond if self.walls[k].side * y[n + self.walls[k].place] > 0.0]
+        w, whole = self._at(t, y, held)
+        pushes = {k: w[whole[ACCELERATION] + self.walls[k].place] for k in hits}
+        for k in hits:
+            wall = self.walls[k]
+            speed, push = wall.side * y[n + wall.place], wall.side * pushes[k]
+            met = max(speed - push * min(dt, depths[k] / speed), 0.0)  # as it reached the stop
+            e = wall.restitution
+            ends = (1.0 - e) * met <= GAINED * push * dt and e * met <= UNRESOLVED * push * dt
+            w[_row_of(k, whole) + 1] = 0.0 if ends else e * met / speed
+        if hits:
+            before = self._energy(t)
+            strike_stops(whole[FIRST_WALL] + hits[0], w, whole)
+            y = [float(x) for x in w[whole[Y] : whole[Y] + whole[N_STATES]]]
+            self.asked.clear()
+            self.losses.append(before - self._energy(t))
+        stays = zip(self.slips, held, self.stopped(y), strict=True)
+        kept = tuple(rests or (own and y[slip] == 0.0) for slip, own, rests in stays)
+        return y, self.holds(t, y, kept)
+
+    def _energy(self, t: float) -> float:
+        """Return the mechanical energy of the state at hand."""
+        w, whole = self.equations.w, self.equations.whole
+        evaluate(ENERGY, 0, whole[FLAGS], t, w, whole[Y], whole[VALUES])
+        return float(w[whole[VALUES]])
 
     @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
@@ -288,8 +381,7 @@ class ContactDiagram(BlockDiagram):
     ) -> tuple[float, ...]:
         w, whole = self._moving(t, y, held)
         values, at = whole[VALUES], whole[Y]
-        evaluate(ENERGY, 0, whole[FLAGS], t, w, at, values)
-        energy = float(w[values])
+        energy = self._energy(t)
         supply(t, w, whole, at, values)
         supplied = float(w[values])
         taken = [
@@ -297,3 +389,14 @@ class ContactDiagram(BlockDiagram):
             for c in range(whole[N_CONTACTS])
         ]
         return energy, supplied, *taken
+
+
+def _row_of(wall: int, whole: Sequence[int]) -> int:
+    """Return where position and restitution of a stop stand."""
+    return whole[WALLS] + wall * whole[WALL_COLUMNS]
+
+
+def _numbers_of(wall: int, w: Sequence[Any], whole: Sequence[int]) -> tuple[float, float]:
+    """Return position and restitution of a stop."""
+    at = _row_of(wall, whole)
+    return float(w[at]), float(w[at + 1])

@@ -1,4 +1,12 @@
-"""A block diagram with a fixed step: what chatter, drift and false reversals come from."""
+"""A block diagram with a fixed step: what chatter, drift and false reversals come from.
+
+Hard stops are those of an integrator with limits, whose state is reset. A coordinate that ends a
+step beyond its stop is put onto it, and its rate is reversed, times the restitution; the others
+change by the same impulse as in exact runs. The speed is that with which it passed the stop, by the
+depth it has come to. An impact so slow that steps do not tell its rebounds apart is one without
+restitution, which ends the bounces. What is at rest at its stop
+is held while it is pressed, as by friction, and leaves as its press ends.
+"""
 
 import itertools
 import math
@@ -14,7 +22,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import joined, number
 from stickslip.formulation import PAINLEVE
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
-from stickslip.mechanisms import Mechanism, has_one_slip
+from stickslip.mechanisms import Mechanism, has_one_slip, stops_of
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.block_diagram import (
@@ -25,7 +33,7 @@ from stickslip.solver.block_diagram import (
     limits_of,
 )
 from stickslip.solver.contact_diagram import ContactDiagram
-from stickslip.solver.initial_states import refuse_limits, refuse_stops
+from stickslip.solver.initial_states import refuse_limits, within_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]
@@ -120,7 +128,7 @@ class FixedStep(Solver):
         if self.stick_rule is None:
             rule = not isinstance(law, PrintedForm)
             return replace(self, stick_rule=rule).run(mechanism, law, y0=y0, t_end=t_end, told=told)
-        refuse_stops(mechanism)
+        y0 = within_stops(mechanism, y0)
         diagram = _diagram(self, mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
@@ -139,6 +147,7 @@ class FixedStep(Solver):
             self.soft is None and ((self.stick_rule and y[slip] == 0) or self._within_band(y[slip]))
             for slip in diagram.slips
         )
+        rests = tuple(a or b for a, b in zip(rests, diagram.stopped(y), strict=True))
         held = diagram.holds(0.0, y, rests)
         for slip, stuck in zip(diagram.slips, held, strict=True):
             y[slip] = 0.0 if stuck else y[slip]
@@ -148,6 +157,7 @@ class FixedStep(Solver):
         for t, following in itertools.pairwise(times):
             try:
                 y, held = self._step(diagram, t, following - t, y, held)
+                y, held = diagram.struck(following, following - t, y, held)
                 diagram.turn(following, y)
                 row = diagram.sample(following, y, held)
                 if not all(map(math.isfinite, row)):
@@ -232,7 +242,7 @@ def _diagram(
     contacts, soft = mechanism.contacts(), solver.soft
     _refuse_break_away(solver, law)
     break_away = solver.break_away or "static"
-    if not isinstance(law, Laws) and has_one_slip(mechanism):
+    if not isinstance(law, Laws) and has_one_slip(mechanism) and not stops_of(mechanism):
         refuse_limits(mechanism, limits_of(mechanism))
         if soft is not None and (isinstance(law, PrintedForm) or law.states):
             raise InputError(
@@ -243,14 +253,15 @@ def _diagram(
     if soft is not None or solver.viscous:
         raise InputError(
             "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
-            f" coordinate, but {mechanism.name} has"
-            f" {', '.join(one.name for one in contacts) or 'another'}: leave them out."
+            f" coordinate and no hard stops, but {mechanism.name} has"
+            f" {', '.join(one.name for one in contacts) or 'others'}: leave them out."
         )
     if isinstance(law, PrintedForm):
-        names = ", ".join(one.name for one in contacts)
+        names = ", ".join(one.name for one in contacts) or "hard stops"
         raise InputError(
-            f"{law.name} is an equation as printed, for one contact that slips along a coordinate,"
-            f" but {type(mechanism).__name__} has {names}: give {law.corrected.__name__}(...)."
+            f"{law.name} is an equation as printed, for one contact that slips along a coordinate"
+            f" without stops, but {type(mechanism).__name__} has {names}: give"
+            f" {law.corrected.__name__}(...)."
         )
     limits = limits_of(mechanism)
     refuse_limits(mechanism, tuple(name for name in limits if name != PAINLEVE))
@@ -354,7 +365,7 @@ def _trajectory(
         units=column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
         events=(),
         status=status,
-        certificate=_certificate(rows[:, 0], balances, diagram.contacts),
+        certificate=_certificate(rows[:, 0], balances, diagram),
         span=(0.0, float(rows[-1, 0])),
         evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
@@ -364,7 +375,7 @@ def _trajectory(
 
 
 def _certificate(
-    t: NDArray[np.float64], balances: NDArray[np.float64], contacts: Sequence[str]
+    t: NDArray[np.float64], balances: NDArray[np.float64], diagram: BlockDiagram
 ) -> Certificate:
     """Say what the fixed step cost, by energies and powers: it is never certified."""
     energy = balances[:, 0]
@@ -372,18 +383,19 @@ def _certificate(
     work = np.asarray(np.trapezoid(power, t, axis=0))
     own = np.asarray(np.trapezoid(balances[:, 2:], t, axis=0)).tolist()
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
-    mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
+    mismatch = abs(energy[-1] - energy[0] - work[0] + work[1] + diagram.lost)
     return Certificate(
         energy_error=float(mismatch / size) if 0 < size < math.inf else float(mismatch),
         energy_start=float(energy[0]),
         energy_end=float(energy[-1]),
         work_supplied=float(work[0]),
         work_friction=float(work[1]),
+        work_stops=diagram.lost,
         guard_violation=0.0,
         event_residual=0.0,
         stick_drift=0.0,
         steps=len(t) - 1,
         rejected=0,
-        work=dict(zip(contacts, own, strict=False)),
+        work=dict(zip(diagram.contacts, own, strict=False)),
         problems=("fixed step: events were not located and the error was not controlled",),
     )

@@ -151,12 +151,3 @@ def refuse_masses(mechanism: Mechanism, y0: Sequence[float]) -> None:
         fault = mass_fault(mechanism, y0[: len(mechanism.coordinates)])
         if fault:
             raise InputError(fault)
-
-
-def refuse_stops(mechanism: Mechanism) -> None:
-    """Raise if a mechanism has hard stops."""
-    if stops_of(mechanism):
-        raise InputError(
-            f"FixedStep does not support hard stops, and this {type(mechanism).__name__} has some:"
-            " run it with EventDriven(), or without stops."
-        )

@@ -30,6 +30,7 @@ di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -553,11 +554,10 @@ class _Curve:
         return f"It ends at {quantity(value, self.unit, 5)} in a doubling of period {half}."
 
     def limit(self, here: _Point, there: _Point) -> float | None:
-        """Return the end of the range that a step crosses, if any."""
-        for edge in (self.low, self.high):
-            if (here.shot.value - edge) * (there.shot.value - edge) < 0.0:
-                return edge
-        return None
+        """Return the end of the range that a step leaves behind, from within or from it."""
+        if there.shot.value < self.low <= here.shot.value:
+            return self.low
+        return self.high if there.shot.value > self.high >= here.shot.value else None
 
     def cut(
         self, points: list[_Point], there: _Point, edge: float, events: list[Event]
@@ -565,11 +565,10 @@ class _Curve:
         """End a branch right at the end of the range."""
         here = points[-1]
         share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
-        try:
-            shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
-            points.append(self.point(shot, there.tangent))
-        except (SimulationError, InputError):
-            pass  # the last point stands a step before the end of the range
+        with suppress(SimulationError, InputError):  # else the last point stands a step before it
+            if share > 0.0:
+                shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
+                points.append(self.point(shot, there.tangent))
         inside = [e for e in events if self.low <= e.value <= self.high]
         return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
 

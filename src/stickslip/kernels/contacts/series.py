@@ -15,10 +15,11 @@ from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
-from stickslip.kernels.equations import FORCE_SLOPES, evaluate
+from stickslip.kernels.equations import FORCE_SLOPES, MARGIN_SLOPES_OF, MARGINS, evaluate
 from stickslip.kernels.error_scale import VANISHED, series_tail
 from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
+from stickslip.kernels.mode_transitions import UNMOVED
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BORNE,
@@ -27,11 +28,13 @@ from stickslip.kernels.state_layout import (
     DENSE,
     DIAGONAL,
     DRIFT,
+    FIRST_LIMIT,
     FIRST_WALL,
     FLAGS,
     FORCE,
     FRACTION,
     FRICTION,
+    LAW_VALUES,
     LENGTH,
     LEVELS,
     LOOPED,
@@ -43,6 +46,7 @@ from stickslip.kernels.state_layout import (
     N_PAIRS,
     N_SLOPES,
     N_STATES,
+    N_SWITCHES,
     N_TIME_SLOPES,
     N_WALLS,
     NEEDED,
@@ -57,12 +61,14 @@ from stickslip.kernels.state_layout import (
     SLOPE_COLUMNS,
     SLOPE_ROWS,
     SLOPE_VALUES,
+    SLOPES,
     TIME,
     TIME_ROWS,
     VALUES,
     Y1,
     Y,
 )
+from stickslip.kernels.taylor_series import fill_waves, wave_at, waves_tail
 
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
@@ -99,10 +105,11 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
     last += states
     small, terms = 0, 1
+    waving = fill_waves(w[TIME], h, w, whole, at)
     while terms < SERIES and small < 2:
-        next_forces(terms, h, last, w, whole)
+        next_forces(terms, h, last, waving, w, whole)
         ratio = h / (terms + 1.0)
-        ended = True
+        ended = terms >= waving
         for i in range(n):
             speed = ratio * w[last + n + i]
             growth = ratio * w[whole[DRIFT] + i]
@@ -123,7 +130,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
             w[whole[NEEDED_SERIES] + k * whole[N_PAIRS] + i] = rate
 
 
-def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
+def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: Wholes) -> None:
     """Write one term of the accelerations to DRIFT and one of the needed friction."""
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
@@ -139,6 +146,8 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
+    elif waving > 0:
+        add_waves(terms, row, w, whole)
     damp(last + n, row, w, whole)
     for i in range(n):
         w[found + i] = w[row + i]
@@ -153,6 +162,13 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
             for j in range(n):
                 total -= w[whole[MASS] + i * n + j] * w[found + j]
             w[row + i] = total
+
+
+def add_waves(terms: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Add a power of the harmonics to a term of the forces."""
+    power, waves = wave_at(terms, w, whole)
+    for k in range(whole[N_TIME_SLOPES]):
+        w[to + whole[whole[TIME_ROWS] + k]] += power * w[waves + k]
 
 
 def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
@@ -189,7 +205,7 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     w[LENGTH] = h
     fill_series(h, w, whole, whole[Y])
     interpolate(w, whole, 1.0, whole[Y1])
-    return series_tail(h, w, whole)
+    return max(series_tail(h, w, whole), waves_tail(w, whole))
 
 
 def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
@@ -260,27 +276,27 @@ def search(
     width: int,
     sign: float,
     count: int,
+    balanced: int,
     w: Vector,
 ) -> float:
     """Return the first fall of ``value + sign * (terms of a column)``, from POLYNOMIAL's start.
 
     The terms stand `width` apart from the place `row` on; `bound` is the sum of their sizes. The
-    interval that is searched ends `slack` behind the earliest fall known, in FRACTION: coefficients
-    are scaled by its powers.
+    first `balanced` of them are rounding, and left out. The interval that is searched ends `slack`
+    behind the earliest fall known, in FRACTION: coefficients are scaled by its powers.
     """
     reach = min(1.0, w[FRACTION] + slack)
     if value > reach * bound:
         return NEVER_FALLS
     power = 1.0
     total = 0.0
-    first = w[POLYNOMIAL + 1]  # 0 where the first slope is rounding, else 1
     w[POLYNOMIAL] = value
     for k in range(1, count + 1):
         power *= reach
         w[POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
         total += abs(w[POLYNOMIAL + k])
-    if first == 0.0:
-        w[POLYNOMIAL + 1] = 0.0
+    for k in range(1, balanced + 1):
+        w[POLYNOMIAL + k] = 0.0
     if value > total:
         return NEVER_FALLS
     x = first_fall(w, count)
@@ -313,7 +329,45 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
             return best
         if guard != early:
             best = look_at(guard, best, slack, w, whole)
-    return first_stop(best, slack, w, whole) if whole[N_WALLS] > 0 else best
+    if whole[N_SWITCHES] > 0:
+        best = first_switch(best, slack, w, whole)
+    return first_stop(best, slack, w, whole) if whole[N_WALLS] > 0 and w[FRACTION] > 0.0 else best
+
+
+@rare
+def first_switch(best: int, slack: float, w: Vector, whole: Wholes) -> int:
+    """Return the guard that falls first, those of the mechanism's own switches included."""
+    states, terms, dense = whole[N_STATES], int(w[whole[DENSE]]), whole[DENSE] + 1
+    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    margins, slopes, h = whole[LAW_VALUES], whole[SLOPES], w[LENGTH]
+    evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], margins)
+    evaluate(MARGIN_SLOPES_OF, 0, whole[FLAGS], w[TIME], w, whole[Y], slopes)
+    for j in range(whole[N_SWITCHES]):
+        sign = 1.0 if whole[FLAGS] & (1 << j) else -1.0
+        value, reached, row = sign * w[margins + j], whole[REACHED] + first + j, slopes
+        row += j * (states + 1)
+        w[reached] = max(w[reached], abs(value))
+        if -UNMOVED * w[reached] <= value < 0.0:
+            value = 0.0  # it has just been turned, within rounding of its threshold
+        reach, power, total = min(1.0, w[FRACTION] + slack), 1.0, 0.0
+        w[POLYNOMIAL] = value
+        for k in range(1, terms + 1):
+            power *= reach
+            term = h * w[row + states] if k == 1 else 0.0
+            for i in range(states):
+                term += w[row + i] * w[dense + k * states + i]
+            w[POLYNOMIAL + k] = sign * power * term
+            total += abs(w[POLYNOMIAL + k])
+        if value > total:
+            continue
+        x = first_fall(w, terms)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return first + j
+        if x <= 1.0 and (reach * x < w[FRACTION] or (reach * x == 1.0 and best == NO_GUARD)):
+            w[FRACTION] = reach * x
+            best = first + j
+    return best
 
 
 def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
@@ -327,9 +381,12 @@ def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
             continue
         reached = whole[REACHED] + first + wall
         w[reached] = max(w[reached], abs(margin))
-        w[POLYNOMIAL + 1] = 1.0
-        row = whole[DENSE] + 1 + states + wall_coordinate(wall, whole)
-        x = search(margin, math.inf, slack, row, states, -wall_side(wall, whole), terms, w)
+        i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+        # what leaves its stop as its press ends has neither speed nor acceleration yet
+        leaves = margin == 0.0 and w[whole[Y] + whole[N_COORDINATES] + i] == 0.0
+        balanced = 2 if leaves and is_balanced(i, w, whole) else 0
+        row = whole[DENSE] + 1 + states + i
+        x = search(margin, math.inf, slack, row, states, -side, terms, balanced, w)
         if x == FALLS_AT_ONCE:
             w[FRACTION] = 0.0
             return first + wall
@@ -395,20 +452,19 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
-    w[POLYNOMIAL + 1] = 1.0
     if mode == HELD_FAST:
         w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
         row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
-        x = search(value, w[whole[DRIFT] + i], slack, row, pairs, side_sign(guard), count, w)
+        bound, sign = w[whole[DRIFT] + i], side_sign(guard)
+        x = search(value, bound, slack, row, pairs, sign, count, 0, w)
     else:
-        if value == 0.0 and is_balanced(i, w, whole):
-            w[POLYNOMIAL + 1] = 0.0
+        balanced = 1 if value == 0.0 and is_balanced(i, w, whole) else 0
         if i < n:
             row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
-            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, balanced, w)
         else:
             row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
-            x = search(value, math.inf, slack, row, pairs, mode, count, w)
+            x = search(value, math.inf, slack, row, pairs, mode, count, balanced, w)
     return note_root(guard, x, best, w, whole)
 
 

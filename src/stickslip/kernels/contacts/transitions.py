@@ -1,6 +1,7 @@
 """What changes at an event of a mechanism with several contacts: all that fires in one instant."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.bernstein import NEVER_FALLS
 from stickslip.kernels.contacts.assembly import prepare, refresh
 from stickslip.kernels.contacts.decisions import decide
 from stickslip.kernels.contacts.guards import (
@@ -391,7 +392,8 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
         return False
     if exact:
         h = w[LENGTH]
-        return w[values + guard] <= w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
+        near = w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
+        return w[values + guard] < NEVER_FALLS and w[values + guard] <= near
     size = guard_size(guard, w, whole)
     return size > 0.0 and w[values + guard] <= REACHED_ZERO * size
 

@@ -1,0 +1,144 @@
+"""A vibro-impact capsule: sweeps of its frequency, and branches against settled runs.
+
+The capsule is that of the tutorial. With a soft stop it is driven from outside; with hard stops the
+force acts between both. Settled runs are independent of the branches: random frequencies and
+states, and the least number of cycles after which the states of a cycle's start come again.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.measuring import Section, Target
+from stickslip import Capsule, Coulomb, ensemble
+from stickslip.drives import Sine
+from stickslip.mechanisms import SoftStop, Torque
+from stickslip.outputs import Samples
+from stickslip.sweep import OrbitDiagram, average_velocity, orbit_diagram
+from stickslip.sweep.cycles import period_of
+
+Array = NDArray[np.float64]
+
+LAW = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+BARE = Capsule(
+    capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03,
+    drive=Torque(drive=Sine(amplitude=0.2, frequency=8.0)),
+)  # fmt: skip
+SOFT = SoftStop(place=2e-3, stiffness=3000.0, damping=0.1)
+RIGS = {
+    "soft stop, force from outside": replace(BARE, drive_on="inner mass", upper_soft_stop=SOFT),
+    "hard stop, e = 0.6": replace(BARE, upper_stop=2e-3, restitution=0.6),
+    "hard stop, e = 0": replace(BARE, upper_stop=2e-3),
+    "two hard stops, e = 0.6": replace(BARE, upper_stop=2e-3, lower_stop=-1.5e-3, restitution=0.6),
+    "hard stop, e = 0.6, and a soft one below": replace(
+        BARE, upper_stop=2e-3, restitution=0.6, lower_soft_stop=replace(SOFT, place=-1.5e-3)
+    ),
+}
+FOLLOWED = ("soft stop, force from outside", "hard stop, e = 0.6", "hard stop, e = 0")
+PATH = "mechanism.drive.drive.frequency"
+FREQUENCIES = 500
+RANGE = (2.0, 20.0)
+RUNS, SETTLE, MOST, SEED = 2000, 400, 4, 5
+NEAR = 2e-3
+"""Distance from an orbit, over the size of the states, of a settled run that lies on it."""
+BETWEEN = 0.01
+"""The same from a straight line between two orbits of a branch."""
+GOAL_SWEEP, GOAL_BRANCHES = 1.5, 20.0
+
+
+def sweep(rig: Capsule) -> float:
+    """Return the processor time of a sweep, 100 cycles at each frequency [s]."""
+    average_velocity(rig, LAW, {PATH: [6.0, 8.0]}, cycles=20, settle=80)
+    frequencies, begun = np.linspace(3.0, 20.0, FREQUENCIES), time.process_time()
+    average_velocity(rig, LAW, {PATH: frequencies}, cycles=20, settle=80)
+    return time.process_time() - begun
+
+
+def settled(rig: Capsule, names: Sequence[str], sizes: Array) -> tuple[Array, Array, float]:
+    """Return frequencies of settled runs, once-a-cycle states (runs, 2 MOST, k), and the time."""
+    noise = np.random.default_rng(SEED)
+    frequencies = np.sort(noise.uniform(*RANGE, RUNS))
+    starts = {
+        f"initial.{name}": 2.0 * size * noise.uniform(-1.0, 1.0, RUNS)
+        for name, size in zip(names, sizes, strict=True)
+    }
+    lower = -np.inf if rig.lower_stop is None else rig.lower_stop
+    upper = np.inf if rig.upper_stop is None else rig.upper_stop
+    starts["initial.xi"] = np.clip(starts["initial.xi"], lower, upper)
+    points, begun = [], time.process_time()
+    for i, frequency in enumerate(frequencies):
+        times = (SETTLE + np.arange(1, 2 * MOST + 1)) / frequency
+        columns = {PATH: [frequency], **{path: [column[i]] for path, column in starts.items()}}
+        outputs = {name: Samples(name, times.tolist()) for name in names}
+        run = ensemble(rig, LAW, columns, t_end=float(times[-1]), outputs=outputs)
+        points.append(np.stack([run[name][0] for name in names], axis=1))
+    return frequencies, np.array(points), time.process_time() - begun
+
+
+def lies_on(
+    diagram: OrbitDiagram, frequency: float, points: Array, period: int, sizes: Array
+) -> bool:
+    """Whether a settled run lies on a branch; where points of it are far, by orbits solved for."""
+
+    def gap(starts: Array) -> float:
+        off = np.abs(starts[:, None, :] - points[None, :period, :]) / sizes
+        return float(off.max(axis=2).min(initial=np.inf))
+
+    own = [branch for branch in diagram.branches if branch.cycles == period]
+    if any(gap(branch.crossings(frequency)) <= BETWEEN for branch in own):
+        return True
+    orbits = [orbit for branch in own for orbit in branch.orbits_at(frequency)]
+    starts = [[orbit.start[name] for name in diagram.states] for orbit in orbits]
+    return gap(np.reshape(starts, (-1, len(sizes)))) <= NEAR
+
+
+def branches(name: str) -> tuple[tuple[str, ...], Target]:
+    """Return a row of the table of branches, and whether their goal is met."""
+    rig, begun = RIGS[name], time.process_time()
+    diagram = orbit_diagram(rig, LAW, PATH, RANGE, cycles=MOST)
+    taken = time.process_time() - begun
+    sizes = np.nanmax(np.abs(diagram.samples), axis=(0, 1))
+    frequencies, points, brute = settled(rig, diagram.states, sizes)
+    periods = [period_of(one, sizes) for one in points]
+    rows = zip(frequencies, points, periods, strict=True)
+    missed = [(f, m) for f, one, m in rows if m and not lies_on(diagram, f, one, m, sizes)]
+    closing = sum(m > 0 for m in periods)
+    row = (
+        name, str(len(diagram.branches)), f"{taken:.1f}", f"{brute:.1f}", str(closing),
+        str(len(missed)) + "".join(f", {f:.3f} Hz of period {m}" for f, m in missed[:4]),
+    )  # fmt: skip
+    met = taken <= GOAL_BRANCHES and not missed
+    goal = f"{GOAL_BRANCHES:g} s of processor time, all stable periods up to {MOST}"
+    measured = f"{taken:.1f} s, {len(missed)} of {closing} settled runs on no branch"
+    why = "settled runs where branches are short" if missed else "" if met else "its runs"
+    return row, Target(work=f"branches, {name}", goal=goal, measured=measured, met=met, reason=why)
+
+
+def run() -> Section:
+    """Return times of sweeps and branches."""
+    sweeps = {name: sweep(rig) for name, rig in RIGS.items()}
+    followed = [branches(name) for name in FOLLOWED]
+    rows = [(name, "", f"{taken:.2f}", "", "", "") for name, taken in sweeps.items()]
+    first = next(iter(RIGS))
+    target = Target(
+        work=f"{FREQUENCIES} frequencies, 100 cycles each, {first}",
+        goal=f"{GOAL_SWEEP:g} s of processor time",
+        measured=f"{sweeps[first]:.2f} s",
+        met=sweeps[first] <= GOAL_SWEEP,
+        reason="the machine was busy",
+    )
+    return Section(
+        title="A vibro-impact capsule",
+        heads=("capsule", "branches", "time, s", "settled runs, s", "closing", "on no branch"),
+        rows=(*rows, *(row for row, _ in followed)),
+        notes=(
+            f"Rows without branches: sweeps of {FREQUENCIES} frequencies from 3 to 20 Hz, 100 to"
+            f" 125 cycles each. Others: all branches from 2 to 20 Hz, and {RUNS} settled runs of"
+            f" {SETTLE} cycles from random states, of which those that close within {MOST} cycles"
+            " must lie on a branch. Processor time of one core.",
+        ),
+        targets=(target, *(one for _, one in followed)),
+    )
