@@ -20,7 +20,7 @@ JITTER = 0.4
 """Further starts are the first one times e^(+-JITTER), by coordinate."""
 AGREE = 0.01
 """Starts agree if their root mean squares differ by less than this share."""
-FLAT = 1e-4
+FLAT = 1e-6
 """The search ends when a step lowers the cost by less than this share."""
 FIRST_DAMPING, GROWTH = 1e-3, 10.0
 """Damping of the first step, and what it is multiplied by when a step fails: after each further

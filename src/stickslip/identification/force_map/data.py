@@ -21,7 +21,7 @@ from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
-from stickslip.identification.settings import PROMPT, SensorResponse
+from stickslip.identification.settings import LEAST, PROMPT, SensorResponse
 from stickslip.identification.signals import LowPass, low_pass
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
@@ -30,8 +30,6 @@ Array = NDArray[np.float64]
 
 GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
-LEAST = 8
-"""Samples a record must have to say anything about a law."""
 QUIET = 0.005
 """Standard deviation that noise may leave in velocities, over the largest speed. The less they are
 smoothed, the less reversals shift."""

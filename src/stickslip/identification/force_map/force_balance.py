@@ -26,7 +26,6 @@ from stickslip.experiments import (
 )
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
-from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.data import (
     BEYOND,
     FINEST,
@@ -216,10 +215,6 @@ class BalanceProblemBuilder:
             rederived = RederivedBalance(rederived.paths, self.mechanism, record, derive)
         problem = self.problem.along(derive(self.mechanism, record), record)
         return replace(problem, mass=mass, derived=(mass,), rederived=rederived)
-
-    def with_free_parameters(self, free_parameters: FreeParameters) -> "BalanceProblemBuilder":
-        """Return what builds the same with other bounds or start values of the unknowns."""
-        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
 
     def at(self, values: Array) -> "BalanceProblemBuilder":
         """Return what derives friction with the mass, and others of the mechanism, of values (p,).

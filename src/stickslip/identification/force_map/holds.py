@@ -7,7 +7,7 @@ Intervals of estimates include what is left open.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
@@ -190,21 +190,9 @@ def _nuisance(one: MotionSegment, top: float) -> Array:
     sign = np.sign(v)
     peaks = [sign * np.exp(-np.square(v / (width * max(top, 1e-300)))) for width in PEAKS]
     shapes = [shape * load for shape in (sign, *peaks)]
-    own = np.column_stack([np.ones_like(v), np.abs(v), v, v * np.abs(v), *shapes, *_warmed(one)])
+    own = np.column_stack([np.ones_like(v), np.abs(v), v, v * np.abs(v), *shapes])
     linear = np.zeros((len(v), 0)) if one.regressors is None else one.regressors
     return np.column_stack([one.seen(own), linear])
-
-
-def _warmed(one: MotionSegment) -> Iterator[Array]:
-    """Yield what levels and viscous friction do along a temperature or pressure that changes."""
-    v = one.path.velocity
-    for name, values in one.path.inputs.items():
-        low, high = float(values.min()), float(values.max())
-        if name in ("temperature", "pressure") and high > low:
-            share = (2.0 * values - low - high) / (high - low)
-            for power in (1, 2, 3):
-                yield share**power * v
-                yield share**power * np.sign(v) * one.path.load
 
 
 def _joined(found: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -737,10 +737,6 @@ class JointBalanceBuilder:
         own = tuple(one for name, one in fitted if name in self.problem.maps)
         return self.problem.along(own, [values[path] for path in self.torques.linear])
 
-    def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalanceBuilder":
-        """Return what builds the same with other bounds or start values of the unknowns."""
-        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
-
     def at(self, values: Array) -> "JointBalanceBuilder":
         """Return what derives friction with the values (p,); residuals stay the same."""
         found = dict(zip(self.problem.free_parameters.paths, values.tolist(), strict=True))

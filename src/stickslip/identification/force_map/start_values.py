@@ -24,6 +24,7 @@ from stickslip.identification.estimation.parameters import (
 )
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.series.inverse_dynamics import HUBER
 from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, vary
 
@@ -57,8 +58,6 @@ FEWEST = 3
 from a friction level, its interval says."""
 SURPLUS = 0.2
 """Static surplus to begin with, over the kinetic level."""
-HUBER = 1.345
-"""Residuals beyond this many standard deviations count less; 95 % efficient for normal ones."""
 MOST_VISCOUS = 0.5
 """Share of friction at the largest speed that starts as viscous at most."""
 WIDE = 100.0

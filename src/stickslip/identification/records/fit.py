@@ -70,9 +70,6 @@ class ProblemBuilder(Protocol):
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
         """Return the problem of a record as it is fitted: perhaps some of its rows only."""
 
-    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
-        """Return what builds the same with other bounds or start values of the unknowns."""
-
     def at(self, values: Array) -> Self:
         """Return what builds problems from here on, where the fit ended (p,)."""
 

@@ -34,7 +34,8 @@ from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, searched
 from stickslip.identification.records.links import told_links
 from stickslip.identification.records.problems import SOME, FitSetup
-from stickslip.identification.series.inverse_dynamics import positions_of
+from stickslip.identification.series.inverse_dynamics import SETTLED, positions_of
+from stickslip.identification.series.start_values import WIDE
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import (
     LAW,
@@ -65,13 +66,8 @@ ALIKE = 1e-6
 """Singular value of scaled slopes below which parameters do the same to all forces."""
 BENDS = 20
 """Times at which slopes by parameters that forces are not linear in are taken anew."""
-SETTLED = 1e-6
-"""Change of these parameters, over their values, at which slopes are no longer taken anew."""
 FOLLOWED = 1_000
 """Samples of a record along which bristles are integrated, unless the filter asks for more."""
-WIDE = 30.0
-"""How far the bounds of a parameter of the mechanism lie from its start, over the size at which it
-explains all forces."""
 
 
 def fit_joints(

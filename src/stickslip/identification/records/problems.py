@@ -143,14 +143,6 @@ class FitSetup(Generic[P_co]):
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
-    def looking_for(self, free_parameters: FreeParameters) -> "FitSetup[P_co]":
-        """Return the same with other bounds or start values of the unknowns."""
-        return replace(
-            self,
-            problem=self.problem.with_free_parameters(free_parameters),
-            build=self.build.with_free_parameters(free_parameters),
-        )
-
 
 # What builds problems is no closure, so that fits can cross processes.
 
@@ -203,9 +195,6 @@ class _ShootingBuilder:
     def fitted(self, record: Measurement, length: float | None) -> Shooting:
         return self(record, length)
 
-    def with_free_parameters(self, free_parameters: FreeParameters) -> "_ShootingBuilder":
-        return replace(self, free_parameters=free_parameters)
-
     def at(self, _values: Array) -> "_ShootingBuilder":
         return self
 
@@ -241,9 +230,6 @@ class _ForceMapBuilder:
             self.mechanism, record, segment=length, samples=SAMPLES, response=self.response
         )
         return self.problem.along(own, record)
-
-    def with_free_parameters(self, free_parameters: FreeParameters) -> "_ForceMapBuilder":
-        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
 
     def at(self, _values: Array) -> "_ForceMapBuilder":
         return self

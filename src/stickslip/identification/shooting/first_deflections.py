@@ -15,15 +15,13 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import Path, balancing, follow
-from stickslip.identification.estimation.parameters import FreeParameters, PerturbedLaws
+from stickslip.identification.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
 
 Array = NDArray[np.float64]
 
 BEFORE = 0.02
 """Share of a segment whose length times the first velocity is how far the body slipped before the
 first sample of a record."""
-NUDGE = 1e-6
-"""Share by which the first velocity is changed to see what that does."""
 
 
 @final
@@ -127,8 +125,8 @@ class FirstDeflections:
         velocity = float(self.motion.path.velocity[0])
         if velocity == 0.0:
             return np.full_like(self.states, BEFORE * self.length)
-        moved = replace(self, motion=self.motion.begun((1.0 + NUDGE) * velocity))
-        return np.asarray((moved.states - self.states) / (NUDGE * velocity))
+        moved = replace(self, motion=self.motion.begun((1.0 + MOVED) * velocity))
+        return np.asarray((moved.states - self.states) / (MOVED * velocity))
 
     @cached_property
     def states(self) -> Array:

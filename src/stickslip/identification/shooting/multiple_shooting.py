@@ -18,7 +18,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError
 from stickslip.executors import on_threads
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import FreeParameters, not_whole
+from stickslip.identification.estimation.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identification.shooting.initial_states import (
@@ -46,8 +46,6 @@ STEPS_PER_ROW = 20
 """Steps of a long segment at most, over its rows."""
 
 
-SHIFT = 1e-5
-"""Share of its size by which a quantity is moved where sensitivities have to be differences."""
 FIRST = 20
 """First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
 UNSEEN = 3.0
@@ -461,14 +459,14 @@ def _differenced(
     root, _, name = path.partition(".")
     if root == "initial":
         own = run.states.index(name)
-        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or SHIFT
+        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or MOVED
     else:
         known = parameters(law if root == "friction" else mechanism, root)
         value = next(value for other, _, value in known if other == path)
         size = abs(value) or 1e-3
     ends = []
     sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
-    for change in (side * SHIFT * size for side in sides):
+    for change in (side * MOVED * size for side in sides):
         try:
             first, rig, own_law = start, mechanism, law
             if root == "initial":

@@ -11,6 +11,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.formatting import joined, number
 from stickslip.identification.contact_inputs import with_inputs
+from stickslip.identification.force_map.data import GAP
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
@@ -27,8 +28,6 @@ from stickslip.mechanisms import Mechanism, motor_of, slip_of
 Array = NDArray[np.float64]
 
 
-GAP = 3.0
-"""Steps of time longer than this many usual ones are gaps, which no segment crosses."""
 SAMPLES = 20
 """Samples of a usual segment at least; where they are rare, a segment is longer than a second."""
 GUESSED = 20
