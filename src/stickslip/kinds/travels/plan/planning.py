@@ -324,7 +324,7 @@ class _Bench:
         found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
         found |= {path: abs(float(gain @ one)) for path, one in shared.items()}
         size = {READINGS: self.error * float(np.linalg.norm(gain))}
-        return size | {path: one / units[path] for path, one in found.items()}
+        return size | {path: found[path] / unit for path, unit in units.items()}
 
     def _part(self, path: str, doubt: float, repeats: int) -> float:
         """Return the part of a source: what differs from run to run averages out."""
