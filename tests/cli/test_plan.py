@@ -46,8 +46,9 @@ def test_a_plan_is_printed(run, folder):
     code, out, _ = run("plan", "rig.toml", *LAWS, "--uncertainty", "2mm")
     assert code == 0
     text = re.sub(r"\s+", " ", out)
-    assert "Set the compression to 32, 48, 64 and 80 mm, 3 runs each" in text
-    assert "12 travels, each measured to 2 mm. They distinguish 3 of 3 pairs of laws." in text
+    assert "Set the compression to 32, 48, 64 and 80 mm, 4 runs each" in text
+    assert "16 travels, each measured to 2 mm. They distinguish 3 of 3 pairs of laws." in text
+    assert re.search(r"The travel is known least with the compression \d+ mm: ± \d+ mm", text)
     assert "Hang 1.18 kg on the spring" in text
     assert "name,mechanism.compression [mm],travel [mm]" in text
     assert "is assumed" not in text

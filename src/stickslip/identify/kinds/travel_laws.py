@@ -403,7 +403,8 @@ class TravelLaw:
             points, self.count, moving, (residuals, low, high, scale, size)
         )
         settings = len({trial.setting for trial in self.trials})
-        if self.count < len(low) < settings and not self._fixed(shapes):
+        paid = len(low) < settings or (self.thorough and settings > 1)
+        if self.count < len(low) and paid and not self._fixed(shapes):
             # a grid of shapes is coarser than readings that are good: the best are fitted too
             self.typical = np.median(shapes, axis=0)
             scale[self.count :] = 0.1 * self.typical

@@ -145,7 +145,7 @@ def travel_fit(judgement: TravelJudgement, name: str, named: Collection[str] = (
         low, high = np.quantile(draws[path], (tail, 1.0 - tail)).tolist()
         low = 0.0 if path in zero and not is_rig(path) else low
         reason = INSENSITIVE if path in untold else alone
-        if is_rig(path) and 0.5 * (high - low) > abs(value):
+        if is_rig(path) and high - low > abs(value):
             reason = reason or WIDER
         estimates.append(
             Estimate(
