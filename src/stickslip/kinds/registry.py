@@ -87,6 +87,8 @@ def kind_of(measurement: Measurement, asked: str | RouteChoice | None = None) ->
     if name in usual.routes:
         return usual
     found = kind_of_route(name)
+    if found.reads(measurement):
+        return found
     if "route" in usual.uses and "route" not in found.uses:
         raise InputError(
             f"route {name!r} applies to {found.measured}, not to this measurement: leave it out."

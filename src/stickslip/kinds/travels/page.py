@@ -4,9 +4,6 @@ import math
 from functools import partial
 from typing import Any, cast
 
-import numpy as np
-
-from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, capital, percent
 from stickslip.identify import (
     THRESHOLDS,
@@ -18,7 +15,7 @@ from stickslip.identify import (
 )
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.travels.settings import words_of
-from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, records_of
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import Column as PageColumn
 from stickslip.report import (
@@ -111,7 +108,14 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
             )
         )
         for i, (record, trial, predicted, left) in enumerate(
-            zip(_records(verdict), verdict.trials, fit.predicted, held_out, strict=True), 1
+            zip(
+                records_of(verdict.measurement),
+                verdict.trials,
+                fit.predicted,
+                held_out,
+                strict=True,
+            ),
+            1,
         )
     )
     columns = (
@@ -123,12 +127,3 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     caption = "Held-out errors are those of a setting that the law was not fitted to."
     table = Table(columns=columns, rows=rows, caption=caption)
     return Section(id="trials", nav="Trials", heading=capital("each trial"), blocks=(table,))
-
-
-def _records(verdict: TravelVerdict) -> list[Measurement]:
-    """Return the record of each trial: some hold several readings."""
-    return [
-        record
-        for record in verdict.measurement.records()
-        for _ in np.atleast_1d(record.values(record.travelled))
-    ]
