@@ -30,7 +30,14 @@ from scipy.special import logsumexp, softmax
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import whole_cycles
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identification import READINGS, TravelModel, Trial, standard_errors, starting_law
+from stickslip.identification import (
+    READINGS,
+    TravelModel,
+    Trial,
+    standard_errors,
+    starting_law,
+    under_cycles,
+)
 from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
 from stickslip.identify.ensemble import allotted
 from stickslip.identify.kinds.travel_descent import STEP
@@ -499,7 +506,7 @@ class TravelJudgement:
         own = [one for one in self.solved if one.linear.name == name]
         shares = np.asarray(softmax([one.evidence for one in own]))
         law = own[0].linear.structure.law
-        wanted = PROPOSED * max(count, TRIED)
+        wanted = PROPOSED * (TRIED if under_cycles(self.trials) else max(count, TRIED))
         if law.slow:
             wanted = min(wanted, max(SLOW, len(own)))
         rows, weights = [], []
@@ -771,12 +778,18 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     signed = np.array([not name.startswith("backward") for name in law.names[:count]])
     outside = np.zeros(len(step), dtype=bool)
     outside[:count] = (linear.centre + step < 0.0)[:count] & signed
-    if outside.any():  # nothing is negative: others follow what is held
+    while outside.any():  # nothing is negative: others follow what is held
         # coefficients end at 0, shapes stay
         ends = np.where(np.arange(len(step)) < law.count, -linear.centre, 0.0)
         step = np.where(outside, ends, step)
         right = columns.T @ left - precision * off - matrix[:, outside] @ step[outside]
         step[~outside] = np.linalg.solve(matrix[np.ix_(~outside, ~outside)], right[~outside])
+        more = ~outside
+        more[:count] &= (linear.centre + step < 0.0)[:count] & signed
+        more[count:] = False
+        if not more.any():
+            break
+        outside |= more
     left = left - columns @ step
     off = off + step
     covariance = np.linalg.inv(matrix)
