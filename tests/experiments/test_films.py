@@ -60,7 +60,10 @@ def test_films_in_a_plane_count_one_way_whichever_way_each_travels(tmp_path) -> 
     signs = []
     for period, sign in ((0.4, 1.0), (0.4, -1.0)):
         one = film(period, 60.0, 1e-4, 3)
-        rows = [f"{t:.5f},{sign * x:.6f},{0.02 * x:.6f}" for t, x in zip(one.time, one.position)]
+        rows = [
+            f"{t:.5f},{sign * x:.6f},{0.02 * x:.6f}"
+            for t, x in zip(one.time, one.position, strict=True)
+        ]
         path = tmp_path / "film.csv"
         path.write_text("\n".join(["t,x,y", *rows]) + "\n")
         read = load_measurement(path, columns={"time": "t", "position": ["x", "y"]})

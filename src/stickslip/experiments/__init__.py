@@ -27,6 +27,8 @@ HOMES = {
     "load_measurement": "records",
     "load_rig": "rigs.load",
     "rig_schema": "rigs.load",
+    "settled_speed": "films",
+    "travels_of_films": "films",
     "unfitted_bristles": "carrying",
 }
 
@@ -86,7 +88,6 @@ INSIDE = {
     "spread_of": "estimates",
     "step_of": "differentiation",
     "tells_load": "measurement",
-    "travels_of_films": "films",
     "unit_differences": "differentiation",
     "unit_of_input": "measurement",
     "unit_on": "estimates",

@@ -38,6 +38,7 @@ from stickslip.experiments.estimates import levels_at as levels_at
 from stickslip.experiments.estimates import spread_of as spread_of
 from stickslip.experiments.estimates import unit_on as unit_on
 from stickslip.experiments.films import is_filmed as is_filmed
+from stickslip.experiments.films import settled_speed as settled_speed
 from stickslip.experiments.films import travels_of_films as travels_of_films
 from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
@@ -116,5 +117,7 @@ __all__ = [
     "load_measurement",
     "load_rig",
     "rig_schema",
+    "settled_speed",
+    "travels_of_films",
     "unfitted_bristles",
 ]

@@ -16,7 +16,8 @@ The frequency with which a film oscillates is that whose first three harmonics l
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -193,45 +194,120 @@ def travels_of_films(
     return replace(measurement, trials=tuple(found)), t_end
 
 
+def settled_speed(mechanism: Mechanism, film: Measurement) -> tuple[float, float]:
+    """Return the mean velocity in the second half of a film, and its standard error [m/s].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was filmed, with drives that repeat themselves; the film may override its parameters.
+    film : Measurement
+        One record of the position.
+
+    Raises
+    ------
+    InputError
+        If half of the film is no whole cycle, or has too few frames.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms import Torque
+    >>> drive = Torque(drive=Sine(amplitude=0.2, frequency=5.0))
+    >>> capsule = Capsule(capsule_mass=0.08, inner_mass=0.02, drive=drive)
+    >>> time = np.arange(0.0, 2.0, 1 / 60)
+    >>> film = Measurement(time=time, position=0.03 * time + 0.001 * np.sin(10 * np.pi * time))
+    >>> speed, error = settled_speed(capsule, film)
+    >>> round(speed, 6), error < 1e-9
+    (0.03, True)
+    """
+    rig = vary(mechanism, PREFIX, film.overrides)
+    last = float(np.asarray(film.time)[-1])
+    count = whole_cycles(rig, last)
+    if count < 2:
+        raise InputError(f"{film.name or 'the film'} has no two cycles of its drive.")
+    period = cycle_of(rig)
+    seen = _Harmonics.of(film, period, count * period, count // 2, 0.0, film.name or "the film")
+    return float(seen.values[1]), seen.noise * math.sqrt(float(seen.covariance[1, 1]))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Harmonics:
+    """A straight line and harmonics of the drive, fitted to frames about the end of a cycle."""
+
+    values: Array
+    """Place and velocity at the end of the cycle, cosines, sines (2 + 2 K,)."""
+    covariance: Array
+    """Of these, for frames of noise 1."""
+    noise: float
+    """Standard deviation of the frames [m]."""
+    harmonics: int
+    step: float
+    """Time from frame to frame [s]."""
+
+    @classmethod
+    def of(
+        cls,
+        film: Measurement,
+        period: float,
+        end: float,
+        before: int,
+        after: float,
+        name: str,
+    ) -> "_Harmonics":
+        """Fit them to frames of some cycles before the end, and a part of one after it."""
+        time, x = np.asarray(film.time, dtype=float), _position(film)
+        step = float(np.median(np.diff(time)))
+        near = (time > end - before * period) & (time < end + after * period)
+        s = time[near] - end
+        harmonics = min(HARMONICS, int(0.45 * period / step), (len(s) - 4) // 4)
+        if harmonics < 1:
+            raise InputError(
+                f"{name} has {number(period / step, 2)} frames in a cycle of its drive: film at"
+                " three times its frequency at least."
+            )
+        phases = 2.0 * np.pi / period * np.outer(s, np.arange(1, harmonics + 1))
+        table = np.hstack([np.ones((len(s), 1)), s[:, None], np.cos(phases), np.sin(phases)])
+        values, *_ = np.linalg.lstsq(table, x[near], rcond=1e-9)
+        left = x[near] - table @ values
+        return cls(
+            values=values,
+            covariance=np.linalg.pinv(table.T @ table, hermitian=True),
+            noise=math.sqrt(float(left @ left) / max(len(s) - table.shape[1], 1)),
+            harmonics=harmonics,
+            step=step,
+        )
+
+
+def _position(film: Measurement) -> Array:
+    """Return positions (n,) [m]; those in a plane count one way, whichever way each film goes."""
+    x = np.asarray(film.values("position"), dtype=float)
+    return -x if film.line is not None and film.line.reversed else x
+
+
 def _read(mechanism: Mechanism, record: Measurement, t_end: float, index: int) -> Measurement:
     """Return a film as a travel per cycle."""
     name = record.name or f"film {index}"
     rig = vary(mechanism, PREFIX, record.overrides)
-    period, time = cycle_of(rig), np.asarray(record.time, dtype=float)
-    x, step = np.asarray(record.values("position"), dtype=float), float(np.median(np.diff(time)))
-    if record.line is not None and record.line.reversed:
-        x = -x  # films of one rig count one way, whichever way each travels
+    period, time, x = cycle_of(rig), np.asarray(record.time, dtype=float), _position(record)
     count = whole_cycles(rig, t_end)
-    if time[0] > LATE * period + step:
+    seen = _Harmonics.of(record, period, count * period, min(CYCLES, count), 0.5, name)
+    if time[0] > LATE * period + seen.step:
         raise InputError(
             f"{name} begins {quantity(float(time[0]), 's')} after its drive: a travel is counted"
             " from rest. Films have to show the start of the drive, which is time 0."
         )
-    end = count * period
-    near = (time > max(end - CYCLES * period, 0.0)) & (time < end + 0.5 * period)
-    s = time[near] - end
-    harmonics = min(HARMONICS, int(0.45 * period / step), (len(s) - 4) // 4)
-    if harmonics < 1:
-        raise InputError(
-            f"{name} has {number(period / step, 2)} frames in a cycle of its drive: film at three"
-            " times its frequency at least."
-        )
-    phases = 2.0 * np.pi / period * np.outer(s, np.arange(1, harmonics + 1))
-    table = np.hstack([np.ones((len(s), 1)), s[:, None], np.cos(phases), np.sin(phases)])
-    values, *_ = np.linalg.lstsq(table, x[near], rcond=1e-9)
-    left = x[near] - table @ values
-    noise = math.sqrt(float(left @ left) / max(len(s) - table.shape[1], 1))
-    ends = np.concatenate([[1.0, 0.0], np.ones(harmonics), np.zeros(harmonics)])
-    there = float(ends @ values)
-    own = float(ends @ np.linalg.pinv(table.T @ table, hermitian=True) @ ends)
-    before = time <= max(0.5 * step, float(time[0]))  # then the drive may move it
-    omega = 2.0 * np.pi / period * np.arange(1, harmonics + 1)
-    speed = float(values[1] + omega @ values[2 + harmonics :])
-    error = math.sqrt(
-        noise**2 * (own + 1.0 / np.count_nonzero(before)) + (speed * step) ** 2 / 12.0
-    )
+    k = seen.harmonics
+    ends = np.concatenate([[1.0, 0.0], np.ones(k), np.zeros(k)])
+    before = time <= max(0.5 * seen.step, float(time[0]))  # then the drive may move it
+    omega = 2.0 * np.pi / period * np.arange(1, k + 1)
+    speed = float(seen.values[1] + omega @ seen.values[2 + k :])
+    own = float(ends @ seen.covariance @ ends) + 1.0 / np.count_nonzero(before)
+    error = math.sqrt(seen.noise**2 * own + (speed * seen.step) ** 2 / 12.0)
     return Measurement(
-        travel_per_cycle=(there - float(np.mean(x[before]))) / count,
+        travel_per_cycle=(float(ends @ seen.values) - float(np.mean(x[before]))) / count,
         uncertainty={"travel_per_cycle": error / count},
         overrides=record.overrides,
         parameter_uncertainties=record.parameter_uncertainties,

@@ -148,7 +148,7 @@ def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | N
         Draws it.
     """
 
-    def draw(figure: Figure, _narrow: bool) -> None:
+    def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
         low, median, high = result.low, result.median, result.high
         factor, unit = scale_of(median[np.isfinite(median)], result.velocity_unit)
@@ -179,7 +179,11 @@ def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | N
         axes.set_ylabel(f"mean velocity, {unit}")
         axes.grid(axis="y")
         axes.legend(
-            loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, ncols=3, fontsize="small"
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            frameon=False,
+            ncols=1 if narrow else 3,
+            fontsize="small",
         )
 
     return draw

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import stdtrit
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+FREEDOM, ERRORS = 4.0, 400
+"""Degrees of freedom of errors of predictions, and quantiles that stand for them."""
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
 STILL = 1e-3
@@ -266,7 +269,9 @@ class VelocityBand(OnAxes):
     velocity_unit: str
     """Their SI unit."""
     level: float
-    """Share of the laws inside the band, point by point."""
+    """Probability of the band, point by point."""
+    error: float = 0.0
+    """By how much predictions are off beside what the laws tell [m/s] or [rad/s]."""
     reasons: tuple[str, ...] = ()
     """Where runs ended early, and why."""
 
@@ -286,7 +291,9 @@ class VelocityBand(OnAxes):
         return self._quantile(0.5 + 0.5 * self.level)
 
     def _quantile(self, share: float) -> Array:
-        return np.asarray(np.nanquantile(self.velocities, share, axis=0))
+        off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
+        every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
+        return np.asarray(np.nanquantile(every, share, axis=0))
 
     @property
     def fastest(self) -> float:
@@ -306,7 +313,7 @@ class VelocityBand(OnAxes):
         ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
         over = span(float(self.values.min()), float(self.values.max()), self.unit, 4)
         return Summary(
-            sentence=f"{len(self.velocities)} laws; {self.level:.0%} of them in the band.",
+            sentence=f"{self.level:.0%} band over {len(self.velocities)} laws.",
             rows=[
                 (self.path, f"{over}, {len(self.values)} values"),
                 ("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"),
@@ -321,6 +328,7 @@ def velocity_band(
     parameters: Mapping[str, ArrayLike],
     *,
     level: float = 0.95,
+    error: float = 0.0,
     cycles: int = 20,
     settle: int = 100,
     y0: Mapping[str, float] | Sequence[float] | None = None,
@@ -338,7 +346,11 @@ def velocity_band(
     parameters : mapping
         Path of one parameter -> its values (n,), as in `average_velocity`.
     level : float
-        Share of the laws inside the band at each value.
+        Probability of the band at each value.
+    error : float
+        By how much predictions at values that were not measured are off beside what the laws tell
+        [m/s] or [rad/s], as `TravelVerdict.prediction_error` says: the scale of Student's t with
+        four degrees of freedom.
     cycles, settle : int
         Whole cycles over which the mean is taken, and those before, as in `average_velocity`.
     y0 : mapping or sequence, optional
@@ -394,6 +406,7 @@ def velocity_band(
         velocities=np.array([one.velocity for one in maps]),
         velocity_unit=maps[0].unit,
         level=level,
+        error=error,
         reasons=tuple(dict.fromkeys(text for one in maps for text in one.early_ends())),
     )
 

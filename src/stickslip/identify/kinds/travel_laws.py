@@ -200,7 +200,7 @@ class TravelLaw:
     def scanned(self) -> tuple[list[float], float]:
         """Return values of the leading coefficient that explain the travels best, the best first.
 
-        The second is the least value with which half of the trials hardly move.
+        The second is the least value with which hardly anything moves.
 
         Values at which anything moves are found on a coarse grid, from which a fine one goes down.
         """
@@ -215,8 +215,9 @@ class TravelLaw:
 
         tried = LEVELS[(low <= LEVELS) & (high >= LEVELS)]
         coarse, still = travels(tried), float(np.mean(measured**2))
-        # in half of the trials: at a resonance a capsule moves whatever its friction
-        moves = np.mean(np.isfinite(coarse) & (coarse**2 > RESOLVED**2 * still), axis=1) >= 0.5
+        moving = np.isfinite(coarse) & (coarse**2 > RESOLVED**2 * still)
+        # at a resonance what is driven moves whatever its friction: there in half of the trials
+        moves = moving.mean(axis=1) >= 0.5 if under_cycles(self.trials) else moving.any(axis=1)
         top = tried[min(int(np.flatnonzero(moves).max(initial=0)) + 1, len(tried) - 1)]
         best = tried[int(np.argmin(np.mean((coarse - measured) ** 2, axis=1)))]
         fine = np.geomspace(min(top / SPAN, best / 3.0), min(top, high), FINE)
@@ -231,7 +232,8 @@ class TravelLaw:
 
     def size(self, levels: Sequence[float], top: float) -> Size:
         """Return sizes with the leading coefficient at the first of some levels."""
-        level = max(levels[0], top / HOLDING)
+        # at rest everywhere is no size, though it may be nearer to the travels than any motion
+        level = max(levels[0] if levels[0] < top else 0.0, top / HOLDING)
         force, speed = force_and_speed(self.model, self.trials, [level, *self.means[1:].tolist()])
         return Size(levels=levels, level=level, force=force, speed=speed)
 
@@ -446,6 +448,7 @@ class TravelLaw:
             rows = np.vstack([rows, [[x, *np.zeros(self.count - 1), *shape] for x in size.levels]])
             order = np.argsort(cost(rows), kind="stable")
             count = 2 if cycles or len(size.levels) == 1 else BRANCHES
+            count = max(count, 2 * BRANCHES // len(shapes) if cycles else 0)  # few shapes, more
             starts += [rows[i] for i in order[:count]]
         return np.array(starts)
 

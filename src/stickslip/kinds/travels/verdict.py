@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
     from stickslip.identify import BandDrawing
 
+NORMAL: Final = 0.6745
+"""Median size of a normal error of standard deviation 1."""
 MM: Final = Scale(1e3, "mm")
 """What a terminal shows held-out errors in."""
 
@@ -247,6 +249,18 @@ class TravelVerdict(Verdict[TravelCandidate]):
         laws = [law for draws in again.draws for law in again.laws_of(draws)]
         order = np.random.default_rng(seed).permutation(len(laws))
         return [laws[k] for k in np.resize(order, count)]
+
+    @property
+    def prediction_error(self) -> float:
+        """By how much predictions of settings that were not measured are off.
+
+        It is the median size of held-out errors of the named law, over that of a normal one, as
+        mean velocity where runs end with a cycle of the drive [m/s], else as travel [m]. No draw of
+        a law tells how far all laws are from the ground.
+        """
+        held_out = self.judgement.best_of(self.judgement.named).held_out
+        off = np.abs(held_out / durations(self.trials, self.t_end))
+        return float(np.median(off)) / NORMAL
 
     def compared(self) -> "pd.DataFrame":
         """Return what was measured in each trial, and what the named law predicts.
