@@ -200,8 +200,12 @@ def student(seed: int, kind: str | None = None, lasts: float = LASTS) -> tuple[s
     judgement = judged_travels(rig.mechanism, trials, laws, ordinary=COMPARED, t_end=t_end)
     every = [law for draws in judgement.draws for law in judgement.laws_of(draws)]
     drawn = [every[i] for i in rng.permutation(len(every))[:DRAWN]]
+    # as `TravelVerdict.prediction_error` does
+    last = np.array([trial.until(t_end) for trial in trials])
+    held_out = judgement.best_of(judgement.named).held_out / last
+    error = float(np.median(np.abs(held_out))) / 0.6745
     settled = {"settle": 30, "cycles": 10}
-    band = velocity_band(rig.mechanism, drawn, {FREQUENCY: ASKED}, **settled)
+    band = velocity_band(rig.mechanism, drawn, {FREQUENCY: ASKED}, error=error, **settled)
     truth = average_velocity(rig.mechanism, known[name], {FREQUENCY: ASKED}, **settled).velocity
     size = float(np.nanmax(np.abs(truth)))
     inside = int(np.sum((truth >= band.low - ROOM * size) & (truth <= band.high + ROOM * size)))
