@@ -232,8 +232,9 @@ class TravelLaw:
 
     def size(self, levels: Sequence[float], top: float) -> Size:
         """Return sizes with the leading coefficient at the first of some levels."""
-        # at rest everywhere is no size, though it may be nearer to the travels than any motion
-        level = max(levels[0] if levels[0] < top else 0.0, top / HOLDING)
+        # of what is driven, hardly any motion may be nearer to the travels than another: no size
+        best = 0.0 if under_cycles(self.trials) else levels[0]
+        level = max(best, top / HOLDING)
         force, speed = force_and_speed(self.model, self.trials, [level, *self.means[1:].tolist()])
         return Size(levels=levels, level=level, force=force, speed=speed)
 
