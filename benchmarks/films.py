@@ -10,7 +10,7 @@ the laws that are named; ``--write DIR`` writes the films of the tutorial.
 
 import argparse
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -91,7 +91,9 @@ def capsule(frequency: float = 8.0) -> Capsule:
 def truths(rng: np.random.Generator) -> Mapping[str, FrictionLaw]:
     """Return laws of the ground, with parameters drawn anew; the last three are outside."""
     mu = rng.uniform(0.12, 0.25)
-    mixed = composed("level + stribeck + viscous + drag")
+    mixed: Callable[..., FrictionLaw] = composed("level + stribeck + viscous + drag")
+    values = {"kinetic_coefficient": mu, "static_coefficient": 1.25 * mu}
+    values |= {"stribeck_velocity": 0.02, "viscous_coefficient": 0.5, "quadratic_coefficient": 2.0}
     return {
         "coulomb": Coulomb(kinetic_coefficient=mu),
         "stribeck": Stribeck(
@@ -114,13 +116,7 @@ def truths(rng: np.random.Generator) -> Mapping[str, FrictionLaw]:
             bristle_stiffness=10 ** rng.uniform(4.0, 5.0),
             bristle_damping=10.0,
         ),
-        "mixed": mixed(
-            kinetic_coefficient=mu,
-            static_coefficient=1.25 * mu,
-            stribeck_velocity=0.02,
-            viscous_coefficient=0.5,
-            quadratic_coefficient=2.0,
-        ),
+        "mixed": mixed(**values),
     }
 
 
@@ -204,9 +200,10 @@ def student(seed: int, kind: str | None = None, lasts: float = LASTS) -> tuple[s
     last = np.array([trial.until(t_end) for trial in trials])
     held_out = judgement.best_of(judgement.named).held_out / last
     error = float(np.median(np.abs(held_out))) / 0.6745
-    settled = {"settle": 30, "cycles": 10}
-    band = velocity_band(rig.mechanism, drawn, {FREQUENCY: ASKED}, error=error, **settled)
-    truth = average_velocity(rig.mechanism, known[name], {FREQUENCY: ASKED}, **settled).velocity
+    asked = {FREQUENCY: ASKED}
+    band = velocity_band(rig.mechanism, drawn, asked, error=error, settle=30, cycles=10)
+    true = average_velocity(rig.mechanism, known[name], asked, settle=30, cycles=10)
+    truth = true.velocity
     size = float(np.nanmax(np.abs(truth)))
     inside = int(np.sum((truth >= band.low - ROOM * size) & (truth <= band.high + ROOM * size)))
     half = 0.5 * (band.high - band.low)

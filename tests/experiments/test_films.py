@@ -1,9 +1,11 @@
 """Travels that are read off films, and the frequency with which a film oscillates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stickslip import Capsule, Coulomb, Measurement, select, simulate
+from stickslip import Capsule, Coulomb, Measurement, check, select, simulate
 from stickslip.drives import Square
 from stickslip.errors import InputError
 from stickslip.experiments import travels_of_films
@@ -88,3 +90,16 @@ def test_select_reads_films_where_their_route_is_asked_for() -> None:
     assert all(one.cycles for one in verdict.trials)
     with pytest.raises(InputError, match="route"):
         select(capsule(0.4), ["coulomb"], Measurement(travel=0.1), route="shooting")
+
+
+def test_check_says_that_a_film_has_another_frequency_than_its_drive() -> None:
+    wrong, right = film(0.4, 60.0, 2e-4, 2, stated=0.3), film(0.4, 60.0, 2e-4, 2)
+    assert [one.severity for one in check(wrong, mechanism=capsule(0.4)).of("drive frequency")] == [
+        "error"
+    ]
+    assert not check(right, mechanism=capsule(0.4)).of("drive frequency")
+
+
+def test_a_capsule_may_travel_beyond_the_stop_of_what_moves_inside() -> None:
+    mechanism = replace(capsule(0.4), upper_stop=0.001)
+    assert not check(film(0.4, 60.0, 2e-4, 2), mechanism=mechanism).of("mechanism")

@@ -44,6 +44,8 @@ BINS = 4
 AS_GOOD = 0.9
 """Share of the oscillation that the best frequency explains from which a higher one, of which that
 is a fraction, is taken instead."""
+SHOWN = 0.5
+"""Share of the motion about a smooth curve from which it is an oscillation."""
 OTHER = 0.5
 """Share of what the drive explains in a film below which it is another drive's, where the best
 frequency explains all of it (measured on 140 simulated films: .93 and more)."""
@@ -130,7 +132,7 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         drive = 1.0 / cycle_of(vary(mechanism, PREFIX, record.overrides))
         best, share = frequency_of(time, x)
         own = oscillation(time, x, 0.5 * drive, 2 * HARMONICS)
-        if own < OTHER * share:
+        if share > SHOWN and own < OTHER * share:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"
                 f" drive has {number(drive, 3)} Hz: one of the two is not of this run."

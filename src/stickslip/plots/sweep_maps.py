@@ -170,7 +170,7 @@ def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | N
                 factor * points[:, 1],
                 "o",
                 color=DATA,
-                markersize=4.5,
+                markersize=3.0 if narrow else 4.5,
                 label="measured",
             )
         axes.axhline(0.0, color=MUTED, linewidth=0.8)

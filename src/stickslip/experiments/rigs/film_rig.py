@@ -13,9 +13,17 @@ from pathlib import Path
 from typing import final
 
 import numpy as np
+from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.experiments.films import HARMONICS, OTHER, frequency_of, is_filmed, oscillation
+from stickslip.experiments.films import (
+    HARMONICS,
+    OTHER,
+    SHOWN,
+    frequency_of,
+    is_filmed,
+    oscillation,
+)
 from stickslip.experiments.readers.guess import Guess, guess_data
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
@@ -24,8 +32,6 @@ from stickslip.formatting import number, quantity
 
 IN_NAME = re.compile(r"(?<![\d.])(\d+(?:[.,_p]\d+)?)[ _-]?hz", re.IGNORECASE)
 """A frequency in the name of a file: capsule_5.5Hz.txt, run-4p5_hz.csv."""
-SHOWN = 0.5
-"""Share of the motion about a smooth curve that an oscillation must explain."""
 FREQUENCY = "mechanism.drive.drive.frequency"
 
 
@@ -48,6 +54,7 @@ class FilmedRun:
     doubt: str = ""
     """What is doubtful about the frequency."""
 
+    @override
     def __str__(self) -> str:
         return (
             f"{self.file.name}  {self.frames} frames at {number(self.rate, 3)} Hz, drive"
@@ -66,6 +73,7 @@ class FilmedRig:
     runs: tuple[FilmedRun, ...]
     doubts: tuple[str, ...] = field(default=())
 
+    @override
     def __str__(self) -> str:
         parts = [str(run) for run in self.runs]
         return "\n".join([*parts, *(f"! {doubt}" for doubt in self.doubts)])

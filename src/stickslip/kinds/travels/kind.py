@@ -115,9 +115,12 @@ def _read(request: Request) -> tuple[Request, float]:
 
 def _speeds(verdict: TravelVerdict) -> list[str]:
     """Return lines with the mean velocity of each trial, measured and predicted."""
+    table = verdict.compared()
     rows = [
-        [str(row.Index), quantity(row.measured, "m/s", 3), quantity(row.predicted, "m/s", 3)]
-        for row in verdict.compared().itertuples()
+        [str(name), quantity(measured, "m/s", 3), quantity(predicted, "m/s", 3)]
+        for name, measured, predicted in zip(
+            table.index, table["measured"].tolist(), table["predicted"].tolist(), strict=True
+        )
     ]
     rows = [["mean velocity of", "measured", "predicted"], *rows]
     wide = [max(len(row[k]) for row in rows) for k in range(3)]
