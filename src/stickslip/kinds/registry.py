@@ -108,6 +108,8 @@ def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> 
     stickslip.errors.InputError: --horizon applies to records of motion or friction; it has ...
     """
     for name, called_ in given.items():
+        if name == "route" and kind.reads(request.measurement):
+            continue
         why = kind.why_unused(name, request)
         if not why and name not in kind.uses | kind.settings:
             users = [one for one in kinds() if name in one.uses | one.settings]

@@ -24,7 +24,13 @@ from stickslip.experiments.films import is_filmed, other_drives
 from stickslip.experiments.measurement import Measurement, as_turning
 from stickslip.experiments.rig import check_record
 from stickslip.formatting import quantity, unbroken
-from stickslip.mechanisms import PREFIX, Mechanism, cycle_or_none, slip_names
+from stickslip.mechanisms import (
+    PREFIX,
+    BoundedMechanism,
+    Mechanism,
+    cycle_or_none,
+    slip_names,
+)
 from stickslip.quantities import vary
 from stickslip.tables import Tabular
 
@@ -430,7 +436,8 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     if record.position is None:
         return
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
-    inside = any(one.coordinate not in slip_names(mechanism) for one in mechanism.stops())
+    stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
+    inside = any(one.coordinate not in slip_names(mechanism) for one in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
         stop = None if inside else getattr(mechanism, name, None)  # of what was measured

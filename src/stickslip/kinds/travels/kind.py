@@ -30,7 +30,7 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     routes = ("travel",)
     measured = "travels"
-    uses = frozenset({"assumed", "t_end", "route"})
+    uses = frozenset({"assumed", "t_end"})
     has_criteria = True
     counts_runs = True
 
@@ -44,8 +44,6 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     @override
     def why_unused(self, name: str, request: Request) -> str:
-        if name == "route" and not self.reads(request.measurement):
-            return "applies to records of motion or friction; it has no effect on travels."
         if name == "validate":
             return "requires a second record, and travels have none: give more trials instead."
         return ""
