@@ -120,3 +120,12 @@ def test_a_file_that_is_no_film_is_refused_among_films(filmed, tmp_path):
     code, _, err = filmed("init", "capsule_3Hz.txt", "axis.csv")
     assert code == 2
     assert "axis.csv" in err
+
+
+def test_films_may_have_any_names(filmed, tmp_path):
+    odd = 'ca"psule\\ 3Hz.txt'
+    (tmp_path / "capsule_3Hz.txt").rename(tmp_path / odd)
+    assert filmed("init", odd, "capsule_6Hz.txt")[0] == 0
+    text = (tmp_path / "capsule.toml").read_text()
+    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    assert filmed("check", "capsule.toml")[0] == 0

@@ -5,6 +5,7 @@ what a film oscillates with is compared with the frequency in its name. Masses, 
 not in any film; the rig file has a question mark for each, and is refused until they are given.
 """
 
+import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,7 +29,7 @@ from stickslip.experiments.readers.guess import Guess, guess_data
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rigs.guessed_rig import data_options
-from stickslip.formatting import number, quantity
+from stickslip.formatting import number, printable, quantity
 
 IN_NAME = re.compile(r"(?<![\d.])(\d+(?:[.,_p]\d+)?)[ _-]?hz", re.IGNORECASE)
 """A frequency in the name of a file: capsule_5.5Hz.txt, run-4p5_hz.csv."""
@@ -163,7 +164,7 @@ def filmed_rig(rig: FilmedRig, names: Mapping[Path, str]) -> str:
 def _head(rig: FilmedRig) -> Iterator[str]:
     yield f"# Written by `stickslip init` from {len(rig.runs)} films of a body that drives itself:"
     yield "#"
-    yield from (f"#   {line}" for line in str(rig).splitlines())
+    yield from (f"#   {printable(line)}" for line in str(rig).splitlines())
     yield "#"
     yield "# Films show no masses, springs and forces: replace each question mark. Then run"
     yield "# `stickslip check` and `stickslip select --route travel` with this file."
@@ -199,6 +200,6 @@ def _trials(rig: FilmedRig, names: Mapping[Path, str]) -> Iterator[str]:
         yield ""
         yield "[[trial]]"
         yield f'name = "{number(run.frequency, 4)} Hz"'
-        yield f'file = "{names[run.file]}"'
+        yield f"file = {json.dumps(names[run.file])}"
         yield f'set = {{ {FREQUENCY} = "{number(run.frequency, 4)} Hz" }}  # {run.reason}'
     yield ""
