@@ -14,7 +14,6 @@ from stickslip.identify import (
     remarks_section,
 )
 from stickslip.kinds.columns import page_table
-from stickslip.kinds.travels.settings import words_of
 from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, records_of
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import Column as PageColumn
@@ -50,21 +49,24 @@ def figure_section(verdict: TravelVerdict) -> Section | None:
     """Return the figure of the readings, the band and the law; None without a band."""
     if verdict.travel is None or verdict.judgement.knob is None:
         return None
-    word = words_of(verdict.judgement.knob[0])
+    drawing = verdict.drawing()
+    word, what = drawing.names
     svg = inline_svg(
-        draw_band(verdict.drawing()),
-        alt=f"Travel against {word}: readings, the 95 % band and the named law",
+        draw_band(drawing),
+        alt=f"{capital(what)} against {word}: readings, the 95 % band and the named law",
         prefix="band-figure",
         **MAP_SIZES,
     )
     text = (
-        f"**Travel.** Points: readings. Line: {verdict.closest.title}. Band: where the travel lies"
-        " with 95 % at each setting, whichever law, or the measured curve, holds."
+        f"**{capital(what)}.** Points: readings. Line: {verdict.closest.title}. Band: where the"
+        f" {what} lies with 95 % at each setting, whichever law, or the measured curve, holds."
     )
     if verdict.places:
         text += " Dotted: where another reading narrows the band most."
     block = Figure(svg=svg, caption=text)
-    return Section(id="band", nav="Band", heading=f"Travel over the {word}", blocks=(block,))
+    return Section(
+        id="band", nav="Band", heading=f"{capital(what)} over the {word}", blocks=(block,)
+    )
 
 
 def laws_section(verdict: TravelVerdict) -> Section:
