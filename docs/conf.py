@@ -1,6 +1,7 @@
 """Configuration of the documentation."""
 
 import importlib.metadata
+import os
 import sys
 from pathlib import Path
 
@@ -39,6 +40,7 @@ numpydoc_show_class_members = False
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
 
+os.environ["STICKSLIP_FILES"] = str(Path(__file__).parent / "howto/files")  # that pages download
 nb_execution_in_temp = True  # examples that write files leave none behind
 nb_execution_cache_path = executed.kept()
 nb_execution_mode = "cache"

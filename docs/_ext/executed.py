@@ -18,6 +18,7 @@ KEPT = EXTENSIONS.parent / "_build" / "executed"
 def sources() -> Iterator[Path]:
     """Files that decide what a cell prints, beside the cells of its page."""
     yield from (EXTENSIONS / "examples.py", EXTENSIONS / "commands.py")
+    yield from sorted((ROOT / "docs/howto/files").glob("*.zip"))
     for path in sorted((ROOT / "src").rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
             yield path

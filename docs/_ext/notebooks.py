@@ -32,6 +32,8 @@ def role(kind: str, text: str, page: str, title: Title) -> str:
         return f"${text}$"
     if kind == "cite":
         return f"[{text}]"
+    if kind == "download":
+        return f"`{Path(target).name}`"
     if kind == "py:obj":
         return f"`{given['text'] if given else text.removeprefix('~stickslip.')}`"
     raise ValueError(f"role {kind!r} has no counterpart in a notebook")

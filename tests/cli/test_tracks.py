@@ -69,3 +69,63 @@ def test_the_friction_of_a_filmed_block_is_found(run):
     (mu,) = json.loads(out)["estimates"]
     assert mu["parameter"] == "friction.kinetic_coefficient"
     assert mu["value"] == pytest.approx(MU, rel=0.005)
+
+
+FREQUENCIES = (3.0, 4.5, 6.0)
+
+
+@pytest.fixture
+def filmed(run, tmp_path):
+    """Films of a body that moves to and fro and travels, named by the frequency of its drive."""
+    time = np.arange(150) / 60
+    random = np.random.default_rng(2)
+    for number, frequency in enumerate(FREQUENCIES):
+        phase = 2 * np.pi * frequency * time
+        x = 20.0 + 4.0 * time - number * time + 0.8 * np.sin(phase) + 0.3 * np.sin(2 * phase)
+        x += random.normal(0.0, 0.05, time.size)
+        rows = [f"{t:.5f}\t{a:.4f}\t5.0" for t, a in zip(time, x, strict=True)]
+        text = "\n".join(["capsule", "t\tx (mm)\ty (mm)", *rows, ""])
+        (tmp_path / f"capsule_{frequency:g}Hz.txt").write_text(text)
+    return run
+
+
+def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(filmed, tmp_path):
+    names = [f"capsule_{frequency:g}Hz.txt" for frequency in reversed(FREQUENCIES)]
+    code, out, _ = filmed("init", *names, "--json")
+    assert code == 0
+    told = json.loads(out)
+    assert [one["frequency"] for one in told["films"]] == [*FREQUENCIES]
+    text = (tmp_path / "capsule.toml").read_text()
+    assert text.count("[[trial]]") == 3
+    assert 'file = "capsule_4.5Hz.txt"' in text
+    code, _, err = filmed("check", "capsule.toml")
+    assert code == 2
+    assert "capsule_mass (M) must be a number" in err
+    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    assert filmed("check", "capsule.toml")[0] == 0
+
+
+def test_a_film_with_another_frequency_than_its_name_says_is_doubted(filmed, tmp_path):
+    (tmp_path / "capsule_6Hz.txt").rename(tmp_path / "capsule_7.5Hz.txt")
+    code, out, _ = filmed("init", "capsule_3Hz.txt", "capsule_7.5Hz.txt")
+    assert code == 0
+    assert "! capsule_7.5Hz.txt oscillates with 6 Hz, and its name says 7.5 Hz" in " ".join(
+        out.split()
+    )
+    assert 'frequency = "6 Hz"' in (tmp_path / "capsule.toml").read_text()
+
+
+def test_a_file_that_is_no_film_is_refused_among_films(filmed, tmp_path):
+    (tmp_path / "axis.csv").write_text("time,x,force\n0,1,2\n1,2,3\n2,3,4\n3,4,5\n")
+    code, _, err = filmed("init", "capsule_3Hz.txt", "axis.csv")
+    assert code == 2
+    assert "axis.csv" in err
+
+
+def test_films_may_have_any_names(filmed, tmp_path):
+    odd = 'ca"psule\\ 3Hz.txt'
+    (tmp_path / "capsule_3Hz.txt").rename(tmp_path / odd)
+    assert filmed("init", odd, "capsule_6Hz.txt")[0] == 0
+    text = (tmp_path / "capsule.toml").read_text()
+    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    assert filmed("check", "capsule.toml")[0] == 0

@@ -24,7 +24,14 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
 from stickslip.selection import criteria_of
-from stickslip.sweep import VelocityMap, average_velocity, basins, bifurcation, cycle_of
+from stickslip.sweep import (
+    VelocityMap,
+    average_velocity,
+    basins,
+    bifurcation,
+    cycle_of,
+    velocity_band,
+)
 from stickslip.sweep.cycles import cycles_in, period_of
 from stickslip.sweep.parameter_grid import early_ends
 
@@ -528,3 +535,29 @@ def test_results_are_frozen():
     found = line([1, 2], [1.0, 2.0])
     with pytest.raises(dataclasses.FrozenInstanceError):
         found.unit = "m"
+
+
+def test_a_band_of_velocities_holds_the_laws_and_their_errors():
+    law = Coulomb(kinetic_coefficient=0.2)
+    stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    mechanism = capsule(drive=Prescribed(profile=stroke), stiffness=0.0, damping=0.0)
+    laws = [dataclasses.replace(law, kinetic_coefficient=mu) for mu in np.linspace(0.2, 0.3, 21)]
+    frequencies = {"mechanism.drive.profile.frequency": [1.0, 1.382]}
+    settings = {"settle": 2, "cycles": 2, "solver": PLAIN}
+    band = velocity_band(mechanism, laws, frequencies, level=0.9, **settings)
+    each = [average_velocity(mechanism, law, frequencies, **settings).velocity for law in laws]
+    np.testing.assert_allclose(band.velocities, each)
+    np.testing.assert_allclose(band.low, np.quantile(each, 0.05, axis=0))
+    quicker = int(np.argmax(np.median(each, axis=0)))
+    assert band.fastest == [1.0, 1.382][quicker]
+    wider = dataclasses.replace(band, error=0.01)
+    # of a law alone, it is the quantile of Student's t with four degrees of freedom
+    alone = dataclasses.replace(wider, velocities=band.velocities[:1])
+    assert alone.high[1] - alone.median[1] == pytest.approx(0.01 * 2.132, rel=0.05)
+    assert (wider.low < band.low).all()
+    assert "90 % band over 21 laws" in str(band) or "90% band over 21 laws" in str(band)
+
+
+def test_a_band_of_velocities_needs_laws_and_one_parameter():
+    with pytest.raises(InputError, match="takes laws and one parameter, got 0 laws and 1"):
+        velocity_band(capsule(), [], {FREQUENCY: [1.0]})

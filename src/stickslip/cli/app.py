@@ -135,10 +135,12 @@ def demo(
 
 @command(app, "init")
 def init(
-    file: Annotated[
-        Path,
+    files: Annotated[
+        list[Path],
         typer.Argument(
-            metavar="FILE", help="Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag)."
+            metavar="FILE...",
+            help="Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag); or films of one"
+            " body, a run each.",
         ),
     ],
     urdf: Annotated[
@@ -168,12 +170,15 @@ def init(
 
     With --urdf, joints of the log are found by the names of the description, and the rig file is
     that of the robot: joints that stood still are locked where they were.
+
+    Several files are films of a capsule or a cart that drives itself, at other frequencies each:
+    tracked positions, and nothing else. The rig file has a question mark for what they do not show.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
     asked = ReadingOptions(columns=columns, units=units, gain=gain, motor_constant=motor_constant)
-    run(file, reading_of(asked), output, urdf=urdf, force=force, as_json=as_json)
+    run(files, reading_of(asked), output, urdf=urdf, force=force, as_json=as_json)
 
 
 @command(app, "fit")

@@ -2,6 +2,7 @@
 
 import os
 import shlex
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,9 @@ from stickslip.experiments import (
     Guess,
     Reading,
     data_file,
+    filmed_rig,
     guess_data,
+    guess_films,
     guess_robot,
     guessed_rig,
     inertia_of,
@@ -22,7 +25,7 @@ from stickslip.experiments import (
 
 
 def run(
-    file: Path,
+    files: Sequence[Path],
     reading: Reading,
     output: Path | None,
     *,
@@ -30,7 +33,13 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Find out what a file holds, write its rig file, and print what was found."""
+    """Find out what a file holds, or films do, write a rig file, and print what was found."""
+    file = files[0]
+    if len(files) > 1:
+        if urdf is not None:
+            raise InputError("--urdf takes one log of a robot, got several files.")
+        _films(files, reading, output, force=force, as_json=as_json)
+        return
     named = file if file.name else file.absolute()  # "." is the folder that it stands for
     if not named.name:
         raise InputError(f"{str(file)!r} is no data file: give the file, or the folder of a log.")
@@ -66,6 +75,34 @@ def run(
     typed = shlex.quote(str(target))
     stdout().print(
         f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}",
+        markup=False,
+    )
+
+
+def _films(
+    files: Sequence[Path], reading: Reading, output: Path | None, *, force: bool, as_json: bool
+) -> None:
+    """Find out what films of one body show, write its rig file, and print what was found."""
+    target = files[0].with_name("capsule.toml") if output is None else output
+    check_rig_file(target)
+    refuse_overwriting(target, target.parent, force=force)
+    found = guess_films(files, reading)
+    write_file(target, filmed_rig(found, {file: _relative(file, target) for file in files}))
+    if as_json:
+        runs = [
+            {"file": str(run.file), "frequency": run.frequency, "travel": run.travel}
+            for run in found.runs
+        ]
+        print_json(
+            document("init", {"rig": str(target), "films": runs, "doubts": list(found.doubts)})
+        )
+        return
+    typed = shlex.quote(str(target))
+    stdout().print(str(found), markup=False)
+    stdout().print(
+        f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
+        f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
+        " travel",
         markup=False,
     )
 

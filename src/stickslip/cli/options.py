@@ -231,7 +231,8 @@ Route = Annotated[
     typer.Option(
         "--route",
         help="Estimation method for records: shooting, force-map,"
-        " inverse-dynamics, features or rate-state; balance to select by the band of all laws."
+        " inverse-dynamics, features or rate-state; balance to select by the band of all laws;"
+        " travel for films of what drives itself."
         " Default: chosen from the data.",
     ),
 ]

@@ -27,6 +27,8 @@ HOMES = {
     "load_measurement": "records",
     "load_rig": "rigs.load",
     "rig_schema": "rigs.load",
+    "settled_speed": "films",
+    "travels_of_films": "films",
     "unfitted_bristles": "carrying",
 }
 
@@ -53,10 +55,13 @@ INSIDE = {
     "equated": "estimates",
     "estimates_by_contact": "carrying",
     "faults": "checking.data_quality",
+    "filmed_rig": "rigs.film_rig",
     "findings_text": "preconditions",
+    "guess_films": "rigs.film_rig",
     "inertia_of": "checking.dynamics",
     "interval_of": "differentiation",
     "is_data_file": "readers.table_reader",
+    "is_filmed": "films",
     "is_narrow": "checking.mains",
     "levels_at": "estimates",
     "lines_of": "checking.mains",

@@ -37,6 +37,9 @@ from stickslip.experiments.estimates import equated as equated
 from stickslip.experiments.estimates import levels_at as levels_at
 from stickslip.experiments.estimates import spread_of as spread_of
 from stickslip.experiments.estimates import unit_on as unit_on
+from stickslip.experiments.films import is_filmed as is_filmed
+from stickslip.experiments.films import settled_speed as settled_speed
+from stickslip.experiments.films import travels_of_films as travels_of_films
 from stickslip.experiments.line import Line as Line
 from stickslip.experiments.measurement import Measurement as Measurement
 from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
@@ -75,6 +78,8 @@ from stickslip.experiments.records import read_data as read_data
 from stickslip.experiments.rig import KnownLaws as KnownLaws
 from stickslip.experiments.rig import Published as Published
 from stickslip.experiments.rig import Rig as Rig
+from stickslip.experiments.rigs.film_rig import filmed_rig as filmed_rig
+from stickslip.experiments.rigs.film_rig import guess_films as guess_films
 from stickslip.experiments.rigs.guessed_rig import guessed_rig as guessed_rig
 from stickslip.experiments.rigs.load import load_rig as load_rig
 from stickslip.experiments.rigs.load import rig_schema as rig_schema
@@ -112,5 +117,7 @@ __all__ = [
     "load_measurement",
     "load_rig",
     "rig_schema",
+    "settled_speed",
+    "travels_of_films",
     "unfitted_bristles",
 ]

@@ -1,6 +1,6 @@
 """The line along which a body moved in a picture, and its way along that line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -39,6 +39,8 @@ class Line(metaclass=Described):
     """Distance of the samples from the line, root mean square [m]."""
     jitter: float
     """The part of that distance which changes from one sample to the next [m]."""
+    reversed: bool = False
+    """Whether the way counts against the first axis of the plane."""
 
     @property
     def wander(self) -> float:
@@ -47,8 +49,8 @@ class Line(metaclass=Described):
 
     def scaled(self, factor: float) -> "Line":
         """Return the line with its lengths times a factor."""
-        return Line(
-            tilt=self.tilt,
+        return replace(
+            self,
             length=factor * self.length,
             across=factor * self.across,
             jitter=factor * self.jitter,
@@ -102,8 +104,13 @@ def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.fl
     length = float(np.ptp(way))
     far = np.abs(way) >= max(MOVED * length, min(SURE * jitter, length / 2))
     net = way[-1] if travels(way) else way[int(np.argmax(far))]
-    cosine, sine = axes[0] if axes[0, 0] > 0 or (axes[0, 0] == 0 < axes[0, 1]) else -axes[0]
+    ahead = axes[0, 0] > 0 or (axes[0, 0] == 0 < axes[0, 1])
+    cosine, sine = axes[0] if ahead else -axes[0]
     line = Line(
-        tilt=float(np.arctan2(sine, cosine)), length=length, across=float(short), jitter=jitter
+        tilt=float(np.arctan2(sine, cosine)),
+        length=length,
+        across=float(short),
+        jitter=jitter,
+        reversed=bool(ahead != (net > 0.0)),
     )
     return way * np.sign(net), line

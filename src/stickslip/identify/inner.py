@@ -12,6 +12,7 @@ reaction of its normal coordinate. Mass matrix and forces are differences of the
 \dot q`; steps are those of Runge and Kutta, one from sample to sample.
 """
 
+import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import number
 from stickslip.identification import applied_force, drives_itself
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
@@ -29,6 +31,9 @@ Array = NDArray[np.float64]
 
 SMALL = 1e-5
 """Difference of a coordinate for slopes of energies [m or rad]."""
+ROUGHEST = 100.0
+"""Friction over the load beyond which the motion of inner bodies was not followed: no coefficient
+is so large, and steps that are too long for a stiff stop make forces of any size."""
 CONSTANT = 1e-6
 """Share by which the inertia of the measured coordinate may change along a record."""
 
@@ -77,7 +82,15 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     if normal_of(mechanism) is not None:
         k = body.moving
         load = sum(mass[k][j] * q_ddot[j] for j in range(body.moving)) - forces[k]
-    return Pushed(force=force + 0.0 * time, inertia=float(np.mean(inertia)), load=load)
+    mean, left = float(np.mean(inertia)), force - inertia * a
+    weight = math.inf if load is None else float(np.median(np.abs(load)))
+    if not (np.isfinite(left).all() and np.median(np.abs(left)) <= ROUGHEST * weight):
+        raise InputError(
+            f"what moves inside {type(mechanism).__name__} cannot be followed from sample to sample"
+            f" of {number(float(np.median(np.diff(time))), 2)} s: it is faster than that. Of films"
+            ' of the position, ask for travels: --route travel, or route="travel".'
+        )
+    return Pushed(force=force + 0.0 * time, inertia=mean, load=load)
 
 
 @final

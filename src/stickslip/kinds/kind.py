@@ -218,6 +218,10 @@ class Kind(ABC, Generic[F, V]):
     def serves(self, measurement: Measurement) -> bool:
         """Whether a measurement is of this kind, where nobody asks for a route."""
 
+    def reads(self, measurement: Measurement) -> bool:
+        """Whether another measurement is read as one of this kind where its route is asked for."""
+        return False
+
     @abstractmethod
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
         """Return the names of the laws that are compared, as progress calls them."""

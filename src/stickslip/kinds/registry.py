@@ -86,6 +86,8 @@ def kind_of(measurement: Measurement, asked: str | None = None) -> AnyKind:
     if asked in usual.routes:
         return usual
     found = kind_of_route(asked)
+    if found.reads(measurement):
+        return found
     if "route" in usual.uses and "route" not in found.uses:
         raise InputError(
             f"route {asked!r} applies to {found.measured}, not to this measurement: leave it out."
@@ -105,6 +107,8 @@ def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> 
     stickslip.errors.InputError: --horizon applies to records of motion or friction; it has ...
     """
     for name, called_ in given.items():
+        if name == "route" and kind.reads(request.measurement):
+            continue
         why = kind.why_unused(name, request)
         if not why and name not in kind.uses | kind.settings:
             users = [one for one in kinds() if name in one.uses | one.settings]

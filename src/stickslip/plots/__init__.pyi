@@ -114,8 +114,10 @@ from stickslip.plots.sweep_maps import draw_basins as draw_basins
 from stickslip.plots.sweep_maps import draw_bifurcation as draw_bifurcation
 from stickslip.plots.sweep_maps import draw_orbits as draw_orbits
 from stickslip.plots.sweep_maps import draw_sensitivity as draw_sensitivity
+from stickslip.plots.sweep_maps import draw_velocity_band as draw_velocity_band
 from stickslip.plots.sweep_maps import draw_velocity_map as draw_velocity_map
 from stickslip.plots.sweep_maps import plot_sweep as plot_sweep
+from stickslip.plots.sweep_maps import plot_velocity_band as plot_velocity_band
 
 __all__ = [
     "C1",
@@ -164,6 +166,7 @@ __all__ = [
     "draw_sketch",
     "draw_trials",
     "draw_validation",
+    "draw_velocity_band",
     "draw_velocity_map",
     "inline_svg",
     "label_at",
@@ -191,6 +194,7 @@ __all__ = [
     "plot_sweep",
     "plot_trials",
     "plot_validation",
+    "plot_velocity_band",
     "plot_verdict",
     "save",
     "shade",

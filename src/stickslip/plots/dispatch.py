@@ -27,7 +27,7 @@ from stickslip.plots.runs.profiles import plot_profile
 from stickslip.plots.runs.run import plot_run
 from stickslip.plots.runs.validation import plot_validation
 from stickslip.plots.selection.fits import plot_fit, plot_verdict
-from stickslip.plots.sweep_maps import plot_sweep
+from stickslip.plots.sweep_maps import plot_sweep, plot_velocity_band
 from stickslip.selection import Verdict
 from stickslip.sweep import (
     Band,
@@ -37,6 +37,7 @@ from stickslip.sweep import (
     OrbitDiagram,
     SensitivityIndices,
     Validation,
+    VelocityBand,
     VelocityMap,
 )
 from stickslip.trajectory import Ensemble, Trajectory
@@ -56,6 +57,7 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Characterization: plot_characterization,
         FrictionLaw: plot_law,
         VelocityMap: plot_sweep,
+        VelocityBand: plot_velocity_band,
         Bifurcation: plot_sweep,
         Basins: plot_sweep,
         OrbitDiagram: plot_sweep,

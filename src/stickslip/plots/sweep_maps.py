@@ -40,6 +40,7 @@ from stickslip.sweep import (
     Orbit,
     OrbitDiagram,
     SensitivityIndices,
+    VelocityBand,
     VelocityMap,
 )
 
@@ -129,6 +130,97 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
     axes.set_xlabel(labelled(path, result.units[path]))
     axes.set_ylabel(label)
     axes.grid(axis="y")
+
+
+def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | None = None) -> Draw:
+    """Return a drawing of the band of the mean velocity over many laws, and of what was measured.
+
+    Parameters
+    ----------
+    result : VelocityBand
+        The band.
+    measured : mapping of float to float, optional
+        Value of the parameter -> mean velocity [m/s], drawn as points.
+
+    Returns
+    -------
+    callable
+        Draws it.
+    """
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        low, median, high = result.low, result.median, result.high
+        factor, unit = scale_of(median[np.isfinite(median)], result.velocity_unit)
+        label = f"{result.level:.0%} band, whichever law holds"
+        axes.fill_between(
+            result.values,
+            factor * low,
+            factor * high,
+            color=C1,
+            alpha=0.3,
+            linewidth=0,
+            label=label,
+        )
+        axes.plot(result.values, factor * median, color=C1, linewidth=1.4, label="median")
+        if measured:
+            points = np.array([*measured.items()])
+            axes.plot(
+                points[:, 0],
+                factor * points[:, 1],
+                "o",
+                color=DATA,
+                markersize=3.0 if narrow else 4.5,
+                label="measured",
+            )
+        axes.axhline(0.0, color=MUTED, linewidth=0.8)
+        axes.margins(x=0.01, y=0.08)
+        axes.set_xlabel(labelled(result.path, result.unit))
+        axes.set_ylabel(f"mean velocity, {unit}")
+        axes.grid(axis="y")
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            frameon=False,
+            ncols=1 if narrow else 3,
+            fontsize="small",
+        )
+
+    return draw
+
+
+def plot_velocity_band(
+    result: VelocityBand, ax: Target = None, *, measured: Mapping[float, float] | None = None
+) -> Axes:
+    """Plot the band of the mean velocity over many laws, and what was measured.
+
+    Parameters
+    ----------
+    result : VelocityBand
+        What `velocity_band` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    measured : mapping of float to float, optional
+        Value of the parameter -> mean velocity [m/s], drawn as points.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import velocity_band
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> laws = [Coulomb(kinetic_coefficient=mu) for mu in (0.4, 0.5)]
+    >>> result = velocity_band(axis, laws, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
+    >>> plot_velocity_band(result, Figure(), measured={1.0: 0.0}).get_xlabel()
+    'frequency, Hz'
+    """
+    check_type("result", result, VelocityBand)
+    return on_axes(draw_velocity_band(result, measured), ax, SWEEP_SIZE)
 
 
 def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:

@@ -12,7 +12,7 @@ from stickslip.sweep.continuation import (
 )
 from stickslip.sweep.cycles import DrivenCycle, cycles_in
 from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
-from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.mean_velocity import VelocityBand, VelocityMap, average_velocity, velocity_band
 from stickslip.sweep.orbit_diagram import OrbitDiagram, orbit_diagram
 from stickslip.sweep.orbits import Orbit, periodic_orbit
 from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
@@ -45,6 +45,7 @@ __all__ = [
     "ValidatedRecord",
     "ValidatedTravel",
     "Validation",
+    "VelocityBand",
     "VelocityMap",
     "average_velocity",
     "band_of",
@@ -58,6 +59,7 @@ __all__ = [
     "orbit_diagram",
     "periodic_orbit",
     "validate",
+    "velocity_band",
 ]
 
 

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import stdtrit
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
-from stickslip.formatting import span
+from stickslip.formatting import quantity, span
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Mean, Output
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+FREEDOM, ERRORS = 4.0, 400
+"""Degrees of freedom of errors of predictions, and quantiles that stand for them."""
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
 STILL = 1e-3
@@ -249,6 +252,163 @@ def average_velocity(
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
     return table.mapped(axes, units, shape, periods, unit, coordinate or "")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class VelocityBand(OnAxes):
+    """Mean velocities over one parameter with many laws, and the band in which they lie."""
+
+    path: str
+    """What varies, as a full path."""
+    values: Array
+    """Its values (n,)."""
+    unit: str
+    """Its SI unit."""
+    velocities: Array
+    """Mean velocities (m, n) of m laws [m/s] or [rad/s]; NaN where a run ended early."""
+    velocity_unit: str
+    """Their SI unit."""
+    level: float
+    """Probability of the band, point by point."""
+    error: float = 0.0
+    """By how much predictions are off beside what the laws tell [m/s] or [rad/s]."""
+    reasons: tuple[str, ...] = ()
+    """Where runs ended early, and why."""
+
+    @property
+    def low(self) -> Array:
+        """Lower end of the band (n,)."""
+        return self._quantile(0.5 - 0.5 * self.level)
+
+    @property
+    def median(self) -> Array:
+        """Median (n,)."""
+        return self._quantile(0.5)
+
+    @property
+    def high(self) -> Array:
+        """Upper end of the band (n,)."""
+        return self._quantile(0.5 + 0.5 * self.level)
+
+    def _quantile(self, share: float) -> Array:
+        off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
+        every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
+        return np.asarray(np.nanquantile(every, share, axis=0))
+
+    @property
+    def fastest(self) -> float:
+        """Value with which the body is fastest, either way, with the largest median."""
+        return float(self.values[int(np.nanargmax(np.abs(self.median)))])
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each value: lower end, median and upper end of the velocity."""
+        import pandas as pd
+
+        ends = {"low": self.low, "median": self.median, "high": self.high}
+        return pd.DataFrame({self.path: self.values, **ends})
+
+    @override
+    def _summary(self) -> Summary:
+        at = int(np.nanargmax(np.abs(self.median)))
+        ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
+        over = span(float(self.values.min()), float(self.values.max()), self.unit, 4)
+        return Summary(
+            sentence=f"{self.level:.0%} band over {len(self.velocities)} laws.",
+            rows=[
+                (self.path, f"{over}, {len(self.values)} values"),
+                ("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"),
+            ],
+            notes=self.reasons,
+        )
+
+
+def velocity_band(
+    mechanism: Mechanism,
+    laws: Sequence[GivenFriction],
+    parameters: Mapping[str, ArrayLike],
+    *,
+    level: float = 0.95,
+    error: float = 0.0,
+    cycles: int = 20,
+    settle: int = 100,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> VelocityBand:
+    """Return the band of the mean velocity over one parameter, whichever of some laws holds.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    laws : sequence of FrictionLaw
+        Laws, such as those that `sample` of a verdict draws.
+    parameters : mapping
+        Path of one parameter -> its values (n,), as in `average_velocity`.
+    level : float
+        Probability of the band at each value.
+    error : float
+        By how much predictions at values that were not measured are off beside what the laws tell
+        [m/s] or [rad/s], as `TravelVerdict.prediction_error` says: the scale of Student's t with
+        four degrees of freedom.
+    cycles, settle : int
+        Whole cycles over which the mean is taken, and those before, as in `average_velocity`.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    progress : callable, optional
+        Called with the number of laws done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    VelocityBand
+        Velocities by law, and their band.
+
+    Raises
+    ------
+    InputError
+        If there is no law, or more than one parameter.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> laws = [Coulomb(kinetic_coefficient=mu) for mu in (0.19, 0.2, 0.21)]
+    >>> masses = {"mechanism.inner_mass": [0.1, 0.2]}
+    >>> band = velocity_band(capsule, laws, masses, settle=2, cycles=2)
+    >>> band.median.round(4), band.fastest
+    (array([0.0147, 0.0444]), 0.2)
+    """
+    if not laws or len(parameters) != 1:
+        raise InputError(
+            f"velocity_band takes laws and one parameter, got {len(laws)} laws and"
+            f" {len(parameters)} parameters."
+        )
+    tally, maps = Tally(len(laws), progress), list[VelocityMap]()
+    for law in laws:
+        if not tally.going:
+            break
+        maps.append(
+            average_velocity(
+                mechanism, law, parameters, cycles=cycles, settle=settle, y0=y0, solver=solver
+            )
+        )
+        tally.tell(len(maps))
+    ((path, values),) = maps[0].axes.items()
+    return VelocityBand(
+        path=path,
+        values=values,
+        unit=maps[0].units[path],
+        velocities=np.array([one.velocity for one in maps]),
+        velocity_unit=maps[0].unit,
+        level=level,
+        error=error,
+        reasons=tuple(dict.fromkeys(text for one in maps for text in one.early_ends())),
+    )
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:

@@ -20,10 +20,18 @@ from stickslip.experiments.checking import (
     stationarity,
 )
 from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.experiments.films import is_filmed, other_drives
 from stickslip.experiments.measurement import Measurement, as_turning
 from stickslip.experiments.rig import check_record
 from stickslip.formatting import quantity, unbroken
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import (
+    PREFIX,
+    BoundedMechanism,
+    Mechanism,
+    cycle_or_none,
+    slip_names,
+)
+from stickslip.quantities import vary
 from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
@@ -421,12 +429,18 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
         check_record(mechanism, record, record.name or "the record")
     except InputError as error:
         yield Finding(kind="mechanism", severity="error", sentence=str(error))
+        return
+    if is_filmed(record) and cycle_or_none(vary(mechanism, PREFIX, record.overrides)) is not None:
+        for sentence in other_drives(mechanism, record):
+            yield Finding(kind="drive frequency", severity="error", sentence=sentence)
     if record.position is None:
         return
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
+    stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
+    inside = any(one.coordinate not in slip_names(mechanism) for one in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
-        stop = getattr(mechanism, name, None)
+        stop = None if inside else getattr(mechanism, name, None)  # of what was measured
         if stop is not None and side * (float(reached) - float(stop)) > 0:
             yield Finding(
                 kind="mechanism",

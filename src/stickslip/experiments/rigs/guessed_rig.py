@@ -117,8 +117,13 @@ def _drive(guess: Guess) -> str:
 
 
 def _data(guess: Guess, file: str | Path) -> Iterator[str]:
+    first, *rest = data_options(guess)
+    yield from (first, f"file = {_toml(str(file))}", *rest)
+
+
+def data_options(guess: Guess) -> Iterator[str]:
+    """Yield the lines of ``[data]`` that say how a file is read, and so others like it."""
     yield "[data]"
-    yield f"file = {_toml(str(file))}"
     if _drive(guess) and "time" in guess.columns:
         yield "# How the force runs between its samples is estimated. If it is known: hold ="
         yield '# "zero" (keeps its value, as a command does) or "first" (straight lines).'

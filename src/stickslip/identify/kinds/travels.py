@@ -820,12 +820,18 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     signed &= ~law.rig[:count]
     outside = np.zeros(len(step), dtype=bool)
     outside[:count] = (linear.centre + step < 0.0)[:count] & signed
-    if outside.any():  # nothing is negative: others follow what is held
+    while outside.any():  # nothing is negative: others follow what is held
         # coefficients end at 0, shapes stay
         ends = np.where(np.arange(len(step)) < law.count, -linear.centre, 0.0)
         step = np.where(outside, ends, step)
         right = columns.T @ left - precision * off - matrix[:, outside] @ step[outside]
         step[~outside] = np.linalg.solve(matrix[np.ix_(~outside, ~outside)], right[~outside])
+        more = ~outside
+        more[:count] &= (linear.centre + step < 0.0)[:count] & signed
+        more[count:] = False
+        if not more.any():
+            break
+        outside |= more
     left = left - columns @ step
     off = off + step
     covariance = np.linalg.inv(matrix)

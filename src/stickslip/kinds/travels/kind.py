@@ -6,7 +6,7 @@ from typing import final
 
 from typing_extensions import override
 
-from stickslip.experiments import Checks, Measurement, check
+from stickslip.experiments import Checks, Measurement, check, is_filmed, travels_of_films
 from stickslip.formatting import quantity
 from stickslip.friction import law_type
 from stickslip.identification import AnyLaw, Laws, quantities_read
@@ -39,6 +39,10 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         return bool(measurement.travelled)
 
     @override
+    def reads(self, measurement: Measurement) -> bool:
+        return is_filmed(measurement)
+
+    @override
     def why_unused(self, name: str, request: Request) -> str:
         if name == "validate":
             return "requires a second record, and travels have none: give more trials instead."
@@ -60,18 +64,20 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     @override
     def fit(self, request: Request) -> TravelFit:
-        t_end = T_END if request.t_end is None else request.t_end
+        request, t_end = _read(request)
         return fit_travels(t_end=t_end, **request.arguments("law"))
 
     @override
     def select(self, request: Request) -> TravelVerdict:
-        t_end = T_END if request.t_end is None else request.t_end
+        request, t_end = _read(request)
         return select_travels(t_end=t_end, **request.arguments("laws", "assumed"))
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.dropped}" for c in everyone if c.dropped]
+        if any(trial.cycles is not None for trial in verdict.trials):
+            notes += _speeds(verdict)
         heads, rows = terminal_table(columns_of(verdict), everyone)
         return Comparison(heads=heads, rows=rows, notes=notes, checks=_of_units(verdict))
 
@@ -95,6 +101,28 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         from stickslip.kinds.travels.page import sections
 
         return sections(verdict, origin, remark)
+
+
+def _read(request: Request) -> tuple[Request, float]:
+    """Return the request with travels, read off films where it has these, and when runs end."""
+    if not is_filmed(request.measurement):
+        return request, T_END if request.t_end is None else request.t_end
+    read, t_end = travels_of_films(request.mechanism, request.measurement, request.t_end)
+    return replace(request, measurement=read), t_end
+
+
+def _speeds(verdict: TravelVerdict) -> list[str]:
+    """Return lines with the mean velocity of each trial, measured and predicted."""
+    table = verdict.compared()
+    rows = [
+        [str(name), quantity(measured, "m/s", 3), quantity(predicted, "m/s", 3)]
+        for name, measured, predicted in zip(
+            table.index, table["measured"].tolist(), table["predicted"].tolist(), strict=True
+        )
+    ]
+    rows = [["mean velocity of", "measured", "predicted"], *rows]
+    wide = [max(len(row[k]) for row in rows) for k in range(3)]
+    return ["   ".join(cell.rjust(w) for cell, w in zip(row, wide, strict=True)) for row in rows]
 
 
 def _of_units(verdict: TravelVerdict) -> Checks:

@@ -4,9 +4,6 @@ import math
 from functools import partial
 from typing import Any, cast
 
-import numpy as np
-
-from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, capital, percent
 from stickslip.identify import (
     THRESHOLDS,
@@ -17,8 +14,7 @@ from stickslip.identify import (
     remarks_section,
 )
 from stickslip.kinds.columns import page_table
-from stickslip.kinds.travels.settings import words_of
-from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, records_of
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import Column as PageColumn
 from stickslip.report import (
@@ -53,21 +49,24 @@ def figure_section(verdict: TravelVerdict) -> Section | None:
     """Return the figure of the readings, the band and the law; None without a band."""
     if verdict.travel is None or verdict.judgement.knob is None:
         return None
-    word = words_of(verdict.judgement.knob[0])
+    drawing = verdict.drawing()
+    word, what = drawing.names
     svg = inline_svg(
-        draw_band(verdict.drawing()),
-        alt=f"Travel against {word}: readings, the 95 % band and the named law",
+        draw_band(drawing),
+        alt=f"{capital(what)} against {word}: readings, the 95 % band and the named law",
         prefix="band-figure",
         **MAP_SIZES,
     )
     text = (
-        f"**Travel.** Points: readings. Line: {verdict.closest.title}. Band: where the travel lies"
-        " with 95 % at each setting, whichever law, or the measured curve, holds."
+        f"**{capital(what)}.** Points: readings. Line: {verdict.closest.title}. Band: where the"
+        f" {what} lies with 95 % at each setting, whichever law, or the measured curve, holds."
     )
     if verdict.places:
         text += " Dotted: where another reading narrows the band most."
     block = Figure(svg=svg, caption=text)
-    return Section(id="band", nav="Band", heading=f"Travel over the {word}", blocks=(block,))
+    return Section(
+        id="band", nav="Band", heading=f"{capital(what)} over the {word}", blocks=(block,)
+    )
 
 
 def laws_section(verdict: TravelVerdict) -> Section:
@@ -111,7 +110,14 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
             )
         )
         for i, (record, trial, predicted, left) in enumerate(
-            zip(_records(verdict), verdict.trials, fit.predicted, held_out, strict=True), 1
+            zip(
+                records_of(verdict.measurement),
+                verdict.trials,
+                fit.predicted,
+                held_out,
+                strict=True,
+            ),
+            1,
         )
     )
     columns = (
@@ -123,12 +129,3 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     caption = "Held-out errors are those of a setting that the law was not fitted to."
     table = Table(columns=columns, rows=rows, caption=caption)
     return Section(id="trials", nav="Trials", heading=capital("each trial"), blocks=(table,))
-
-
-def _records(verdict: TravelVerdict) -> list[Measurement]:
-    """Return the record of each trial: some hold several readings."""
-    return [
-        record
-        for record in verdict.measurement.records()
-        for _ in np.atleast_1d(record.values(record.travelled))
-    ]

@@ -33,10 +33,11 @@ def words_of(path: str) -> str:
 
     Examples
     --------
-    >>> words_of("mechanism.compression"), words_of("mechanism.drive.level")
-    ('compression', 'drive level')
+    >>> words_of("mechanism.compression"), words_of("mechanism.drive.drive.frequency")
+    ('compression', 'drive frequency')
     """
-    return path.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
+    words = path.removeprefix("mechanism.").replace(".", " ").replace("_", " ").split()
+    return " ".join(dict.fromkeys(words))  # a drive of a motor is its drive
 
 
 def setting_text(value: float, unit: str) -> str:

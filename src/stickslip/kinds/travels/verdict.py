@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import Checks
+from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import (
     Scale,
     count,
@@ -32,9 +32,13 @@ from stickslip.selection import Candidate, Criteria, Verdict, score_scale, score
 Array: TypeAlias = NDArray[np.float64]
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from stickslip.display import Drawing, Target
     from stickslip.identify import BandDrawing
 
+NORMAL: Final = 0.6745
+"""Median size of a normal error of standard deviation 1."""
 MM: Final = Scale(1e3, "mm")
 """What a terminal shows held-out errors in."""
 
@@ -246,6 +250,49 @@ class TravelVerdict(Verdict[TravelCandidate]):
         order = np.random.default_rng(seed).permutation(len(laws))
         return [laws[k] for k in np.resize(order, count)]
 
+    @property
+    def prediction_error(self) -> float:
+        """By how much predictions of settings that were not measured are off.
+
+        It is the median size of held-out errors of the named law, over that of a normal one, as
+        mean velocity where runs end with a cycle of the drive [m/s], else as travel [m]. No draw of
+        a law tells how far all laws are from the ground.
+        """
+        held_out = self.judgement.best_of(self.judgement.named).held_out
+        off = np.abs(held_out / durations(self.trials, self.t_end))
+        return float(np.median(off)) / NORMAL
+
+    def compared(self) -> "pd.DataFrame":
+        """Return what was measured in each trial, and what the named law predicts.
+
+        Of runs that end with a cycle of the drive it is the mean velocity, else the travel.
+
+        Returns
+        -------
+        DataFrame
+            By the name of the trial: what was set, if one parameter was; what was measured, its
+            standard error, what is predicted, and the held-out error, all in SI units.
+        """
+        import pandas as pd
+
+        judgement, last = self.judgement, durations(self.trials, self.t_end)
+        best = judgement.best_of(judgement.named)
+        names = [
+            record.name or f"trial {i}" for i, record in enumerate(records_of(self.measurement), 1)
+        ]
+        set_ = {} if judgement.knob is None else {
+            judgement.knob[0].rpartition(".")[2]: judgement.settings
+        }  # fmt: skip
+        measured = judgement.measured
+        columns = {
+            "measured": measured,
+            "error": judgement.errors,
+            "predicted": measured - best.left * judgement.errors,
+            "held_out_error": best.held_out,
+        }
+        scaled = {name: x / last for name, x in columns.items()}
+        return pd.DataFrame({**set_, **scaled}, index=names)
+
     @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify import plot_band  # loads matplotlib
@@ -253,7 +300,10 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return plot_band(self.drawing(), ax)
 
     def drawing(self) -> "BandDrawing":
-        """Return what the figure of the verdict shows: travels over the setting."""
+        """Return what the figure of the verdict shows: travels or mean velocities over the setting.
+
+        Runs that end with a cycle of their drive last differently, and so their mean is shown.
+        """
         from stickslip.identify import BandDrawing  # loads matplotlib
 
         judgement = self.judgement
@@ -261,18 +311,22 @@ class TravelVerdict(Verdict[TravelCandidate]):
         assert self.travel is not None
         path = judgement.knob[0]
         unit = {p: q.unit for p, q, _ in parameters(self.mechanism, "mechanism")}[path]
+        cyclic = any(trial.cycles is not None for trial in self.trials)
+        last = durations(judgement.at(self.settings), self.t_end)
+        ends = (self.travel.low, self.travel.median, self.travel.high)
+        low, median, high = (x / last for x in ends)
         return BandDrawing(
             velocity=judgement.settings,
-            friction=judgement.measured,
+            friction=judgement.measured / durations(self.trials, self.t_end),
             load=np.ones(len(judgement.measured)),
             weights=np.ones(len(judgement.measured)),
             speeds=self.settings,
-            band=self.travel,
-            law=judgement.named_travels(self.settings),
+            band=PredictionBand(low=low, median=median, high=high),
+            law=judgement.named_travels(self.settings) / last,
             title=self.closest.title,
             places=self.places,
-            units=(unit, "m"),
-            names=(words_of(path), "travel"),
+            units=(unit, "m/s" if cyclic else "m"),
+            names=(words_of(path), "mean velocity" if cyclic else "travel"),
         )
 
     @override
@@ -314,6 +368,28 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "measure_at": {"setting": list(self.places)},
             "inside_second": None,
         }  # fmt: skip
+
+
+def durations(trials: Sequence[Trial], t_end: float) -> Array:
+    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> trial = Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)
+    >>> durations([trial], 10.0)
+    array([1.])
+    """
+    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
+
+
+def records_of(measurement: Measurement) -> list[Measurement]:
+    """Return the record of each trial: some hold several readings."""
+    return [
+        record
+        for record in measurement.records()
+        for _ in np.atleast_1d(record.values(record.travelled))
+    ]
 
 
 def estimate_text(estimate: Estimate) -> str:

@@ -14,7 +14,7 @@ from stickslip.formatting import capital, count, joined, percent, quantity
 from stickslip.identification import Estimate
 from stickslip.identify import PredictionBand, TravelJudgement, parameter_sentence
 from stickslip.kinds.travels.settings import words_of
-from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text
+from stickslip.kinds.travels.verdict import TravelCandidate, durations, estimate_text
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection import Wording, friction_of, in_sentence, limits_of, not_distinguished
 
@@ -116,17 +116,21 @@ def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | No
         )
     low, high = float(judgement.settings.min()), float(judgement.settings.max())
     within = (settings >= min(low, high)) & (settings <= max(low, high))
-    half = 0.5 * (band.high - band.low)
-    known = quantity(float(np.median(half[within])), "m", 2)
+    last_for = durations(judgement.at(settings), judgement.t_end)
+    cyclic = any(trial.cycles is not None for trial in judgement.trials)
+    what, unit = ("mean velocity", "m/s") if cyclic else ("travel", "m")
+    below, above = band.low / last_for, band.high / last_for
+    half = 0.5 * (above - below)
+    known = quantity(float(np.median(half[within])), unit, 2)
     word = words_of(judgement.knob[0])
     ends = _setting(judgement, low)
     span = f"With a {word} of {ends}" if low == high else (
         f"With a {word} from {ends} to {_setting(judgement, high)}")  # fmt: skip
     last = int(np.argmax(np.abs(settings)))
     return (
-        f"{span}, the travel is known to ± {known}; with {_setting(judgement, settings[last])} it"
-        f" is {quantity(float(band.low[last]), 'm', 2)} to"
-        f" {quantity(float(band.high[last]), 'm', 2)} (95 % band, whichever law holds)."
+        f"{span}, the {what} is known to ± {known}; with {_setting(judgement, settings[last])} it"
+        f" is {quantity(float(below[last]), unit, 2)} to"
+        f" {quantity(float(above[last]), unit, 2)} (95 % band, whichever law holds)."
     )
 
 
