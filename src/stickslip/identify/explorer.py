@@ -54,8 +54,6 @@ MOST_ROWS = 2000
 """Rows of dense records that are looked at, about."""
 MOMENTS = 16
 """Measured rows whose time and place stand for those of asked rows."""
-ROUNDING = 1e-6
-"""Differences of shares, and a held-out error over the response, that say nothing."""
 
 
 @final
@@ -283,7 +281,7 @@ class Explorer:
         problem = self.regression.problem
         error = float(np.sqrt(np.mean(self.held_out**2)))
         size = float(np.sqrt(np.mean(problem.response**2)))
-        if not self.curves or error <= ROUNDING * size:
+        if not self.curves or error <= THRESHOLDS.rounding * size:
             return ()
         most = THRESHOLDS.outlying
         z = np.clip(self._rehearsed()[self._every], -most, most)
@@ -294,11 +292,12 @@ class Explorer:
             plain = [self._columns([k], plain=True) for k in every]
             shares.append(self.shares(np.log(z**2 + LEAST_SQUARE), plain))
         top = [one.max(axis=0) for one in shares]
-        chance = np.array([np.mean(one >= one[:, None] - ROUNDING, axis=1) for one in top])
+        same = THRESHOLDS.rounding
+        chance = np.array([np.mean(one >= one[:, None] - same, axis=1) for one in top])
         least = chance.min(axis=0)
         found = []
         for scatter, own in enumerate(shares):
-            best = int(np.argmax(own[:, 0] >= top[scatter][0] - ROUNDING))
+            best = int(np.argmax(own[:, 0] >= top[scatter][0] - same))
             share = float(top[scatter][0])
             off = 0.0 if scatter else float(np.sqrt(max(share, 0.0))) * error / size
             found.append(

@@ -23,14 +23,13 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import applied_force, drives_itself
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
 Array = NDArray[np.float64]
 
-SMALL = 1e-5
-"""Difference of a coordinate for slopes of energies [m or rad]."""
-CONSTANT = 1e-6
-"""Share by which the inertia of the measured coordinate may change along a record."""
+SMALL = float(np.cbrt(np.finfo(float).eps))
+"""Difference of a coordinate for slopes of energies [m or rad]: rounding and bend weigh alike."""
 
 
 @final
@@ -66,7 +65,7 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     mass, forces = body.equations(time, q, q_dot, body.drives(time))
     at = body.names.index(slip_of(mechanism))
     inertia = mass[at][at] + 0.0 * time
-    if np.ptp(inertia) > CONSTANT * np.max(inertia):
+    if np.ptp(inertia) > THRESHOLDS.rounding * np.max(inertia):
         raise InputError(
             f"the force balance of {type(mechanism).__name__} has an inertia that changes along the"
             " motion, which `select` does not serve: use `fit` of each law."

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, noise_of
-from stickslip.identify.problem import Array
+from stickslip.identify.problem import OPENING, STRETCHES, Array
 
-STRETCHES = 20
-"""Stretches that records are cut into, which are left out one at a time."""
+APART = 3.0
+"""Distance over 1/fc from which rows are independent."""
 SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
 WIDEST, NARROWEST = 130.0, 1.5
@@ -27,8 +27,6 @@ BEND = 0.5
 """Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
 FINE = 0.25
 """Logarithm of speeds between knots of the curve of a free motion."""
-OPENING = 0.5
-"""Part of the root of its stiffness that the curve has beyond the measured speeds."""
 BEYOND, BEYOND_FREE = 2, 4
 """Knots beyond the measured speeds on either side."""
 SLOW, SLOW_FREE = 0.02, 0.1
