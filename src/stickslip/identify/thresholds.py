@@ -20,13 +20,13 @@ class Thresholds:
     refinements: int = 5
     """Halvings of the grid around the best shape of a family, or of a memory."""
     outlier: float = 3.0
-    """Standard deviations beyond which a row loses weight."""
+    """Standard deviations beyond which a row loses weight, and a refined law is another."""
     outlying: float = 6.0
     """Standard deviations from which a row is said to be far from the others."""
     weighings: int = 6
-    """Searches by weights that follow from the residuals of the best structure before ..."""
+    """Rounds at most of searches by weights that follow from residuals, or of Gauss-Newton ..."""
     weighed: float = 0.05
-    """... until no weight changes by more than this share."""
+    """... until no weight changes by more than this share, no estimate by that of its error."""
     curve_share: float = 0.1
     """Least share of the measured curve in the ensemble (study: widths)."""
     draws: int = 400

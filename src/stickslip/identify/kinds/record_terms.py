@@ -195,7 +195,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     driven = bool(np.any(rows.raw)) and not rows.free and not rows.records[0].friction
     loaded = frame.load != 1.0
     # the curve of a free motion stands beside a law, from which it goes away by a part of it
-    least = 1.0 / len(frame.bending) if rows.free else 0.0
+    least = 1.0 / (THRESHOLDS.outlier**2 * len(frame.bending)) if rows.free else 0.0
     bending = np.maximum(frame.bending, least)
     lengths = _lengths(rows)
     ratio = float(lengths[1] / lengths[0])
