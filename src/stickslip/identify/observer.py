@@ -16,7 +16,7 @@ linearised, and shares follow from them as in `stickslip.identify.comparison`.
 
 **Rule.** The bandwidth is that of the smallest innovations. Where noise of the force explains it,
 
-.. math:: w \le w_0 = \sqrt{\sigma_F / (J \sigma_q)},
+.. math:: w \le 0.9\, w_0, \quad w_0 = \sqrt{\sigma_F / (J \sigma_q)},
 
 the law holds as simulated, and the refined laws stand, their covariance times `INFLATION`. Else
 what drives the innovations is no noise but a law that is wrong: refining harms, the balance stays.
@@ -42,8 +42,9 @@ from stickslip.kernels import observer
 from stickslip.solver import observe
 
 BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
-"""Bandwidths of the observer that are tried, over that of the noise of the force: the largest at
-which a law holds."""
+"""Bandwidths of the observer that are tried, over the largest at which a law holds ..."""
+HOLDS = 0.9
+"""... which is over that of the noise of the force (study: records)."""
 INFLATION = 4.0
 """Factor on the covariance: shapes that no refined law has (study: records)."""
 PARTS = 4
@@ -449,7 +450,7 @@ class Observer:
             return self.ensemble
         step = self.runs[0].step
         self.noise_bandwidth = self._explained(candidates[0])
-        first = self.noise_bandwidth
+        first = HOLDS * self.noise_bandwidth
         laws = self._fits(candidates, _gains(step, first), {})
         if not laws:
             return self.ensemble

@@ -24,11 +24,13 @@ FREE_SAMPLED = 0.35
 SAMPLED = 0.15
 """Largest band over the sampling rate."""
 BEND = 0.5
-"""Logarithm of speeds over which the curve bends by its prior, and between its knots, about."""
+"""Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
 BEYOND = 3
 """Knots beyond the measured speeds on either side."""
 SLOW, SLOW_FREE = 0.02, 0.1
 """Part of the rows that is slower than friction is stated for: little work is done there."""
+KNOTS = 10
+"""Knots of the measured curve over speed."""
 
 
 def mean_frequency(records: Sequence[Record]) -> float:
@@ -164,8 +166,12 @@ def frame_of(rows: Along, band: float) -> Frame:
     speed = np.abs(rows.seen(rows.velocity))
     top = float(np.quantile(speed, 0.99))
     low = max(top / 200.0, float(np.quantile(speed, SLOW_FREE if rows.free else SLOW)))
-    count = math.ceil(math.log(top / low) / BEND) + 1
-    basis, values, knots = _bending(np.linspace(math.log(low), math.log(top), count))
+    if rows.free:
+        knots = np.linspace(math.log(low), math.log(top), math.ceil(math.log(top / low) / BEND) + 1)
+    else:
+        quantiles = np.quantile(speed, np.linspace(0.02, 1.0, KNOTS))
+        knots = np.unique(np.log(np.maximum(quantiles, low)))
+    basis, values, knots = _bending(knots)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
     varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(

@@ -451,7 +451,7 @@ class RecordsProblem(Problem):
                 values |= {"bristle_damping": np.zeros(len(coefficients))}
             else:
                 # bristles that yield at once have the least that laws have
-                least, _ = bounds_of("dahl", "yield_exponent")
+                least, _ = bounds_of("dahl(level)", "yield_exponent")
                 exponent = max(memory[1], least)
                 values |= {"yield_exponent": np.full(len(coefficients), exponent)}
         found = compose(

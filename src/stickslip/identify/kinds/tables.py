@@ -445,7 +445,7 @@ def _knots(logs: Array) -> Array:
     if len(logs) < 3:
         inside = np.array([logs[0] - 0.5, float(np.mean(logs)), logs[-1] + 0.5])
     else:
-        count = min(STRETCHES, 2 * len(logs) - 1)
+        count = min(STRETCHES - 1, 2 * len(logs) - 1)  # as many as blocks have gaps
         inside = np.interp(np.linspace(0, len(logs) - 1, count), np.arange(len(logs)), logs)
     below, above = (np.linspace(0.0, far, 4)[1:] for far in BEYOND)
     return np.concatenate([inside[0] - below[::-1], inside, inside[-1] + above])
