@@ -7,10 +7,11 @@ import pytest
 
 from stickslip import Axis, Measurement, select
 from stickslip.identify.ensemble import band_of
-from stickslip.identify.explorer import MOMENTS, Explorer
+from stickslip.identify.explorer import Explorer
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.records import Record, RecordsProblem
 from stickslip.identify.kinds.tables import TableProblem
+from stickslip.identify.problem import STRETCHES
 from stickslip.identify.regression import BlockRegression
 
 AXIS = Axis(inertia=1.0)
@@ -96,7 +97,7 @@ def test_steady_motion_is_as_uncertain_as_its_place():
     explorer = of_record(0.3)
     rows = explorer.regression.problem.at([0.5, 1.0])
     learned = explorer.learned().at(rows)
-    assert learned.shape == (MOMENTS, 2)
+    assert learned.shape == (STRETCHES, 2)
     assert np.ptp(learned[:, 0]) > 0.1
 
 

@@ -23,13 +23,12 @@ from scipy.special import softmax
 
 from stickslip.identify.evidence import evidence_of, price_of, priors_of
 from stickslip.identify.problem import Array, Family, Mask, Structure
-from stickslip.identify.search import DIGITS, Search, block_scores
+from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.selection import DIGITS
 
-TIED = 6
-"""Digits of the evidence that say something: terms of one span differ by rounding."""
-LEAST = 1e-12
-"""Stands for the share of a structure that has none."""
+LEAST = float(np.finfo(float).eps)
+"""Stands for the share of a structure that has none beside the others."""
 
 
 @final
@@ -90,7 +89,10 @@ def compare(search: Search) -> Comparison:
         evidence = evidence_of(search.regression, structures, best_of)
     else:
         evidence = _material_evidence(search, losses, best_of)
-    named = min(evidence, key=lambda i: (-round(evidence[i], TIED), problem.rank(structures[i]), i))
+    # terms of one span differ by rounding
+    named = min(
+        evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
+    )
     least = evidence[named] - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
     if not problem.worth:

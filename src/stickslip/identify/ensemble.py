@@ -22,12 +22,6 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 REDRAWN = 20
 """Draws for each that is wanted, of which those that are physics are kept."""
-LEAST_KEPT = 0.005
-"""Part of them that has to be physics."""
-
-
-USUAL = 0.95
-"""Level of bands from which they are widened."""
 
 
 @final
@@ -116,7 +110,8 @@ class Ensemble:
             return found
         more = fit.coefficients + self.wider * student(fit, REDRAWN * count, rng)
         some = np.vstack([found[kept], more[self.problem.physical(structure, more)]])
-        return np.resize(some, found.shape) if len(some) > LEAST_KEPT * len(more) else found
+        # no more draws than coefficients have no spread of their own
+        return np.resize(some, found.shape) if len(some) > found.shape[1] else found
 
     @cached_property
     def _twins(self) -> "list[Prepared]":
@@ -233,11 +228,9 @@ def _root(covariance: Array) -> Array:
 def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
     """Return quantiles of curves (d, n): point by point, or so that they hold all along.
 
-    The quantiles of 95 % are those of `Thresholds.level`, higher ones as much nearer to 1; lower
-    ones are as they are said.
+    They are wider than `level` by `Thresholds.rarer`: what no draw holds is the more, the rarer.
     """
-    if level >= USUAL - 1e-9:  # wider, as what no draw holds is the more, the rarer
-        level = 1.0 - (1.0 - level) * (1.0 - THRESHOLDS.level) / (1.0 - USUAL)
+    level = 1.0 - (1.0 - level) ** THRESHOLDS.rarer
     low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
     if all_along:
         above = (curves - median) / (high - median + 1e-300)

@@ -42,7 +42,7 @@ def evidence_of(
 def price_of(problem: Problem, structure: Structure) -> float:
     """Return what a structure costs for being unusual."""
     usual = THRESHOLDS.unusual * problem.rank(structure)
-    return usual if problem.is_usual(structure) else usual + THRESHOLDS.unknown
+    return usual if problem.is_usual(structure) else usual + THRESHOLDS.price
 
 
 def priors_of(regression: BlockRegression, structures: Sequence[Structure]) -> Array:

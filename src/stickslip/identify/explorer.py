@@ -8,8 +8,8 @@ Let :math:`z` be the held-out residuals of a structure over their scatter, at mo
    direction of motion :math:`s`, predict :math:`z` by ridge regression, each block of the problem
    from the others. The *share* is what they take off the squares of :math:`z`; the feature with the
    largest names what is left;
-2. on dense records, :math:`h(f)` alone predict :math:`\log(z^2 + 0.05)` likewise: the scatter, of
-   which the few rows of a table tell no more than `Problem.scales`;
+2. on dense records, :math:`h(f)` alone predict :math:`\sqrt{|z|}` likewise: the scatter, of which
+   the few rows of a table tell no more than `Problem.scales`;
 3. `REHEARSALS` records are made of the fit and stretches of what it leaves, drawn anew with random
    signs, which hold nothing that follows a feature. The structure predicts them held out, and the
    learner looks for features. Of both largest shares the less likely decides, so that the two
@@ -36,26 +36,14 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identify.problem import SIDE, Array, Columns, Mask, Structure
+from stickslip.identify.problem import SIDE, STRETCHES, Array, Columns, Mask, Structure
 from stickslip.identify.regression import BlockRegression, noise_at
 from stickslip.identify.thresholds import THRESHOLDS
 
 REHEARSALS = 99
 """Records without a pattern with which what is left is compared."""
-LEAST_SQUARE = 0.05
-"""Added to squares before their logarithm: the smallest say nothing of the scatter."""
-KNOTS = (3, 6)
-"""Hats of a feature at least and at most ..."""
-ROWS_PER_KNOT = 10
-"""... and rows for each of them."""
 RIDGE = 0.03
 """Ridge over the number of rows, of columns of variance 1."""
-MOST_ROWS = 2000
-"""Rows of dense records that are looked at, about."""
-MOMENTS = 16
-"""Measured rows whose time and place stand for those of asked rows."""
-ROUNDING = 1e-6
-"""Differences of shares, and a held-out error over the response, that say nothing."""
 
 
 @final
@@ -68,7 +56,7 @@ class Pattern:
     scatter: bool
     """Whether it is the scatter that follows the feature."""
     share: float
-    """Share of the held-out squares that it explains, or of the variance of log squares."""
+    """Share of the held-out squares that it explains, or of the variance of roots of sizes."""
     of_force: float
     """Root mean square of what it explains over that of the response; 0 of the scatter."""
     p: float
@@ -138,14 +126,14 @@ class Learned:
     coefficients: Array
     """Coefficients (p,) of all columns, in units of the noise."""
     moments: Mapping[str, Array]
-    """Features of `MOMENTS` measured rows (k,) or (k, d), by name."""
+    """Features of measured rows (k,) or (k, d), by name, that stand for those of asked rows."""
 
     def at(self, rows: Any) -> Array:
         """Return the learned part at rows (k, n), as it is at each of k measured moments."""
         asked = features_of(self.regression, self.structure, rows)
         unstated = any(np.isnan(asked[one.name]).any() for one in self.curves)
         found = []
-        for k in range(MOMENTS if unstated else 1):
+        for k in range(STRETCHES if unstated else 1):
             parts = []
             for one in self.curves:
                 x = asked[one.name]
@@ -181,28 +169,23 @@ class Explorer:
         problem = regression.problem
         count = len(problem.response)
         self.held_out = regression.held_out(structure)
-        self._every = slice(None, None, -(-count // MOST_ROWS))
         self.features = features_of(regression, structure, problem.rows)
-        side = (self.features[SIDE] if self.features else np.zeros(count))[self._every]
+        side = self.features[SIDE] if self.features else np.zeros(count)
         both = side if len(np.unique(side)) > 1 else None
-        knots = int(np.clip(len(side) // ROWS_PER_KNOT, *KNOTS))
+        knots = 1 + round(count**0.2)  # the error of a curve through noise is least so
         self.curves: list[Curves] = []
         parts = [np.ones((len(side), 1))]
         for name, values in self.features.items():
-            x = values[self._every]
-            one = Curves.of(name, x, both, knots)
+            one = Curves.of(name, values, both, knots)
             if one is not None:
                 self.curves.append(one)
-                parts.append(one.columns(x, side))
+                parts.append(one.columns(values, side))
         self._widths = [one.shape[1] for one in parts[1:]]
         self._matrix = np.hstack(parts)
-        own = [mask[self._every] for mask in problem.blocks]
-        same = problem.excluded is problem.blocks
-        near = own if same else [mask[self._every] for mask in problem.excluded]
-        total = self._matrix.T @ self._matrix
-        self._blocks, self._near = own, near
+        own, near = problem.blocks, problem.excluded
         self._grams = self._gram(own)
-        self._left = total - (self._grams if near is own else self._gram(near))
+        left_out = self._grams if near is own else self._gram(near)
+        self._left = self._matrix.T @ self._matrix - left_out
 
     def _gram(self, masks: Sequence[Mask]) -> Array:
         """Return Gram matrices (b, p, p) of the rows of masks."""
@@ -219,18 +202,19 @@ class Explorer:
 
     def shares(self, values: Array, groups: Sequence[NDArray[np.intp]]) -> Array:
         """Return shares (g, m) of the held-out squares of values (n, m) by groups of columns."""
-        inside = np.array([self._matrix[rows].T @ values[rows] for rows in self._blocks])
-        near = np.array([self._matrix[rows].T @ values[rows] for rows in self._near])
+        own, excluded = self.regression.problem.blocks, self.regression.problem.excluded
+        inside = np.array([self._matrix[rows].T @ values[rows] for rows in own])
+        near = np.array([self._matrix[rows].T @ values[rows] for rows in excluded])
         moment = self._matrix.T @ values - near
         centred = values - values.mean(axis=0)
-        total = sum(np.sum(centred[rows] ** 2, axis=0) for rows in self._blocks)
-        squares = sum(np.sum(values[rows] ** 2, axis=0) for rows in self._blocks)
+        total = sum(np.sum(centred[rows] ** 2, axis=0) for rows in own)
+        squares = sum(np.sum(values[rows] ** 2, axis=0) for rows in own)
         found = []
-        for own in groups:
-            left = self._left[:, own[:, None], own] + self._ridge(own)
-            c = np.linalg.solve(left, moment[:, own])
-            error = squares - 2.0 * np.einsum("bpm,bpm->m", c, inside[:, own])
-            error += np.einsum("bpm,bpm->m", c, self._grams[:, own[:, None], own] @ c)
+        for at in groups:
+            left = self._left[:, at[:, None], at] + self._ridge(at)
+            c = np.linalg.solve(left, moment[:, at])
+            error = squares - 2.0 * np.einsum("bpm,bpm->m", c, inside[:, at])
+            error += np.einsum("bpm,bpm->m", c, self._grams[:, at[:, None], at] @ c)
             found.append(1.0 - error / np.maximum(total, 1e-300))
         return np.array(found)
 
@@ -240,9 +224,9 @@ class Explorer:
 
     @property
     def _scaled(self) -> Array:
-        """What is left, held out, over its scatter, at the rows that are looked at (n,)."""
+        """What is left, held out, over its scatter (n,)."""
         z, most = self.held_out * self.regression.weights, THRESHOLDS.outlying
-        return np.asarray(np.clip(z, -most, most)[self._every])
+        return np.asarray(np.clip(z, -most, most))
 
     def learned(self) -> Learned | None:
         """Return what features predict of what is left; None where they predict nothing."""
@@ -254,7 +238,7 @@ class Explorer:
             return None
         x = self._matrix[:, own]
         c = np.linalg.solve(x.T @ x + self._ridge(own), x.T @ z)[1:, 0]
-        at = np.linspace(0, len(self.held_out) - 1, MOMENTS).astype(int)
+        at = np.linspace(0, len(self.held_out) - 1, STRETCHES).astype(int)
         return Learned(
             regression=self.regression,
             structure=self.structure,
@@ -283,22 +267,23 @@ class Explorer:
         problem = self.regression.problem
         error = float(np.sqrt(np.mean(self.held_out**2)))
         size = float(np.sqrt(np.mean(problem.response**2)))
-        if not self.curves or error <= ROUNDING * size:
+        if not self.curves or error <= THRESHOLDS.rounding * size:
             return ()
         most = THRESHOLDS.outlying
-        z = np.clip(self._rehearsed()[self._every], -most, most)
+        z = np.clip(self._rehearsed(), -most, most)
         z = np.column_stack([self._scaled, z])
         every = range(len(self.curves))
         shares = [self.shares(z, [self._columns([k]) for k in every])]
         if not problem.independent:
             plain = [self._columns([k], plain=True) for k in every]
-            shares.append(self.shares(np.log(z**2 + LEAST_SQUARE), plain))
+            shares.append(self.shares(np.sqrt(np.abs(z)), plain))
         top = [one.max(axis=0) for one in shares]
-        chance = np.array([np.mean(one >= one[:, None] - ROUNDING, axis=1) for one in top])
+        same = THRESHOLDS.rounding
+        chance = np.array([np.mean(one >= one[:, None] - same, axis=1) for one in top])
         least = chance.min(axis=0)
         found = []
         for scatter, own in enumerate(shares):
-            best = int(np.argmax(own[:, 0] >= top[scatter][0] - ROUNDING))
+            best = int(np.argmax(own[:, 0] >= top[scatter][0] - same))
             share = float(top[scatter][0])
             off = 0.0 if scatter else float(np.sqrt(max(share, 0.0))) * error / size
             found.append(

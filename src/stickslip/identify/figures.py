@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.formatting import number, scale_of
 from stickslip.identify.ensemble import PredictionBand
-from stickslip.identify.problem import Array
-from stickslip.plots import C1, C3, DATA, MAP_SIZES, on_axes
+from stickslip.identify.problem import ALIKE, Array
+from stickslip.plots import C1, C3, DATA, MAP_SIZES, SPREAD, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,15 +20,10 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
     from stickslip.plots import Draw
 
-DECADES = 30.0
-"""Ratio of the fastest to the slowest speed from which the axis is logarithmic."""
-ALIKE = 0.05
-"""Logarithm of the ratio up to which loads are the same."""
-LOADS = 4
-"""Loads that are drawn at most."""
-NARROW, WIDE = 36, 64
+LETTERS = 36
 """Letters of a line of the legend."""
 MARKERS = ("o", "s", "^", "D")
+"""Marks of the loads, which are as many at most."""
 
 
 @final
@@ -63,7 +58,7 @@ def draw_band(what: BandDrawing) -> "Draw":
     """Return a drawing of readings, the band of friction, the named law and proposed readings."""
     v, friction = what.velocity, what.friction
     sizes = np.abs(v[v != 0.0])
-    logarithmic = float(sizes.max() / sizes.min()) > DECADES and not (v.min() < 0.0 < v.max())
+    logarithmic = float(sizes.max() / sizes.min()) > SPREAD and not (v.min() < 0.0 < v.max())
     factor, unit = scale_of([float(sizes.max())], what.units[0])
     force, force_unit = scale_of(np.abs(friction).tolist(), what.units[1])
     light = what.weights < 0.3 * float(np.median(what.weights))
@@ -83,10 +78,10 @@ def draw_band(what: BandDrawing) -> "Draw":
                 label="95 % band, whichever law holds" if first else None,
             )
             # a law of many terms would leave no room for the axes
-            label = textwrap.fill(what.title, NARROW if narrow else WIDE) if first else None
+            label = textwrap.fill(what.title, LETTERS) if first else None
             axes.plot(x[part], force * what.law[part], color=C1, label=label)
         for k, load in enumerate(_loads(what.load)):
-            at = np.isclose(what.load, load, rtol=0.05) if load else np.ones(len(v), dtype=bool)
+            at = np.isclose(what.load, load, rtol=ALIKE) if load else np.ones(len(v), dtype=bool)
             look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}
             marker = MARKERS[k % len(MARKERS)]
             label = f"readings at {number(load)} N" if load else "readings"
@@ -131,7 +126,7 @@ def _loads(load: Array) -> list[float]:
     known = known[apart]
     if len(known) == 1:
         return [0.0]
-    return [float(one) for one in known[:: math.ceil(len(known) / LOADS)]]
+    return [float(one) for one in known[:: math.ceil(len(known) / len(MARKERS))]]
 
 
 def plot_band(what: BandDrawing, ax: "Target" = None) -> "Drawing":

@@ -32,6 +32,7 @@ from stickslip.identification import (
     uncertainties_of,
 )
 from stickslip.identify.inner import pushed
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, motor_of
 from stickslip.quantities import all_paths, parameters, vary
 
@@ -41,10 +42,6 @@ STEP = 0.1
 """Share of its value by which a parameter is moved; 1 where that is 0."""
 TRANSMITTED = "transmitted"
 """Input of a contact: what goes through its gear."""
-LINEAR = 1e-6
-"""Share of a change by which a second step may differ from a first: rounding."""
-EXACT = 1e-6
-"""The same of what does not change, over that share."""
 
 
 @final
@@ -161,7 +158,7 @@ def forces_along(
     rest, found = base.copy(), dict[str, Unknown]()
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     ranges, moved = all_paths(mechanism, "mechanism"), dict[str, float]()
-    expected, least = base.copy(), EXACT * _rounding(base)
+    expected, least = base.copy(), THRESHOLDS.rounding * _rounding(base)
     for path in unknown:
         if path.endswith(".offset"):  # a term of its own
             continue
@@ -216,7 +213,7 @@ def _doubtful(
 def _rounding(x: Array) -> Array:
     """Return what is rounding beside forces and, the last, an inertia (n,): each in its unit."""
     forces = np.full(len(x) - 1, np.max(np.abs(x[:-1]), initial=0.0))
-    return LINEAR * np.append(forces, abs(float(x[-1])))
+    return THRESHOLDS.rounding * np.append(forces, abs(float(x[-1])))
 
 
 def with_gear(mechanism: Mechanism, measurement: Measurement) -> Measurement:
@@ -303,14 +300,14 @@ def load_slopes(
             load_of(vary(mechanism, "mechanism", {path: values[path] + n * step})) - base
             for n in (1.0, 2.0)
         )
-        if abs(second - 2.0 * first) > LINEAR * abs(first):
+        if abs(second - 2.0 * first) > THRESHOLDS.rounding * abs(first):
             raise InputError(_refusal([path]))
-        if abs(first) > LINEAR * base:
+        if abs(first) > THRESHOLDS.rounding * base:
             found[path] = first / step, values[path]
     for path, doubt in (doubts or {}).items():
         ends = span_of(mechanism, path, doubt)
         low, high = (load_of(vary(mechanism, "mechanism", {path: end})) for end in ends)
-        if abs(high - low) > LINEAR * base * (ends[1] - ends[0]) / doubt:
+        if abs(high - low) > THRESHOLDS.rounding * base * (ends[1] - ends[0]) / doubt:
             found[path] = (high - low) / (ends[1] - ends[0]), values[path]
     return found
 

@@ -25,17 +25,16 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.identification import applied_force, drives_itself
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
 Array = NDArray[np.float64]
 
-SMALL = 1e-5
-"""Difference of a coordinate for slopes of energies [m or rad]."""
+SMALL = float(np.cbrt(np.finfo(float).eps))
+"""Difference of a coordinate for slopes of energies [m or rad]: rounding and bend weigh alike."""
 ROUGHEST = 100.0
 """Friction over the load beyond which the motion of inner bodies was not followed: no coefficient
 is so large, and steps that are too long for a stiff stop make forces of any size."""
-CONSTANT = 1e-6
-"""Share by which the inertia of the measured coordinate may change along a record."""
 
 
 @final
@@ -71,7 +70,7 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     mass, forces = body.equations(time, q, q_dot, body.drives(time))
     at = body.names.index(slip_of(mechanism))
     inertia = mass[at][at] + 0.0 * time
-    if np.ptp(inertia) > CONSTANT * np.max(inertia):
+    if np.ptp(inertia) > THRESHOLDS.rounding * np.max(inertia):
         raise InputError(
             f"the force balance of {type(mechanism).__name__} has an inertia that changes along the"
             " motion, which `select` does not serve: use `fit` of each law."

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -57,8 +58,6 @@ if TYPE_CHECKING:
 
 WHOLE = ("inertia_error",)
 """Terms of a single inertia, which a joint of several does not have."""
-NORMAL = 1.96
-"""Standard errors of a 95 % interval."""
 
 
 @final
@@ -314,7 +313,7 @@ def _values(mechanism: Mechanism, links: Links, paths: Sequence[str]) -> tuple[E
     found = []
     for path in paths:
         q, given = known[path]
-        value, half = given + links.change[path], NORMAL * links.errors[path]
+        value, half = given + links.change[path], NormalDist().inv_cdf(0.975) * links.errors[path]
         least = q.low if q.above is None else max(q.low, q.above)
         told = math.isfinite(half)
         found.append(

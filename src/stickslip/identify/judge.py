@@ -32,10 +32,6 @@ from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 
-NEIGHBOURS = 40
-"""Part of all rows, on either side, whose noise a speed has ..."""
-FEWEST = 10
-"""... and their number at least."""
 FLOW = "viscous_coefficient"
 """Parameter whose meaning depends on the part that has it."""
 
@@ -297,7 +293,7 @@ class Judgement:
         speed, asked = problem.speeds(problem.rows), problem.speeds(rows)
         order = np.argsort(speed, kind="stable")
         place = np.searchsorted(speed[order], asked)
-        near = max(len(speed) // NEIGHBOURS, FEWEST)
+        near = math.isqrt(len(speed))  # neighbours grow with the rows, and their share of all falls
         at = place + rng.integers(-near, near + 1, size=(count, len(asked)))
         left = np.array([one[order] for one in self._left]) + problem.beside(rows)[order]
         which = rng.integers(len(left), size=(count, 1))

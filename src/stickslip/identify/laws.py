@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.friction import law as law_class
-from stickslip.quantities import Quantity
+from stickslip.quantities import Quantity, fields_of
 
 Array: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...]
@@ -55,6 +55,19 @@ class Composition:
         """Return what was fitted (d,) by path."""
         own = {f"friction.{name}": x for name, x in self.values.items() if name not in self.fixed}
         return {**own, **self.rig}
+
+
+def bounds_of(text: str, name: str) -> tuple[float, float]:
+    """Return the range in which a parameter of a law is looked for.
+
+    Examples
+    --------
+    >>> bounds_of("power", "viscous_exponent")
+    (0.2, 1.5)
+    """
+    bounds = fields_of(law_class(text))[name].bounds
+    assert bounds is not None
+    return bounds
 
 
 TITLES: Mapping[str, str] = {

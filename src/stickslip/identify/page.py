@@ -2,7 +2,6 @@
 
 import math
 from functools import partial
-from typing import Final
 
 from stickslip.formatting import NO_VALUE, capital, interval, number, percent, with_unit
 from stickslip.identify.figures import draw_band
@@ -28,11 +27,6 @@ from stickslip.report import (
     record_and_checks,
     reproduce,
 )
-
-FACTS: Final = 3
-"""Parameters in the opening at most."""
-LEAST_SHARE: Final = 0.005
-"""Shares of the band below which no number is shown."""
 
 
 def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
@@ -70,7 +64,7 @@ def facts(verdict: BandVerdict) -> list[Fact]:
         value = with_unit(number(own.value), own.quantity.unit)
         aside = f"95 %: {interval(every.low, every.high)}"
         found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
-    return found[:FACTS]
+    return found[:MOST]
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
@@ -145,7 +139,8 @@ def laws_section(verdict: BandVerdict) -> Section:
 
 def _share(share: float) -> str:
     """Return a share of the band."""
-    return percent(share) if share >= LEAST_SHARE else f"below {percent(LEAST_SHARE)}"
+    least = 1.0 / THRESHOLDS.ensemble  # no draw is of a law with less
+    return percent(share) if share >= least else f"below {percent(least)}"
 
 
 def parameters_section(verdict: BandVerdict) -> Section | None:

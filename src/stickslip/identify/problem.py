@@ -34,6 +34,18 @@ Structure: TypeAlias = tuple[Column, ...]
 Family: TypeAlias = tuple[str, ...]
 """Names of the terms of a structure."""
 Role: TypeAlias = Literal["law", "rig", "run", "fault", "curve"]
+ALIKE = 0.02
+"""Difference of logarithms up to which speeds, or loads, are the same."""
+ASKED = 40
+"""Speeds of each direction at which the band is stated."""
+STRETCHES = 20
+"""Stretches of records, or of the speeds of a table, that are left out one at a time, at most."""
+BENDING = (0.01, 0.1, 1.0)
+"""Penalties of the bending of the measured curve, in units of the noise."""
+OPENING = 0.5
+"""Part of the root of its stiffness that the measured curve has beyond the measured speeds."""
+RUNNING_IN = (0.0, 0.2, 0.6)
+"""Time constants of drifts over the time of measuring; 0: straight."""
 
 
 @final

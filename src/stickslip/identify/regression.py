@@ -11,7 +11,7 @@ coefficients without block :math:`b` and its held-out loss are
         = \frac{1}{n_b} (y_b^T y_b - 2 c_b^T h_{b,S} + c_b^T G_{b,SS} c_b)
 
 and no row is touched again. :math:`P` holds the inverse variances of random effects; elsewhere it
-is a ridge of 1e-7 of the diagonal, which only ends the solution where columns are the same.
+is a ridge of `RIDGE` of the diagonal, which only ends the solution where columns are the same.
 Coefficients whose uncertainty is stated (`Term.doubt`) stay at 0; what they move the others by,
 :math:`-(G + P)^{-1} g_k \delta_k`, is a part of the covariance, whatever the number of rows.
 All structures with the same number of columns are solved together.
@@ -41,7 +41,7 @@ from scipy.special import stdtrit
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
 
-RIDGE = 1e-7
+RIDGE = math.sqrt(np.finfo(float).eps)
 """Ridge over the diagonal of a Gram matrix: alike columns share their coefficient."""
 NOTHING = 1e-300
 """Added where 0 would be divided by."""
@@ -51,7 +51,7 @@ SLOPES = (0.5, 1.0)
 """Powers of the force or the speed with which the scatter may grow."""
 FEW = 2.0
 """Degrees of freedom from which residuals of independent rows tell the noise."""
-FIXED = 1e13
+FIXED = 1.0 / np.finfo(float).eps
 """Precision of what is not fitted, over that of all rows."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""

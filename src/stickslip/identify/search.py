@@ -22,15 +22,9 @@ from stickslip.errors import InputError
 from stickslip.formatting import joined
 from stickslip.identify.evidence import evidence_of
 from stickslip.identify.problem import Array, Column, Family, Problem, Shape, Structure
-from stickslip.identify.regression import BlockRegression, noise_weights
+from stickslip.identify.regression import TOGETHER, BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
-
-LARGEST = 1e9
-"""Losses are bounded by this, so that infinite ones can be compared."""
-MOST_MOVED = 81
-"""Shapes of a structure that are tried together."""
-DIGITS = 9
-"""Digits of mean scores that order structures: further ones are rounding."""
+from stickslip.selection import DIGITS
 
 
 def block_scores(losses: Array) -> Array:
@@ -39,10 +33,10 @@ def block_scores(losses: Array) -> Array:
     Examples
     --------
     >>> block_scores(np.array([0.0, 1.0, 1e12])).round(2).tolist()
-    [0.0, 1.12, 96.68]
+    [0.0, 1.12, 131.22]
     """
     nu = THRESHOLDS.freedom
-    return np.asarray((nu + 1.0) * np.log1p(np.minimum(losses, LARGEST) / nu))
+    return np.asarray((nu + 1.0) * np.log1p(losses / nu))
 
 
 @final
@@ -325,8 +319,8 @@ class Search:
             ]
             rest = shape[len(entries) :]
             moved.append([(name, (*entry, *rest)) for entry in itertools.product(*entries)])
-        together = list(itertools.islice(itertools.product(*moved), MOST_MOVED + 1))
-        if len(together) <= MOST_MOVED:
+        together = list(itertools.islice(itertools.product(*moved), TOGETHER + 1))
+        if len(together) <= TOGETHER:
             yield from together
         else:  # one after the other
             for k, own in enumerate(moved):

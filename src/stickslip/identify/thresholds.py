@@ -16,41 +16,42 @@ class Thresholds:
     depth: int = 7
     """Rounds of the search, and so terms of a structure, at most."""
     families: int = 6
-    """Families whose shapes are refined between the points of the grid."""
+    """Families whose shapes are refined between the points of the grid, and that are shown."""
     refinements: int = 5
-    """Halvings of the grid around the best shape of a family."""
+    """Halvings of the grid around the best shape of a family, or of a memory."""
     outlier: float = 3.0
-    """Standard deviations beyond which a row loses weight."""
+    """Standard deviations beyond which a row loses weight, and a refined law is another."""
     outlying: float = 6.0
     """Standard deviations from which a row is said to be far from the others."""
     weighings: int = 6
-    """Searches by weights that follow from the residuals of the best structure before ..."""
+    """Rounds at most of searches by weights that follow from residuals, or of Gauss-Newton ..."""
     weighed: float = 0.05
-    """... until no weight changes by more than this share."""
+    """... until no weight changes by more than this share, no estimate by that of its error."""
     curve_share: float = 0.1
     """Least share of the measured curve in the ensemble (study: widths)."""
     draws: int = 400
     """Dirichlet draws of the Bayesian bootstrap of blocks."""
     ensemble: int = 800
     """Draws of laws from which bands are read."""
-    level: float = 0.96
-    """Quantiles between which a band that is stated as 95 % lies: covers what shares leave out."""
+    rarer: float = 1.075
+    """Power of the part outside a band at which quantiles are taken: of 5 % it makes 4 %, which
+    covers what shares leave out."""
     interval: float = 0.98
     """Quantiles between which an interval of a parameter that is stated as 95 % lies."""
     price: float = 2.0
-    """Evidence that a parameter has to save where the search goes on from a structure."""
+    """Evidence that a parameter has to save where the search goes on from a structure, or where
+    rows are dense; and that a sum of terms costs which the field does not use (study: names)."""
     unusual: float = 0.25
     """Evidence that each place in the order of terms from usual to unusual costs (study: names)."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
-    unknown: float = 2.0
-    """Evidence that a sum of terms costs which is no law that the field uses (study: names)."""
     odds: float = 100.0
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06
     """Share of the held-out error of a record that a parameter must save (study: records)."""
     explained: float = 0.5
-    """Part of what noise does not explain that a cause must, to be asserted (study: records)."""
+    """Part of what noise does not explain that a cause must, to be asserted (study: records), and
+    of what a plain balance leaves that a second memory, or another sign, must."""
     same_span: float = 0.01
     """Part of a column outside a span from which a design tells them apart."""
     no_law: float = 0.9
@@ -70,6 +71,8 @@ class Thresholds:
     """... if that is this share of the force at least, ..."""
     pattern_of_scatter: float = 0.15
     """... or the scatter follows it by this share (study: what is left)."""
+    rounding: float = 1e-6
+    """Share by which numbers differ that say the same: scores, balances, an inertia."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 

@@ -28,6 +28,7 @@ from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
 from stickslip.identify.problem import Array, Family, Structure, family_of
 from stickslip.identify.spans import same_span
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
     Words,
     advice_sentence,
@@ -64,8 +65,6 @@ if TYPE_CHECKING:
 
 WORTH = 0.9
 """Expected width of the band, over today's, from which a proposal is worth a sentence."""
-SHOWN = 8
-"""Families in the table of a verdict at most."""
 
 
 @final
@@ -534,7 +533,8 @@ def verdict_on(
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
     comparison, family = judgement.comparison, judgement.problem.family
-    error = {one: judgement.held_out_error(one) for one in [*comparison.evidence][:SHOWN]}
+    shown = [*comparison.evidence][: THRESHOLDS.families]
+    error = {one: judgement.held_out_error(one) for one in shown}
     order = [comparison.named, *(one for one in error if one != comparison.named)]
     most = comparison.evidence[comparison.named]
     together = set(comparison.set)

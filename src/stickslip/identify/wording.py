@@ -32,14 +32,10 @@ from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Judgement
 from stickslip.identify.problem import Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.selection import friction_of, in_sentence
+from stickslip.selection import MOST, friction_of, in_sentence
 
 BESIDE = ("rig", "run", "fault")
 """Roles of terms beside a law."""
-PLACES = 5
-"""Places of measurement that a sentence names at most."""
-NAMED = 3
-"""Laws, terms, readings and places that a sentence names at most."""
 
 
 @final
@@ -127,7 +123,7 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     said = f"Use {phrase}{own}"
     if not others:
         return f"{said}."
-    more = others if len(others) < NAMED else [others[0], f"{len(others) - 1} more"]
+    more = others if len(others) < MOST else [others[0], f"{len(others) - 1} more"]
     these = (
         f"these {words.measured} do"
         if words.measured.endswith("s")
@@ -250,7 +246,7 @@ def pattern_sentence(pattern: Pattern, words: Words) -> str:
 
 def group_sentence(titles: Sequence[str], words: Words) -> str:
     """Return that a design does not tell terms apart."""
-    named = [in_sentence(one) for one in titles[:NAMED]]
+    named = [in_sentence(one) for one in titles[:MOST]]
     kind = words.measured.removesuffix("s")
     return f"{capital(' or '.join(named))}: not separable by this design of the {kind}."
 
@@ -265,8 +261,8 @@ def presliding_sentence(length: str) -> str:
 
 def outlier_sentence(rows: Sequence[int], far: Sequence[float]) -> str:
     """Return which readings are far from the others."""
-    named = joined([str(row + 1) for row in itertools.islice(rows, NAMED)])
-    more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
+    named = joined([str(row + 1) for row in itertools.islice(rows, MOST)])
+    more = f" and {len(rows) - MOST} more" if len(rows) > MOST else ""
     lies, weighs = ("lies", "weighs") if len(rows) == 1 else ("lie", "weigh")
     reading = "Reading" if len(rows) == 1 else "Readings"
     return (
@@ -319,10 +315,10 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     for place in places:
         counts[place] = counts.get(place, 0) + 1
     expected = f"the band is then expected to be {percent(proposal.shrinks)} as wide"
-    if len(counts) <= PLACES:
+    if len(counts) <= MOST:
         named = [place if n == 1 else f"{place} ({n} readings)" for place, n in counts.items()]
         return f"Measure at {joined(named)}: {expected}."
-    most = sorted(counts, key=lambda place: -counts[place])[:NAMED]
+    most = sorted(counts, key=lambda place: -counts[place])[:MOST]
     named = [f"{place} ({counts[place]})" for place in counts if place in most]
     first, *_, last = counts
     return (

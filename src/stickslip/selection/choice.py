@@ -26,7 +26,7 @@ READINGS = 2.0
 MOST = 100.0
 """Largest ratio of losses that counts for a block: one in which a law runs away would make all
 others look like scatter."""
-LEAST = 1e-300
+LEAST = math.sqrt(np.finfo(float).tiny)
 """Stands for 0 in logarithms and ratios."""
 
 

@@ -12,6 +12,7 @@ from stickslip.trajectory import Trajectory
 NOISE = 1e-9
 """Share of the largest speed or travel below which a reverse motion is rounding."""
 GRID = 4000
+"""Times at which a run is looked at, beside its steps."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Fit_co = TypeVar("Fit_co", bound=Fit[Any], covariant=True)
 
 DIGITS = 6
-"""Significant digits of a score."""
+"""Digits of a score, and of evidence, that another kernel of linear algebra gives, too."""
 
 
 @final

@@ -10,15 +10,13 @@ import numpy as np
 from stickslip.friction import FrictionLaw
 from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.selection.criteria import Criteria, criteria_of
+from stickslip.selection.criteria import GRID, Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import BreakAway, FixedStep, Method
 from stickslip.trajectory import Status, Trajectory
 
-GRID = 2000
-"""Times at which the rates of bristles are evaluated."""
-NUDGE = 1e-6
-"""Share of the largest deflection over which a rate is differentiated."""
+NUDGE = float(np.cbrt(np.finfo(float).eps))
+"""Share of the largest deflection over which a rate is differentiated, to either side."""
 
 
 @dataclass(frozen=True, kw_only=True)

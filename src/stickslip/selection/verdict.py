@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 Fit_co = TypeVar("Fit_co", bound=Fit[Any], default=Fit[Any], covariant=True)
 MOST = 3
-"""Laws named in a sentence at most."""
+"""Laws, terms, readings and places that a sentence names at most."""
 NAMES = (
     *("Ambrósio", "BAM", "Bengisu", "Bliman", "Bouc", "Brown", "Coulomb", "Dahl", "GMS", "Haessig"),
     *("Hess", "LuGre", "Makkar", "Maxwell", "Popp", "Simscape", "Stribeck", "Threlfall", "Tustin"),

@@ -53,14 +53,12 @@ from stickslip.identify.problem import Array
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-AHEAD = 4.0
+AHEAD = 2.0
 """Band of the motion in the equations over that of the balance."""
-WIDEST = 0.4
-"""The same over the sampling rate, at most."""
 ROBOTS = 5.0
 """Band of the balances over the mean frequency of the fastest joint, at most: beyond it gears make
 accelerations that no torque of a motor goes with (decision 0114)."""
-SAME = 1e-8
+SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
 
@@ -276,9 +274,7 @@ class _Piece:
     def along(self, i: int, record: Record, torques: JointTorques, band: float) -> Record:
         """Return the record of a joint with the forces that the motion of all joints takes."""
         step = float(self.time[1] - self.time[0])
-        filt = Filter(
-            count=len(self.time), step=step, band=min(AHEAD * band, WIDEST / step), every=1
-        )
+        filt = Filter(count=len(self.time), step=step, band=AHEAD * band, every=1)
         q = self.position
         v, a = filt(q, slope=1, full=True), filt(q, slope=2, full=True)
         taken, slopes = torques.along(self.mechanism, self.time, filt(q, full=True), v, a)

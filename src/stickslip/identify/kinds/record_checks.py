@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.identify.kinds.record_signals import Along
 from stickslip.identify.problem import Array
-
-TURNED = 0.25
-"""Part of the squared error that a change of the sign may leave of that without it."""
-POOR = 0.02
-"""Part of the square of the force that a plain balance has to leave before its sign is doubted."""
-EXPLAINED = 0.5
-"""Part of what the inertia leaves that friction of the wrong sign explains."""
+from stickslip.identify.thresholds import THRESHOLDS
 
 
 def refuse_wrong_signs(
@@ -49,7 +43,8 @@ def refuse_wrong_signs(
         moment = side @ moments + x.T @ other
         left.append(float(y @ y - moment @ np.linalg.solve(gram, moment)))
     best = int(np.argmin(left))
-    if left[0] > POOR * float(driven @ driven) and left[best] < TURNED * left[0]:
+    most = 1.0 - THRESHOLDS.explained
+    if left[best] < most * left[0]:
         first = int(np.argmax(stretches == best))
         raise InputError(
             f"the sign of the force changes at about t = {rows.times[first]:.3g} s: turned before"
@@ -62,7 +57,7 @@ def refuse_wrong_signs(
     without = response - x[:, 2:] @ plain
     wrong = float(np.mean(friction * speed)) < 0.0
     inertial = float(c[3]) < 0.0 if inertia else True
-    if wrong and inertial and left[0] < (1.0 - EXPLAINED) * float(without @ without):
+    if wrong and inertial and left[0] < most * float(without @ without):
         raise InputError(
             "with the sign that the force has, friction would drive the motion: turn the sign of"
             " the force, or that of the position."

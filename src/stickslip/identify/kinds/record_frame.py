@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, noise_of
-from stickslip.identify.problem import Array
+from stickslip.identify.problem import OPENING, STRETCHES, Array
 
-STRETCHES = 20
-"""Stretches that records are cut into, which are left out one at a time."""
+APART = 3.0
+"""Distance over 1/fc from which rows are independent."""
 SHARE = 0.01
 """Share of the force that noise of the acceleration may have."""
 WIDEST, NARROWEST = 130.0, 1.5
@@ -25,11 +25,7 @@ SAMPLED = 0.15
 """Largest band over the sampling rate."""
 BEND = 0.5
 """Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
-FINE = 0.25
-"""Logarithm of speeds between knots of the curve of a free motion."""
-OPENING = 0.5
-"""Part of the root of its stiffness that the curve has beyond the measured speeds."""
-BEYOND, BEYOND_FREE = 2, 4
+BEYOND = 3
 """Knots beyond the measured speeds on either side."""
 SLOW, SLOW_FREE = 0.02, 0.1
 """Part of the rows that is slower than friction is stated for: little work is done there."""
@@ -135,20 +131,20 @@ def band_for(records: Sequence[Record]) -> float:
     return float(np.clip(band, low, top))
 
 
-def _bending(knots: Array, further: int) -> tuple[Array, Array, Array]:
+def _bending(knots: Array) -> tuple[Array, Array, Array]:
     """Return eigenvectors (k, k) and values (k,) of the bending of a curve, and further knots (k,).
 
     The slope of the curve walks at random over the logarithm of the speed, also beyond the speeds
     that were measured, and there more freely.
     """
-    beyond = BEND * np.arange(1, further + 1)
+    beyond = BEND * np.arange(1, BEYOND + 1)
     every = np.concatenate([knots[0] - beyond[::-1], knots, knots[-1] + beyond])
     gaps = np.diff(every)
     slopes = np.diff(np.eye(len(every)), axis=0) / gaps[:, None]
     between = 0.5 * (gaps[1:] + gaps[:-1])
     bend = np.diff(slopes, axis=0) * (BEND**1.5 / np.sqrt(between))[:, None]
-    bend[:further] *= OPENING
-    bend[-further:] *= OPENING
+    bend[:BEYOND] *= OPENING
+    bend[-BEYOND:] *= OPENING
     values, basis = np.linalg.eigh(bend.T @ bend)
     return basis, np.where(values < 1e-8 * values.max(), 0.0, values), every
 
@@ -171,11 +167,11 @@ def frame_of(rows: Along, band: float) -> Frame:
     top = float(np.quantile(speed, 0.99))
     low = max(top / 200.0, float(np.quantile(speed, SLOW_FREE if rows.free else SLOW)))
     if rows.free:
-        knots = np.linspace(math.log(low), math.log(top), math.ceil(math.log(top / low) / FINE) + 1)
+        knots = np.linspace(math.log(low), math.log(top), math.ceil(math.log(top / low) / BEND) + 1)
     else:
         quantiles = np.quantile(speed, np.linspace(0.02, 1.0, KNOTS))
         knots = np.unique(np.log(np.maximum(quantiles, low)))
-    basis, values, knots = _bending(knots, BEYOND_FREE if rows.free else BEYOND)
+    basis, values, knots = _bending(knots)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
     varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(

@@ -19,12 +19,10 @@ from scipy.signal import lfilter
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.forces import Unknown, forces_along, transmitted_of, with_transmitted
-from stickslip.identify.problem import Array, Mask
+from stickslip.identify.problem import STRETCHES, Array, Mask
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
-STRETCHES = 20
-"""Stretches that records are cut into, which are left out one at a time."""
 ROWS = 6.0
 """Rows for each 1/fc."""
 MOST_ROWS = 5000
@@ -37,7 +35,7 @@ LEAST_ENERGY = 0.02
 """Part of the energy that is lost from which its noise grows no less."""
 FEWEST = 60
 """Samples of a record at least."""
-SCALED = 1e-3
+SCALED = math.sqrt(np.finfo(float).eps)
 """Share by which positions and velocities are scaled to see what known forces change by."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.identify.forces import TRANSMITTED
-from stickslip.identify.kinds.record_frame import mean_frequency
+from stickslip.identify.kinds.record_frame import APART, mean_frequency
 from stickslip.identify.kinds.record_signals import Along, Steady
 from stickslip.identify.laws import CHANGING, TITLES
-from stickslip.identify.problem import Array, Shape, Term
+from stickslip.identify.problem import RUNNING_IN, Array, Shape, Term
 from stickslip.identify.thresholds import THRESHOLDS
 
 GAINS = frozenset({"force_gain", "position_scale"})
@@ -18,40 +18,21 @@ GAINS = frozenset({"force_gain", "position_scale"})
 DEAD_ZONE = "dead zone of the driver"
 """What a level may be where the force turns with the motion."""
 EXPONENTS = (0.0, 1.0, 2.0)
-"""Exponents of bristles: yields at once, Dahl, slower."""
+"""Exponents of bristles: yields at once, Dahl and LuGre, slower."""
 SHORTEST = 5.0
 """Shortest bristle over the noise of positions: what is shorter is made by it."""
-LENGTHS = 10
-"""Lengths of bristles that are looked at."""
-HALVINGS = 5
-"""Times that the step between lengths is halved about the best."""
-PAIRED = 0.5
-"""Part of what one memory leaves that two must explain to be looked at."""
+GRID = 8
+"""Shapes of a term that are tried first: lengths of bristles, Stribeck velocities, dead zones."""
 LATER = (0.88, 1.14)
 """Multiples of a delay that its column may have: others would only smooth the noise of the force,
-of which it is made, by up to (1 - c)^2 + c^2 + 2 c (1 - c) r for noise with the correlation r."""
-DELAYS = 20
-"""Delays that are tried first: neighbours are within `LATER` of each other."""
-CLIPPED = 0.8
-"""Quantile of the force below which nothing is clipped."""
-RELAXING = 3.0
-"""Shortest time in which a spring relaxes, over 1/fc."""
+of which it is made, by up to (1 - c)^2 + c^2 + 2 c (1 - c) r for noise with the correlation r.
+Delays that are tried first are so near each other that none is missed."""
 LATEST = 0.1
 """Delays and lags of the force over the period of the motion, at most."""
 RINGS = 0.4
 """Largest resonance over the band."""
-FARTHER = 3.0
-"""How far the curve of a free motion may be from the law beside it, over its bending."""
 WAVES = 2
 """Wave numbers of the place that are looked at."""
-SAME = 1e-3
-"""Part of a column that others may leave of it that say the same."""
-DEAD = 6
-"""Dead zones that are tried first."""
-SPEEDS = 7
-"""Stribeck velocities that are tried first."""
-RUNNING_IN = (0.0, 0.1, 0.3)
-"""Time constants of drifts over the length of the record; 0: steady."""
 
 
 def screened(
@@ -97,7 +78,7 @@ def _bristles(rows: Along, response: Array, *, finds_inertia: bool) -> tuple[lis
     ratio = float(lengths[1] / lengths[0])
     best = []
     for n in EXPONENTS:
-        for k in range(HALVINGS):  # about the best, halfway to its neighbours
+        for k in range(THRESHOLDS.refinements):  # about the best, halfway to its neighbours
             top = min((one for one in left if one[1] == n), key=lambda one: left[one][0])
             for side in (-1.0, 1.0):
                 length = top[0] * ratio ** (side * 0.5 ** (k + 1))
@@ -111,7 +92,7 @@ def _bristles(rows: Along, response: Array, *, finds_inertia: bool) -> tuple[lis
             del rows._states[memory]
     try_((0.0, 0.0))
     e = min(left.values(), key=lambda one: one[0])[1]
-    if rows.free and float(np.mean(e * e)) > PAIRED * left[0.0, 0.0][0]:
+    if rows.free and float(np.mean(e * e)) > THRESHOLDS.explained * left[0.0, 0.0][0]:
         return [], e  # swings that fade tell little of bristles
     best.sort(key=lambda one: left[one][0])
     return best, e
@@ -122,7 +103,7 @@ def _lengths(rows: Along) -> Array:
     frame = rows.frame
     sampled = frame.low * max(filt.step for filt in rows.filters)
     least = min(max(SHORTEST * frame.noise, sampled), frame.span / 8.0)
-    return np.geomspace(least, frame.span / 4.0, LENGTHS)
+    return np.geomspace(least, frame.span / 4.0, GRID)
 
 
 def _of_two(
@@ -144,7 +125,7 @@ def _of_two(
     pairs = {(i, j): left(i, j) for i in range(count) for j in range(i + 1, count)}
     best = min(pairs, key=lambda one: pairs[one])
     alone = min(left(k) for k in range(count))
-    return memories[best[0]] if pairs[best] < (1.0 - PAIRED) * alone else None
+    return memories[best[0]] if pairs[best] < (1.0 - THRESHOLDS.explained) * alone else None
 
 
 def _peaks(numbers: Array, spectrum: Any) -> list[float]:
@@ -167,7 +148,7 @@ def _alike_terms(rows: Along, path: str, terms: Sequence[Term]) -> frozenset[str
             continue
         y = np.reshape(term.columns(rows, term.shapes[0]), (rows.count, -1))
         left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
-        if np.sqrt(np.mean(left * left)) < SAME * np.sqrt(np.mean(y * y)):
+        if np.sqrt(np.mean(left * left)) <= THRESHOLDS.same_span * np.sqrt(np.mean(y * y)):
             found.add(term.name)
     return frozenset(found)
 
@@ -191,7 +172,7 @@ def hides_dead_zone(rows: Along, *, finds_inertia: bool) -> bool:
 
 def _dead_zones(rows: Along) -> Array:
     """Return sizes of dead zones [N], up to the median of the force."""
-    return np.geomspace(0.05, 1.0, DEAD) * float(np.median(np.abs(rows.raw)))
+    return np.geomspace(0.05, 1.0, GRID) * float(np.median(np.abs(rows.raw)))
 
 
 def _fading(clock: Array, constant: float) -> Array:
@@ -214,11 +195,11 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
     driven = bool(np.any(rows.raw)) and not rows.free and not rows.records[0].friction
     loaded = frame.load != 1.0
     # the curve of a free motion stands beside a law, from which it goes away by a part of it
-    least = 1.0 / (FARTHER**2 * len(frame.bending)) if rows.free else 0.0
+    least = 1.0 / (THRESHOLDS.outlier**2 * len(frame.bending)) if rows.free else 0.0
     bending = np.maximum(frame.bending, least)
     lengths = _lengths(rows)
     ratio = float(lengths[1] / lengths[0])
-    speeds = np.geomspace(frame.low, frame.top, SPEEDS)
+    speeds = np.geomspace(frame.low, frame.top, GRID)
     faster = float(speeds[1] / speeds[0])
     falls = [(float(v), float(n)) for v in speeds for n in (1, 2)]
     loads: list[Shape] = [(), (0.67,), (0.8,)] if loaded else [()]
@@ -381,7 +362,9 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         # the noise of positions leaves the moment of a reversal open by as much
         rate = float(np.sqrt(np.mean(rows.acceleration**2)))
         least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
-        delays = np.geomspace(least, max(late, 2.0 * least), DELAYS)
+        longest = max(late, 2.0 * least)
+        between = math.log(longest / least) / math.log(LATER[1] / LATER[0])
+        delays = np.geomspace(least, longest, math.ceil(between) + 1)
         terms += [
             Term(name="lag", role="rig", columns=lambda r, _: r.force_rate, limits=(-late, 0.0),
                  title="lag of the force", rank=17),
@@ -396,15 +379,15 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         ]  # fmt: skip
     if driven:
         limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
-        least, most = np.quantile(np.abs(rows.raw), (CLIPPED, 1.0)).tolist()
-        relaxing = np.geomspace(RELAXING / frame.band, 0.25 * frame.duration, 6)
+        clips = (float(limits[0]), float(np.max(np.abs(rows.raw))))
+        relaxing = np.geomspace(APART / frame.band, 0.25 * frame.duration, 6)
         rings = np.geomspace(0.1, RINGS, 8) * frame.band
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
         dead = _dead_zones(rows)
         terms += [
             Term(name="clip", role="fault", columns=lambda r, s: r.held(r.excess(s[0])),
                  shapes=[(float(x),) for x in limits], steps=(float(limits[1] / limits[0]),),
-                 ranges=[(least, most)], limits=(0.7, 1.3), title="force that is clipped",
+                 ranges=[clips], limits=(0.7, 1.3), title="force that is clipped",
                  rank=18, needs=moving),
             Term(name="hose", role="rig", columns=lambda r, s: r.seen(r.relaxing(s[0])),
                  shapes=[(float(x),) for x in relaxing], nonnegative=True,

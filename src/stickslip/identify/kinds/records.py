@@ -55,7 +55,8 @@ from typing_extensions import override
 from stickslip.identify.kinds.features import features_along, features_in_steady_motion
 from stickslip.identify.kinds.record_checks import refuse_wrong_signs
 from stickslip.identify.kinds.record_frame import (
-    STRETCHES,
+    APART,
+    SLOW,
     alike,
     balanced_band,
     band_for,
@@ -64,10 +65,20 @@ from stickslip.identify.kinds.record_frame import (
     free_form,
 )
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
-from stickslip.identify.kinds.record_terms import DEAD_ZONE, screened, terms_of
-from stickslip.identify.laws import FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.kinds.record_terms import DEAD_ZONE, EXPONENTS, GRID, screened, terms_of
+from stickslip.identify.laws import (
+    FLOWS,
+    POINTS,
+    TITLES,
+    Composition,
+    bounds_of,
+    compose,
+)
 from stickslip.identify.problem import (
+    ASKED,
+    BENDING,
     MEMORY,
+    STRETCHES,
     Array,
     Column,
     Mask,
@@ -82,8 +93,6 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = {"work": 0.65, "momentum": 0.9}
 """Width of the noise of free motions over their band, as white noise would have (study: decays)."""
-LENGTHS = 16
-"""Lengths of bristles of which is said whether they would show."""
 FREE_SPREAD = 2.5
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -94,12 +103,8 @@ LOW_TWIN = 0.2
 """... and the band, over the usual one, in which it does nearly (study: faults)."""
 TWINS = (0.6, 1.5)
 """Bands of the same record, over the usual one, whose differences count as uncertainty."""
-APART = 3.0
-"""Distance over 1/fc from which rows are independent."""
 SOFT = 0.5
 """Rows far out lose weight softly: they hold the slow motion that tells a Stribeck step."""
-BENDING = (1e-4, 1e-2, 1.0)
-"""Penalties of the bending of the measured curve, in units of the noise."""
 LIKELY = 3.0
 """Records that the usual spread of records is worth, where it is estimated."""
 QUARTERS = 4
@@ -108,20 +113,8 @@ CLEAN = 20.0
 """Force over its noise from which parameters have the full price."""
 FREE_BENDING = (0.12, 0.4)
 """Bendings of the curve of a free motion, over its friction: its prior (study: decays)."""
-NATS = 2.0
-"""Least price of a parameter: log likelihood of independent rows."""
-
-
-ASKED = 40
-"""Speeds of each direction at which the band is stated."""
 DRAWN = 600
 """Points of a figure, about."""
-ONE_WAY = 0.02
-"""Share of the rows below which a direction counts as not moved in."""
-LINEAR = 1.0
-"""Exponent of bristles that LuGre has."""
-LEAST_EXPONENT = 0.2
-"""Exponent of bristles that yield at once, in laws: the least that those have."""
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
     "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia", "gear_direction",
@@ -245,7 +238,7 @@ class RecordsProblem(Problem):
         if not super().allowed(structure):
             return False
         memories = {self._memory(column) for column in structure if self._memory(column)}
-        if self.memory == "lugre" and any(one[0] and one[1] != LINEAR for one in memories):
+        if self.memory == "lugre" and any(one[0] and one[1] != EXPONENTS[1] for one in memories):
             return False
         if not self.remembering or not self.is_law(structure):
             return True
@@ -264,7 +257,7 @@ class RecordsProblem(Problem):
         filt = self.rows.filters[0]
         independent = 2.0 * self.rows.band * filt.every * filt.step * self.rows.count
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
-        return float(min(max(NATS / independent, material), THRESHOLDS.material))
+        return float(min(max(THRESHOLDS.price / independent, material), THRESHOLDS.material))
 
     @override
     def features(self, rows: Any) -> Mapping[str, Array]:
@@ -420,7 +413,7 @@ class RecordsProblem(Problem):
         """Return the rows over which the band is stated: the directions that were moved in."""
         v = self.rows.seen(self.rows.velocity)
         speeds = np.geomspace(self.frame.low, self.frame.top, ASKED)
-        sides = [side for side in (-1.0, 1.0) if np.mean(side * v > self.frame.low) > ONE_WAY]
+        sides = [side for side in (-1.0, 1.0) if np.mean(side * v > self.frame.low) > SLOW]
         return self.at(np.sort(np.concatenate([side * speeds for side in sides])))
 
     @override
@@ -457,7 +450,9 @@ class RecordsProblem(Problem):
             if self.memory == "lugre":
                 values |= {"bristle_damping": np.zeros(len(coefficients))}
             else:
-                exponent = max(memory[1], LEAST_EXPONENT)
+                # bristles that yield at once have the least that laws have
+                least, _ = bounds_of("dahl(level)", "yield_exponent")
+                exponent = max(memory[1], least)
                 values |= {"yield_exponent": np.full(len(coefficients), exponent)}
         found = compose(
             terms,
@@ -547,7 +542,7 @@ def unseen_length(regression: BlockRegression, named: Structure) -> float:
     regression.losses([named])
     least = float(np.log(np.mean(regression.losses_of[named])))
     shortest = min(max(frame.noise, 1e-9 * frame.span), frame.span / 8.0)
-    for length in np.geomspace(shortest, frame.span / 4.0, LENGTHS).tolist():
+    for length in np.geomspace(shortest, frame.span / 4.0, GRID).tolist():
         memory = (length, 1.0)
         structure = tuple(
             (name, (*memory, *shape[2:]) if name in shared else shape) for name, shape in named

@@ -19,9 +19,15 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import stretches_of
-from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, bounds_of, compose
 from stickslip.identify.problem import (
+    ALIKE,
+    ASKED,
+    BENDING,
+    OPENING,
+    RUNNING_IN,
     SIDE,
+    STRETCHES,
     Array,
     Family,
     Mask,
@@ -37,37 +43,19 @@ LOAD_EXPONENTS = (0.5, 0.67, 0.8, 0.9, 1.0)
 """Powers of the load that friction may follow."""
 SPEED_EXPONENTS = (0.2, 0.33, 0.5, 0.67, 0.8, 1.25, 1.5)
 """Powers of the speed; 1 is viscous and 2 is drag."""
-EXPONENTS = (0.2, 1.5)
-"""Range of the power of the speed, which is that of `stickslip.friction`."""
-BENDING = (0.01, 0.03, 0.1, 0.3, 1.0)
-"""Penalties of the bending of the measured curve, in units of the noise."""
 RUN_SPREADS = (3.0, 10.0, 30.0)
 """Spreads of runs, in units of the noise."""
 BEYOND = (math.log(10.0), math.log(10.0))
 """How far below and above the measured speeds the curve has knots, in logarithms."""
-ALIKE = 0.02
-"""Difference of logarithms up to which speeds are the same."""
-ASKED = 40
-"""Speeds of each direction at which the band is stated."""
 FEW_SPEEDS = 3
 """Speeds of a direction from which it may differ from the other."""
 FEWEST = 5
 """Readings that a table must have."""
-DRIFTS = (0.0, 0.2, 0.6)
-"""Shares of the time of measuring in which friction settles; 0 for a straight line."""
 BOTH, HERSEY = -1.0, -2.0
 """Stand for the power of the load of a measured curve: a part that grows with the load beside one
 that does not; the load times a curve over speed / load (Hersey number)."""
 SHUFFLED = 0.3
 """Share of the order that speeds, loads and runs must leave, so that a drift can be told."""
-MOST_SPEEDS = 24
-"""Blocks of speeds at most."""
-NEAR = 1.0 + 1e-9
-"""Factor on a speed just above it."""
-LOOSE = 0.5
-"""Stiffness of the measured curve beyond the measured speeds, over that within."""
-FEW_KNOTS = 19
-"""Knots within the measured range at most."""
 
 
 @final
@@ -206,7 +194,7 @@ class TableProblem(Problem):
         # a curve that bends as little as it can beside a jump does not smear it
         self.references += [
             (("curve", (penalty, 1.0, 0.0)), ("jump", (place,)))
-            for penalty in BENDING[2:]
+            for penalty in BENDING[1:]
             for place in _gaps(rows.speed)
         ]
 
@@ -274,13 +262,16 @@ class TableProblem(Problem):
         """Return a structure with its jump at either end of the gap between two speeds."""
         speeds = np.unique(self.rows.speed)
 
-        def at(side: int) -> Structure:
+        def at(side: int) -> Structure:  # just above the one speed, or just below the other
             return tuple(
                 (
                     name,
                     (
-                        float(speeds[np.searchsorted(speeds, shape[0]) - side])
-                        * NEAR ** (2 * side - 1),
+                        float(
+                            np.nextafter(
+                                speeds[np.searchsorted(speeds, shape[0]) - side], side * math.inf
+                            )
+                        ),
                     ),
                 )
                 if name == "jump"
@@ -422,7 +413,7 @@ def _blocks(speeds: Array, loads: Array) -> list[Mask]:
     """Return a block for each speed, and for each load where there are three or more."""
     by_speed = np.argmin(np.abs(speeds[:, None] - _apart(speeds)), axis=1)
     count = int(by_speed.max()) + 1
-    by_speed = by_speed * min(count, MOST_SPEEDS) // count  # neighbours together
+    by_speed = by_speed * min(count, STRETCHES) // count  # neighbours together
     by_load = np.unique(np.round(loads, 6), return_inverse=True)[1]
     blocks = [by_speed == k for k in range(by_speed.max() + 1)]
     if by_load.max() > 1 and by_speed.max() > 1:
@@ -454,7 +445,7 @@ def _knots(logs: Array) -> Array:
     if len(logs) < 3:
         inside = np.array([logs[0] - 0.5, float(np.mean(logs)), logs[-1] + 0.5])
     else:
-        count = min(FEW_KNOTS, 2 * len(logs) - 1)
+        count = min(STRETCHES - 1, 2 * len(logs) - 1)  # as many as blocks have gaps
         inside = np.interp(np.linspace(0, len(logs) - 1, count), np.arange(len(logs)), logs)
     below, above = (np.linspace(0.0, far, 4)[1:] for far in BEYOND)
     return np.concatenate([inside[0] - below[::-1], inside, inside[-1] + above])
@@ -467,7 +458,7 @@ def _bending(knots: Array) -> tuple[Array, Array]:
     between = 0.5 * (gaps[:-1] + gaps[1:])
     root = np.diff(slopes, axis=0) / np.sqrt(between)[:, None]
     edge = len(gaps) - 2
-    root[[0, 1, 2, edge - 2, edge - 1, edge]] *= LOOSE
+    root[[0, 1, 2, edge - 2, edge - 1, edge]] *= OPENING
     values, vectors = np.linalg.eigh(root.T @ root)
     return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
 
@@ -532,7 +523,8 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         Term(
             name="power", columns=law(lambda u, s: u ** s[0], 1, 0.0),
             shapes=[(p, *a) for p in SPEED_EXPONENTS for a in loads],
-            steps=(1.25, load_ratio), ranges=(EXPONENTS, (0.0, math.inf)), same_shape=1,
+            steps=(1.25, load_ratio), same_shape=1,
+            ranges=(bounds_of("power", "viscous_exponent"), (0.0, math.inf)),
             excludes=(flows | {"viscous"}) - {"power"},
             title=TITLES["power"], rank=5, **part,
         ),
@@ -599,7 +591,7 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             terms += _of_input(name, frame)
     if _shuffled(rows):
         terms.append(
-            Term(name="drift", role="fault", shapes=[(one,) for one in DRIFTS], rank=10,
+            Term(name="drift", role="fault", shapes=[(one,) for one in RUNNING_IN], rank=10,
                  columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0]),
                  title="drift in the order of measuring")
         )  # fmt: skip
