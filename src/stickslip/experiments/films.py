@@ -68,15 +68,6 @@ def is_filmed(measurement: Measurement) -> bool:
 def oscillation(time: Array, position: Array, frequency: float, harmonics: int = 3) -> float:
     """Return the share of a film's motion about a smooth curve that a frequency explains.
 
-    Parameters
-    ----------
-    time, position : array (n,)
-        Times of the frames [s] and positions [m].
-    frequency : float
-        Fundamental frequency [Hz].
-    harmonics : int
-        Number of its multiples, itself included.
-
     Examples
     --------
     >>> t = np.arange(200) / 60.0
@@ -96,11 +87,6 @@ def oscillation(time: Array, position: Array, frequency: float, harmonics: int =
 
 def frequency_of(time: Array, position: Array) -> tuple[float, float]:
     """Return the frequency with which a film oscillates [Hz], and the share that it explains.
-
-    Parameters
-    ----------
-    time, position : array (n,)
-        Times of the frames [s] and positions [m].
 
     Examples
     --------
@@ -205,6 +191,11 @@ def settled_speed(mechanism: Mechanism, film: Measurement) -> tuple[float, float
         What was filmed, with drives that repeat themselves; the film may override its parameters.
     film : Measurement
         One record of the position.
+
+    Returns
+    -------
+    tuple of float
+        Velocity and its standard error [m/s].
 
     Raises
     ------

@@ -13,6 +13,8 @@ from stickslip.experiments import unit_differences
 
 Array = NDArray[np.float64]
 
+GAP = 3.0
+"""Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
 ORDER = 4
 """Order of filters."""
 FAR = 10.0

@@ -81,20 +81,7 @@ class FilmedRig:
 
 
 def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
-    """Find out what films of one body show: positions, frequencies and travels.
-
-    Parameters
-    ----------
-    files : sequence of Path
-        Tracks that Tracker, Kinovea or another program exported, a run each.
-    reading : Reading
-        Columns, units and gains that are known.
-
-    Raises
-    ------
-    InputError
-        If a file has more than positions, or no oscillation.
-    """
+    """Find out what films of one body show: positions, frequencies and travels."""
     guess = guess_data(files[0], columns=reading.columns, units=reading.units, gain=reading.gain)
     runs, doubts = list[FilmedRun](), list(guess.doubts)
     for path in files:
@@ -149,15 +136,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
 
 
 def filmed_rig(rig: FilmedRig, names: Mapping[Path, str]) -> str:
-    """Return the text of a rig file of films, with question marks for what they do not show.
-
-    Parameters
-    ----------
-    rig : FilmedRig
-        What the films show.
-    names : mapping of Path to str
-        File -> how the rig file names it.
-    """
+    """Return the text of a rig file of films, with question marks for what they do not show."""
     return "\n".join([*_head(rig), *_capsule(rig), *data_options(rig.guess), *_trials(rig, names)])
 
 

@@ -22,14 +22,12 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.settings import LEAST, PROMPT, SensorResponse
-from stickslip.identification.signals import LowPass, low_pass
+from stickslip.identification.signals import GAP, LowPass, low_pass
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
-GAP = 3.0
-"""Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
 QUIET = 0.005
 """Standard deviation that noise may leave in velocities, over the largest speed. The less they are
 smoothed, the less reversals shift."""

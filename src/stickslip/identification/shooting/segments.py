@@ -11,7 +11,6 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.formatting import joined, number
 from stickslip.identification.contact_inputs import with_inputs
-from stickslip.identification.force_map.data import GAP
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
@@ -23,6 +22,7 @@ from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.identification.shooting.sampled_loops import LoopInSegment
+from stickslip.identification.signals import GAP
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
 
 Array = NDArray[np.float64]

@@ -929,34 +929,11 @@ def fitted_travels(
     t_end: float = 10.0,
     watch: Callable[[int], object] | None = None,
 ) -> TravelJudgement:
-    """Judge travels by a single law, without the measured curve, whatever leaves.
+    """Judge travels by a single law, without the measured curve, whatever it leaves.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The rig as it stands.
-    trials : sequence of Trial
-        What was measured.
-    law : FrictionLaw
-        Holds what is not fitted.
-    named : sequence of str, optional
-        Names of the parameters of the law that are fitted; if not given, all that travels tell.
-    rig : sequence of str
-        Paths of parameters of the mechanism that are fitted too.
-    known : collection of str
-        Names of parameters that are held.
-    given : bool
-        Whether the values of the law were given: shapes are held, and coefficients for which the
-        settings do not pay.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the number of runs.
-
-    Raises
-    ------
-    ConvergenceError
-        If no values of the law make these travels.
+    `named` are parameters of the law that are fitted (all that travels tell if not given), `rig`
+    paths of the mechanism that are fitted too, `known` parameters that are held. With `given`
+    values, shapes are held, and coefficients for which the settings do not pay.
     """
     fits, kind = _Fits.of(trials, t_end), type(law)
     held = {*known}
