@@ -133,7 +133,7 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
 
 
 def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | None = None) -> Draw:
-    """Return a drawing of the band of the mean velocity over many laws, and of what was measured."""
+    """Return a drawing of the band of the mean velocity over many laws, and what was measured."""
 
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
