@@ -20,7 +20,7 @@ JITTER = 0.4
 """Further starts are the first one times e^(+-JITTER), by coordinate."""
 AGREE = 0.01
 """Starts agree if their root mean squares differ by less than this share."""
-FLAT = 1e-6
+FLAT = 1e-4
 """The search ends when a step lowers the cost by less than this share."""
 FIRST_DAMPING, GROWTH = 1e-3, 10.0
 """Damping of the first step, and what it is multiplied by when a step fails: after each further
@@ -96,6 +96,11 @@ def search(
         values = _start(problem.free_parameters, place, start_values, random)
         try:
             end, cancelled = improve(problem, values, counter=counter)
+            gains = True
+            while gains and not cancelled:  # in a long valley damping grows too much
+                before = end.cost
+                end, cancelled = improve(problem, end.values, near=end, counter=counter)
+                gains = end.cost < (1.0 - AGREE) * before
         except ConvergenceError:
             costs.append(math.inf)
             continue
