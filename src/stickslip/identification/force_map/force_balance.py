@@ -181,6 +181,8 @@ class BalanceProblemBuilder:
     """Whether the common filter passes what the noise of positions allows."""
     winding: float = 0.0
     """Torque per current by which the balance of a winding counts; 0 where it does not."""
+    wider: float = 1.0
+    """Factor on the band of the common filter."""
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
@@ -202,6 +204,7 @@ class BalanceProblemBuilder:
             slipping=self.slipping,
             resolved=self.resolved,
             winding=self.winding,
+            wider=self.wider,
         )
         return self._along(derive, record)
 

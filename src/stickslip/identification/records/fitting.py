@@ -35,6 +35,7 @@ from stickslip.identification.estimation.levenberg_marquardt import (
 )
 from stickslip.identification.estimation.parameters import told
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
+from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identification.force_map.holds import HoldFinding
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.outliers import without_outliers
@@ -62,6 +63,8 @@ LOAD = "mechanism.load"
 """What a measured load takes the place of."""
 THINNED = 1.5
 """Samples over rows from which rows were left out, and not only those at the ends."""
+NARROW = 0.6
+"""Band of the filter, over the usual one, in which a balance is fitted again."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -322,7 +325,7 @@ def finished(
         sentences=(),
         hold=hold,
     )
-    inference = inference.including(*_moved_by_hold(fit))
+    inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
     told_by = told(free_parameters, ready.mechanism, measurement)
     estimates = estimates_of(told_by, best, inference, at_bounds)
     return replace(
@@ -346,14 +349,52 @@ def _moved_by_hold(fit: RecordFit) -> list[Array]:
     build = held_otherwise(fit.build) if hold is not None and hold.unsure > 0.0 else None
     if hold is None or build is None or fit.optimum.cancelled:
         return []
-    free, problem = fit.free_parameters, build.fitted(fit.measurement, None)
+    return [hold.unsure * one for one in _moved(fit, build.fitted(fit.measurement, None))]
+
+
+def _moved_by_filter(fit: RecordFit) -> list[Array]:
+    """Return how far estimates (p,) of a balance move in a narrower band and with more noise.
+
+    What the filter takes off a peak, and what noise of positions and currents does to columns, are
+    errors that repeat from block to block, which blocks do not show. As much noise again moves
+    estimates about as far once more (simulation extrapolation).
+
+    Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
+    measurement error models", 1994.
+    """
+    build, records = fit.build, fit.measurement.records()
+    if not isinstance(build, BalanceProblemBuilder) or fit.optimum.cancelled:
+        return []
+    if not all("position" in one.quantities() for one in records):
+        return []
+    narrow = replace(build, wider=NARROW).fitted(fit.measurement)
+    return [*_moved(fit, narrow), *_moved(fit, build.fitted(_noisier(fit.measurement)))]
+
+
+def _noisier(measurement: Measurement) -> Measurement:
+    """Return a measurement whose positions, and currents of a motor, have as much noise again."""
+    random, records = np.random.default_rng(0), []
+    for one in measurement.records():
+        noisy = {
+            name: x + positive_noise(x) * random.standard_normal(len(x))
+            for name in ("position", "current")
+            if name in one.quantities()
+            for x in [np.asarray(one.values(name))]
+        }
+        records.append(replace(one, **noisy))  # type: ignore[arg-type]
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+def _moved(fit: RecordFit, problem: RecordProblem) -> list[Array]:
+    """Return how far one step moves the estimates (p,) in another problem of the same record."""
+    free = fit.free_parameters
     here = problem.with_free_parameters(free).linearise(fit.values)
     if not here.finite:
         return []
     at, (low, high) = free.coordinates(fit.values), free.limits()
     table = here.slopes @ free.slopes(at)
     step, _ = step_of(table, here.residual, at, low, high, FIRST_DAMPING)
-    return [hold.unsure * (free.values(at + step) - fit.values)]
+    return [free.values(at + step) - fit.values]
 
 
 def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:
