@@ -19,12 +19,14 @@ from stickslip.selection.criteria import criteria_of as criteria_of
 from stickslip.selection.cross_validation import CrossValidated as CrossValidated
 from stickslip.selection.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
 from stickslip.selection.cross_validation import CrossValidation as CrossValidation
+from stickslip.selection.cross_validation import DIGITS as DIGITS
 from stickslip.selection.cross_validation import held_out as held_out
 from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step as largest_step
 from stickslip.selection.identifiable import limits_of as limits_of
 from stickslip.selection.verdict import Candidate as Candidate
+from stickslip.selection.verdict import MOST as MOST
 from stickslip.selection.verdict import NOT_DISTINGUISHED as NOT_DISTINGUISHED
 from stickslip.selection.verdict import ONE_LAW as ONE_LAW
 from stickslip.selection.verdict import UNMEASURED as UNMEASURED
