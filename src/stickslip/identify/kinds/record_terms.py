@@ -21,7 +21,7 @@ EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl and LuGre, slower."""
 SHORTEST = 5.0
 """Shortest bristle over the noise of positions: what is shorter is made by it."""
-GRID = 8
+GRID = 10
 """Shapes of a term that are tried first: lengths of bristles, and Stribeck velocities."""
 DEAD = 6
 """Dead zones that are tried first."""
