@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.formatting import number, scale_of
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.problem import ALIKE, Array
-from stickslip.plots import C1, C3, DATA, MAP_SIZES, SPREAD, on_axes
+from stickslip.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +58,7 @@ def draw_band(what: BandDrawing) -> "Draw":
     """Return a drawing of readings, the band of friction, the named law and proposed readings."""
     v, friction = what.velocity, what.friction
     sizes = np.abs(v[v != 0.0])
-    logarithmic = float(sizes.max() / sizes.min()) > SPREAD and not (v.min() < 0.0 < v.max())
+    logarithmic = _by_ratios(np.unique(sizes)) and not (v.min() < 0.0 < v.max())
     factor, unit = scale_of([float(sizes.max())], what.units[0])
     force, force_unit = scale_of(np.abs(friction).tolist(), what.units[1])
     light = what.weights < 0.3 * float(np.median(what.weights))
@@ -111,6 +111,22 @@ def _label_speeds(axes: "Axes") -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: number(x)))
     axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _by_ratios(speeds: Array) -> bool:
+    """Return whether speeds (n,) are set apart by ratios rather than by differences.
+
+    Examples
+    --------
+    >>> _by_ratios(np.geomspace(0.1, 1.0, 5)), _by_ratios(np.linspace(0.1, 1.0, 5))
+    (True, False)
+    """
+    if len(speeds) < 3:
+        return False
+    uneven = [
+        float(np.std(gap) / np.mean(gap)) for gap in (np.diff(np.log(speeds)), np.diff(speeds))
+    ]
+    return uneven[0] < uneven[1]
 
 
 def _directions(speeds: Array) -> "list[NDArray[np.intp]]":

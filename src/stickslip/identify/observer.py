@@ -50,13 +50,19 @@ INFLATION = 4.0
 PARTS = 4
 """Steps between samples, at least."""
 MOST_PARTS = 24
-ENTRIES = 801
+ITERATIONS = 8
+"""Rounds of Gauss-Newton at most."""
+SINGLE = 1e-3
+"""Part of the range of known forces by which they are those of the place alone."""
+SPEEDS, PLACES = 801, 201
 """Entries of tables over speed and place."""
 SHAPES = 8
 """Draws of shapes of a refined law, each with its own coefficients."""
 LOOSE = 0.7
 """Prior standard deviation of the logarithm of a shape: within a step of the grid. A law whose
 shape is an outlier by it is left out."""
+LEAST_GAIN = 0.1
+"""Standard deviations by which estimates move in the last round."""
 UNSEEN = frozenset(
     {"backlash", "flexible", "hose", "latency", "dead_zone", "force_gain", "position_scale",
      "gear_direction"}
@@ -136,6 +142,16 @@ class _Run:
         none = np.zeros(len(self.record.time))
         return none if self.record.mechanism is None else np.asarray(self.record.mechanism)
 
+    @cached_property
+    def field(self) -> Array | None:
+        """Known forces over the place; None where they change by more than that."""
+        if self.record.mechanism is None:
+            return None
+        order = np.argsort(self.place, kind="stable")
+        found = np.interp(self.places, self.place[order], self.known[order])
+        apart = np.abs(np.interp(self.place, self.places, found) - self.known)
+        return found if apart.max() < SINGLE * np.ptp(self.known) else None
+
     def _probe(self, velocity: Array, place: Array, **at_samples: Array) -> _Probe:
         frame, count = self.problem.frame, max(len(velocity), len(place))
         none = np.zeros(count)
@@ -152,15 +168,15 @@ class _Run:
 
     @cached_property
     def speeds(self) -> Array:
-        half = (ENTRIES - 1) // 2
+        half = (SPEEDS - 1) // 2
         top = 3.0 * max(self.problem.frame.top, 1e-300)
-        k = np.arange(ENTRIES) - half
+        k = np.arange(SPEEDS) - half
         return np.asarray(np.sign(k) * top * (k / half) ** 2.0)
 
     @cached_property
     def places(self) -> Array:
         low, high, beyond = self.place.min(), self.place.max(), 0.05 * np.ptp(self.place)
-        return np.linspace(low - beyond, high + beyond, ENTRIES)
+        return np.linspace(low - beyond, high + beyond, PLACES)
 
     @cached_property
     def over_speed(self) -> _Probe:
@@ -223,7 +239,7 @@ class ObservedLaw:
     ) -> Array:
         count = len(run.place)
         none = np.zeros(1)
-        a, v = np.zeros(ENTRIES), np.zeros(ENTRIES)
+        a, v = np.zeros(SPEEDS), np.zeros(SPEEDS)
         b = p = w = none
         d1, d2, d3 = np.zeros((3, count))
         force = np.array(run.record.force)
@@ -244,6 +260,8 @@ class ObservedLaw:
             elif name == "clip":
                 over = np.sign(force) * np.maximum(np.abs(force) - shape[0], 0.0)
                 force = force - float(c[0]) * over
+            elif name == "mechanism" and run.field is not None:
+                w = w + float(c[0]) * run.field
             elif name in OF_TIME or "*" in name:
                 x = np.reshape(columns(run.over_time, shape), (count, -1)) @ c
                 if name.startswith("viscous"):
@@ -255,13 +273,13 @@ class ObservedLaw:
             elif name in ("place", "level_ripple"):
                 p = p + columns(run.over_place, shape) @ c
             elif name in ("offset", "spring", "bow", "ripple"):
-                w = w + np.reshape(columns(run.over_place, shape), (ENTRIES, -1)) @ c
+                w = w + np.reshape(columns(run.over_place, shape), (PLACES, -1)) @ c
             elif name == "curve":
                 x = columns(run.over_speed, shape)
                 m = x.shape[1] // 2 if shape[2] else x.shape[1]
                 a, b = a + x[:, :m] @ c[:m], b + x[:, m:] @ c[m:] if shape[2] else b
             else:
-                x = np.reshape(columns(run.over_speed, shape), (ENTRIES, -1)) @ c
+                x = np.reshape(columns(run.over_speed, shape), (SPEEDS, -1)) @ c
                 if name in ("level", "stribeck"):
                     a = a + x
                 elif name in ("stribeck_direction", "level_direction"):
@@ -271,7 +289,10 @@ class ObservedLaw:
                 else:
                     v = v + x
         out = np.full(count, observer.LOST)
-        force = force + run.known
+        if run.field is None:
+            force = force + run.known
+        else:
+            w = w - run.field
         if inertia > 0.0:
             numbers = self._numbers(run, inertia, gains, memory, second)
             stiff = max(float(np.abs(a).max()) / memory[0] if memory[0] > 0.0 else 0.0,
@@ -299,7 +320,7 @@ class ObservedLaw:
         p[observer.GAIN], p[observer.RATE_GAIN] = gains[0], gains[1] / run.step
         p[observer.LENGTH : observer.EXPONENT + 1] = memory
         p[observer.SECOND : observer.SECOND_EXPONENT + 1] = second
-        p[observer.SPEED_UNIT] = run.speeds[-1] / ((ENTRIES - 1) // 2) ** 2
+        p[observer.SPEED_UNIT] = run.speeds[-1] / ((SPEEDS - 1) // 2) ** 2
         p[observer.PLACE_START] = run.places[0]
         p[observer.PLACE_STEP] = run.places[1] - run.places[0]
         p[observer.START_SPEED] = run.start_speed
@@ -568,15 +589,11 @@ class Observer:
         precision[:n, :n] = (vectors / np.maximum(values, 1e-6)) @ vectors.T / np.outer(size, size)
         theta = start.copy() if known is None else known.copy()
         e = self._innovations(law, theta, gains)
-        for _ in range(THRESHOLDS.weighings):
+        for _ in range(ITERATIONS):
             scale = _scale(e)
             x = self._slopes(law, theta, steps, gains, e)
-            a = (
-                x
-                * (np.minimum(1.0, THRESHOLDS.outlier * scale / np.maximum(np.abs(e), 1e-300)))[
-                    :, None
-                ]
-            )
+            far_out = THRESHOLDS.outlier * scale
+            a = x * np.minimum(1.0, far_out / np.maximum(np.abs(e), 1e-300))[:, None]
             normal = a.T @ x / scale**2 + precision
             gradient = a.T @ e / scale**2 - precision @ (theta - start)
             inverse = _inverse(normal)
@@ -593,10 +610,7 @@ class Observer:
             theta, e = theta + move, tried
             if np.max(np.abs((theta - start)[n:]), initial=0.0) > THRESHOLDS.outlier * LOOSE:
                 return None  # its shape says another law
-            if (
-                np.max(np.abs(move) / np.sqrt(np.maximum(np.diag(inverse), 1e-300)))
-                < THRESHOLDS.weighed
-            ):
+            if np.max(np.abs(move) / np.sqrt(np.maximum(np.diag(inverse), 1e-300))) < LEAST_GAIN:
                 break
         lost = not np.all(np.isfinite(theta)) or np.abs(e).max() >= observer.LOST
         if lost or not self.ensemble.regression.physical(structure, theta[:n]):
@@ -730,14 +744,8 @@ def _bounded(e: Array, scale: float) -> float:
 
 def _cost(e: Array, scale: float) -> float:
     """Return Huber's cost of innovations."""
-    z = np.abs(e) / scale
-    return float(
-        np.sum(
-            np.where(
-                z < THRESHOLDS.outlier, z * z, THRESHOLDS.outlier * (2.0 * z - THRESHOLDS.outlier)
-            )
-        )
-    )
+    z, far = np.abs(e) / scale, THRESHOLDS.outlier
+    return float(np.sum(np.where(z < far, z * z, far * (2.0 * z - far))))
 
 
 def _prior(move: Array, precision: Array) -> float:

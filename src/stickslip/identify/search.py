@@ -1,6 +1,6 @@
 r"""The search: a beam over structures, and grids of shapes that are refined where laws are good.
 
-A structure is scored by its held-out losses, bounded block by block,
+A structure is scored by its held-out losses, damped block by block,
 
 .. math:: R_b = (\nu + 1) \log(1 + L_b / \nu),
 

@@ -24,9 +24,9 @@ class Thresholds:
     outlying: float = 6.0
     """Standard deviations from which a row is said to be far from the others."""
     weighings: int = 6
-    """Rounds at most of searches by weights that follow from residuals, or of Gauss-Newton ..."""
+    """Searches by weights that follow from the residuals of the best structure before ..."""
     weighed: float = 0.05
-    """... until no weight changes by more than this share, no estimate by that of its error."""
+    """... until no weight changes by more than this share."""
     curve_share: float = 0.1
     """Least share of the measured curve in the ensemble (study: widths)."""
     draws: int = 400

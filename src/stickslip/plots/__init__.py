@@ -97,7 +97,6 @@ INSIDE = {
     "INTERVAL_SIZE": "selection.fits",
     "Interval": "selection.fits",
     "MAP_SIZES": "laws.friction_map",
-    "SPREAD": "laws.friction_map",
     "MOST_PANELS": "runs.contacts",
     "PROFILE_SIZES": "runs.profiles",
     "Piece": "selection.prediction_excerpts",

@@ -21,8 +21,10 @@ EXPONENTS = (0.0, 1.0, 2.0)
 """Exponents of bristles: yields at once, Dahl and LuGre, slower."""
 SHORTEST = 5.0
 """Shortest bristle over the noise of positions: what is shorter is made by it."""
-GRID = 8
-"""Shapes of a term that are tried first: lengths of bristles, Stribeck velocities, dead zones."""
+GRID = 10
+"""Shapes of a term that are tried first: lengths of bristles, and Stribeck velocities."""
+DEAD = 6
+"""Dead zones that are tried first."""
 LATER = (0.88, 1.14)
 """Multiples of a delay that its column may have: others would only smooth the noise of the force,
 of which it is made, by up to (1 - c)^2 + c^2 + 2 c (1 - c) r for noise with the correlation r.
@@ -172,7 +174,7 @@ def hides_dead_zone(rows: Along, *, finds_inertia: bool) -> bool:
 
 def _dead_zones(rows: Along) -> Array:
     """Return sizes of dead zones [N], up to the median of the force."""
-    return np.geomspace(0.05, 1.0, GRID) * float(np.median(np.abs(rows.raw)))
+    return np.geomspace(0.05, 1.0, DEAD) * float(np.median(np.abs(rows.raw)))
 
 
 def _fading(clock: Array, constant: float) -> Array:
