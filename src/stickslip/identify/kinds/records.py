@@ -93,7 +93,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = {"work": 0.65, "momentum": 0.9}
 """Width of the noise of free motions over their band, as white noise would have (study: decays)."""
-FREE_SPREAD = 2.5
+FREE_SPREAD = 4.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
