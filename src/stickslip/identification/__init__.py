@@ -42,6 +42,7 @@ INSIDE = {
     "ROUTES": "records.route_choice",
     "ResidualJacobian": "estimation.problem",
     "RouteName": "records.route_choice",
+    "StartEstimate": "force_map.start_values",
     "SubsetProblem": "estimation.problem",
     "TravelModel": "travel_model",
     "Trial": "travel_model",

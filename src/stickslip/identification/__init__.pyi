@@ -41,6 +41,7 @@ from stickslip.identification.force_map.joint_balance import check_joints as che
 from stickslip.identification.force_map.joint_balance import contacts_along as contacts_along
 from stickslip.identification.force_map.joint_balance import joint_pieces as joint_pieces
 from stickslip.identification.force_map.joint_balance import joint_record as joint_record
+from stickslip.identification.force_map.start_values import StartEstimate as StartEstimate
 from stickslip.identification.gears import transmitted_along as transmitted_along
 from stickslip.identification.outliers import outlying as outlying
 from stickslip.identification.outliers import without_outliers as without_outliers

@@ -57,7 +57,6 @@ from stickslip.plots.laws.curves import plot_law as plot_law
 from stickslip.plots.laws.curves import plot_presliding as plot_presliding
 from stickslip.plots.laws.curves import presliding_sizes as presliding_sizes
 from stickslip.plots.laws.friction_map import MAP_SIZES as MAP_SIZES
-from stickslip.plots.laws.friction_map import SPREAD as SPREAD
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop

@@ -5,7 +5,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
 
-from stickslip.drives import Drive, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, Sum
+from stickslip.drives import (
+    Drive,
+    HalfSine,
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sampled,
+    Sine,
+    Square,
+    Sum,
+)
 from stickslip.drives.registry import DRIVES
 
 WIDEST: Mapping[str, tuple[float, float]] = {
@@ -164,9 +174,19 @@ def _square(rng: Random, force: float, time: float, t_end: float) -> Drive:
     )
 
 
+def _half_sine(rng: Random, force: float, time: float, t_end: float) -> Drive:
+    return HalfSine(
+        amplitude=_level(rng, force),
+        period=around(rng, time, 1.0, 1.0),
+        duty=rng.choice((1.0, 0.5, rng.uniform(0.01, 1.0))),
+        start=rng.choice((0.0, rng.uniform(-0.5, 1.0) * t_end)),
+    )
+
+
 MAKERS: Mapping[type[Drive], Callable[[Random, float, float, float], Drive]] = {
     Pulse: _pulse,
     Ramp: _ramp,
+    HalfSine: _half_sine,
     Sine: _sine,
     PiecewiseLinear: _line,
     Sampled: _sampled,

@@ -41,7 +41,7 @@ def route_of(
     --------
     >>> from stickslip import Axis
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
-    >>> t = np.arange(100) / 100
+    >>> t = np.arange(300) / 100
     >>> pushed = Measurement(time=t, position=np.sin(t), force=np.cos(t))
     >>> [route_of(Axis(inertia=1.0), one) for one in (table, pushed)]
     ['force-map', 'inverse-dynamics']

@@ -21,19 +21,18 @@ from stickslip.identification import (
     Parameters,
     Problem,
     ResidualJacobian,
-    Scales,
+    StartEstimate,
     Watch,
     bounds_met,
     estimates_for,
     estimates_of,
     infer,
-    law_unknowns,
     search,
     sentences_of,
     told,
 )
 from stickslip.mechanisms import Mechanism, SpringBlock
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import vary
 from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
@@ -202,16 +201,19 @@ def problem_of(
         raise InputError(f"durations of slides must be above 0 s, got {durations.min()!r} s.")
     weight = mechanism.mass * mechanism.gravity
     steepest = max(abs(math.sin(one.incline)) for one in blocks)
-    scales = Scales.of_level(  # sizes of friction from which start values and bounds follow
-        0.5 * weight * steepest,
-        load=weight * math.cos(mechanism.incline),
-        speed=float(np.max(2.0 * ways / durations)),
-        stroke=float(np.max(ways)),
-        inertia=mechanism.mass,
+    force, load = 0.5 * weight * steepest, weight * math.cos(mechanism.incline)
+    speed = float(np.max(2.0 * ways / durations))
+    rough = StartEstimate(  # sizes of friction from which start values and bounds follow
+        level=force / load,
+        viscous=0.1 * force / speed,
+        offset=0.0,
+        force=force,
+        load=load,
+        speed=speed,
+        stiffness=force / load / float(np.max(ways)),
+        two_sided=False,
     )
-    start, unknowns, _ = law_unknowns(law, scales, free, known)
-    rest = {path: value for path, _, value in parameters(start, "friction")}
-    free_parameters = FreeParameters(unknowns, rest)
+    start, free_parameters = rough.unknowns(law, free=free, known=known)
     return SlideProblem(
         blocks=blocks, durations=durations, ways=ways, law=start, free_parameters=free_parameters
     )

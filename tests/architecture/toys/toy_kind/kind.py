@@ -21,7 +21,6 @@ from stickslip.selection import (
     as_good,
     checked,
     choose,
-    contains,
     control,
     errs_more,
     friction_of,
@@ -71,7 +70,7 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
         chosen = specifications(request.laws or list(USUAL))
         mechanism, measurement = request.mechanism, request.measurement
         checks = checked(mechanism, measurement, conditions=self.conditions)
-        judged = [_judged(one, chosen, request) for one in chosen]
+        judged = [_judged(one, request) for one in chosen]
         scored = [one for one in judged if one.validation]
         if not scored:
             raise ConvergenceError("; ".join(f"{one.title}: {one.dropped}" for one in judged))
@@ -102,9 +101,7 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
         )
 
 
-def _judged(
-    one: CandidateSpec, chosen: tuple[CandidateSpec, ...], request: Request
-) -> SlideCandidate:
+def _judged(one: CandidateSpec, request: Request) -> SlideCandidate:
     """Return a law fitted to all slides, and its errors at settings that were held out."""
     bare = SlideCandidate(name=one.name, title=one.title, fit=None)
     # in a selection, progress is told the name of the candidate first
@@ -119,7 +116,6 @@ def _judged(
         bare,
         fit=fit,
         validation=CrossValidation.by_segment(held_out(fit.problem, best), best.segment),
-        simpler=tuple(other.name for other in chosen if contains(one, other)),
     )
 
 
