@@ -106,7 +106,7 @@ def test_without_a_rig_a_command_says_what_it_needs(run, tmp_path, command):
     ("command", "needed", "meaning"),
     [
         (("check",), "FILE", "Data files (CSV"),
-        (("init",), "FILE", "Record (CSV"),
+        (("init",), "FILE...", "Record (CSV"),
         (("export",), "FILE", "Rig file (TOML) with a law"),
         (("export", "law.toml"), "--to", "c (C99)"),
         (("data", "show"), "NAME", "Name of a record"),

@@ -24,12 +24,13 @@ from stickslip import (
     SpringBlock,
     TowedBlock,
     TwoMassAxis,
+    TwoMassCapsule,
     animate,
     simulate,
 )
 from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError
-from stickslip.mechanisms import MECHANISMS, Prescribed, Torque
+from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
 from stickslip.plots import animation_html, draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
 from stickslip.plots.animation.animation_frame import Stage, moments_of
@@ -52,6 +53,7 @@ from stickslip.plots.core.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 SMALL = (440.0, 320.0)
+KNOCK = Sine(amplitude=1.0, frequency=4.0)
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CASES = {
     "spring-block": (SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), {}),
@@ -79,6 +81,16 @@ CASES = {
         Capsule(
             capsule_mass=0.8, inner_mass=0.2, stiffness=100.0, upper_stop=0.02, restitution=0.6,
             drive=Torque(drive=Sine(amplitude=1.0, frequency=4.0), limit=0.8),
+        ),
+        {},
+    ),
+    "two-mass-capsule": (
+        TwoMassCapsule(
+            capsule_mass=0.5,
+            first=InnerMass(mass=0.2, stiffness=100.0, drive=Torque(drive=KNOCK)),
+            second=InnerMass(
+                mass=0.1, stiffness=80.0, angle=math.pi / 2, drive=Torque(drive=KNOCK)
+            ),
         ),
         {},
     ),

@@ -230,6 +230,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_trials: "comparison must be a TrialComparison",
         plots.plot_profile: "optimum must be an Optimum",
         plots.plot_front: "front must be a ParetoFront",
+        plots.plot_velocity_band: "result must be a VelocityBand",
         plots.plot_closed_loop: "loop must be a ClosedLoop",
         plots.plot_residuals: "fit must be a RecordFit, got",
         plots.plot_friction_map: "fit must be a RecordFit or Mapping",

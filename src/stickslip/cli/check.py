@@ -38,6 +38,7 @@ LABELS = {
     "coverage": "the range of speeds",
     "drift": "drift",
     "drive": "the force that drives the motion",
+    "drive frequency": "the frequency of the drive",
     "effective size": "too few independent samples",
     "force sign": "the sign of the force",
     "friction sign": "the sign of friction",

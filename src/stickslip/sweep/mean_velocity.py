@@ -32,6 +32,7 @@ from stickslip.sweep.parameter_grid import (
     unit_of,
     whole_run,
 )
+from stickslip.tables import Tabular
 from stickslip.trajectory import Ensemble, Status
 
 if TYPE_CHECKING:
@@ -255,7 +256,7 @@ def average_velocity(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class VelocityBand(OnAxes):
+class VelocityBand(OnAxes, Tabular):
     """Mean velocities over one parameter with many laws, and the band in which they lie."""
 
     path: str
@@ -300,6 +301,16 @@ class VelocityBand(OnAxes):
         """Value with which the body is fastest, either way, with the largest median."""
         return float(self.values[int(np.nanargmax(np.abs(self.median)))])
 
+    @override
+    def _over(self) -> str:
+        return self.path
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        ends = dict.fromkeys(("low", "median", "high"), self.velocity_unit)
+        return {self.path: self.unit} | ends
+
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each value: lower end, median and upper end of the velocity."""
         import pandas as pd
