@@ -89,7 +89,7 @@ CASES = {
             capsule_mass=0.5,
             first=InnerMass(mass=0.2, stiffness=100.0, drive=Torque(drive=KNOCK)),
             second=InnerMass(
-                mass=0.1, stiffness=80.0, angle=math.pi / 2, drive=Torque(drive=KNOCK)
+                mass=0.1, stiffness=400.0, damping=2.0, angle=math.pi / 2, drive=Torque(drive=KNOCK)
             ),
         ),
         {},
