@@ -21,7 +21,7 @@ from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
 from stickslip.friction import FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
-from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
+from stickslip.mechanisms import MECHANISMS, InnerMass, Mechanism, Motor
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory
 
@@ -113,7 +113,7 @@ def _is_drive(hint: Any) -> bool:
 FUZZED = [
     kind
     for kind in MECHANISMS.values()
-    if Motor not in _fields(kind).values() and not kind.contact_names
+    if not {Motor, InnerMass} & {*_fields(kind).values()} and not kind.contact_names
 ]
 """Those with one contact and without motors; of carts with a pendulum that of users is drawn."""
 
@@ -136,7 +136,8 @@ def draw_shape(rng: Random, law: type[FrictionLaw], *others: type) -> Shape:
                 flags[name] = rng.choice(typing.get_args(hint))
             elif _is_drive(hint):
                 count = rng.choice((0, 1, 1, 1, 1, 2))
-                drives[name] = tuple(rng.choice(list(DRIVES.values())) for _ in range(count))
+                kinds = [one for one in DRIVES.values() if one.adds or count < 2]
+                drives[name] = tuple(rng.choice(kinds) for _ in range(count))
             elif type(None) in typing.get_args(hint):
                 given[name] = rng.random() < 0.5 and name not in STOPS
     return Shape(

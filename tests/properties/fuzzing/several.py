@@ -138,7 +138,9 @@ def _form(matrix, one, other, names):
 
 
 def _drive(rng: Random, force: float, size: Sizes, t_end: float) -> Drive | None:
-    kinds = tuple(rng.choice(list(DRIVES.values())) for _ in range(rng.choice((0, 1, 1, 2))))
+    count = rng.choice((0, 1, 1, 2))
+    drawn = [one for one in DRIVES.values() if one.adds or count < 2]
+    kinds = tuple(rng.choice(drawn) for _ in range(count))
     return draw_drive(rng, kinds, force, size.time, t_end)
 
 
