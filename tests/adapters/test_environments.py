@@ -372,16 +372,27 @@ def test_without_lists_the_law_of_the_task_is_drawn_and_seeds_mean_the_same():
     assert env.reset()[1]["drawn"] == {"law": CART.law}
 
 
-def test_a_verdict_or_a_tissue_draws_the_laws():
+def verdict_on_a_table():
     v = np.linspace(0.02, 1.0, 12)
     noise = np.random.default_rng(1).normal(size=12)
-    table = Measurement(velocity=v, friction=1.2 + 0.3 * v + 0.02 * noise, load=np.linspace(4.0, 6.0, 12))
-    verdict = select(Axis(inertia=1.0), None, table)
-    for drawing in (verdict, TISSUES["wet"]):
-        laws = MotorVectorEnvironment(200, laws=drawing).reset(seed=0)[1]["drawn"]["law"]
-        drawn = drawing.sample()
-        assert all(any(one == law for law in drawn) for one in laws)
-        assert all(any(one == law for one in laws) for law in drawn)
+    table = Measurement(
+        velocity=v, friction=1.2 + 0.3 * v + 0.02 * noise, load=np.linspace(4.0, 6.0, 12)
+    )
+    return select(Axis(inertia=1.0), None, table)
+
+
+@pytest.mark.parametrize(
+    "drawing",
+    [lambda: TISSUES["wet"], pytest.param(verdict_on_a_table, marks=pytest.mark.slow)],
+    ids=["tissue", "verdict"],
+)
+def test_a_verdict_or_a_tissue_draws_the_laws(drawing):
+    made = drawing()
+    laws = MotorVectorEnvironment(200, laws=made).reset(seed=0)[1]["drawn"]["law"]
+    drawn = made.sample()
+    assert len(drawn) == 20
+    assert all(any(one == law for law in drawn) for one in laws)
+    assert all(any(one == law for one in laws) for law in drawn)
 
 
 def test_a_pickled_environment_draws_on():

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Protocol, final
+from typing import Annotated, Any, Protocol, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -270,8 +270,10 @@ def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dic
                 f" np.linspace(-0.1, 0.1, 21), got {given!r}."
             )
         for x in given:
-            own = changed(task.mechanism, "mechanism", {path: x})
-            found.setdefault(path, []).append({p: v for p, _, v in parameters(own, "mechanism")}[path])
+            own = changed(task.mechanism, "mechanism", {path: cast("float", x)})
+            found.setdefault(path, []).append(
+                {p: v for p, _, v in parameters(own, "mechanism")}[path]
+            )
     return found
 
 
@@ -294,16 +296,16 @@ class Steps:
         """Make room; each has to begin before it can step."""
         self.task, self.count = task, count
         self._laws, self._values = laws_of(task, laws), values_in(task, vary or {})
-        forms = [structure(law) for law in self._laws]
-        firsts = [k for k, form in enumerate(forms) if forms.index(form) == k]
-        self._ensemble_of = [firsts.index(forms.index(form)) for form in forms]
-        self._runs = [
-            IncrementalEnsemble(
-                task.driven(), self._laws[k], count=count, solver=task.solver, threads=threads
+        firsts = {structure(law): law for law in self._laws}
+        self._runs = {
+            form: IncrementalEnsemble(
+                task.driven(), law, count=count, solver=task.solver, threads=threads
             )
-            for k in firsts
-        ]
-        self._at = np.zeros(count, dtype=np.int64)
+            for form, law in firsts.items()
+        }
+        self._at = [next(iter(self._runs.values()))] * count
+        self._moving: list[tuple[IncrementalEnsemble, NDArray[np.intp]]] = []
+        """Ensembles that mechanisms move in, and which do."""
         self.tasks = [task] * count
         """That of each, with what it has drawn."""
         self.drawn: dict[str, NDArray[Any]] = {"law": np.full(count, None)}
@@ -312,18 +314,18 @@ class Steps:
         self._done = np.zeros(count, dtype=np.int64)
         self._bounds = task.observation_bounds
 
-    def _of_each(self, found: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        """Return the row of each mechanism in what its ensemble has."""
-        return np.stack(found)[self._at, np.arange(self.count)]
-
     @property
     def states(self) -> Array:
         """Coordinates and rates of all (count, 4) [SI]."""
-        return self._of_each([runs.states[:, :4] for runs in self._runs])
+        found = np.empty((self.count, 4))
+        for runs, rows in self._moving:
+            found[rows] = runs.states[rows, :4]
+        return found
 
     def state(self, row: int) -> Array:
         """Return the state of one, with those of its law (n,) [SI]."""
-        return self._runs[self._at[row]].states[row]
+        found: Array = self._at[row].states[row]
+        return found
 
     @property
     def observations(self) -> Array:
@@ -358,8 +360,8 @@ class Steps:
     def _draw(self, generator: np.random.Generator) -> tuple[int, ...]:
         """Return which law and which values an episode has."""
         # a choice of one takes nothing from the generator
-        lists = (self._laws, *self._values.values())
-        return tuple(int(generator.integers(len(one))) for one in lists)
+        sizes = [len(self._laws), *map(len, self._values.values())]
+        return tuple(int(generator.integers(size)) for size in sizes)
 
     def begin(
         self,
@@ -369,27 +371,28 @@ class Steps:
     ) -> None:
         """Let some begin a new episode: each draws its law, parameters and start, in this order."""
         draws = [self._draw(generator) for generator in generators]
-        names = [self._runs[self._ensemble_of[k]].model.states for k, *_ in draws]
+        names = [self._runs[structure(self._laws[k])].model.states for k, *_ in draws]
         starts = [self._start(*one, given or {}) for one in zip(names, generators, strict=True)]
         alike: dict[tuple[int, ...], list[int]] = {}
         for i, (row, draw) in enumerate(zip(rows, draws, strict=True)):
-            self._runs[self._at[row]].leave([row])
+            self._at[row].leave([row])
             alike.setdefault(draw, []).append(i)
         for (k, *places), which in alike.items():
             begun, law = [int(rows[i]) for i in which], self._laws[k]
+            runs = self._runs[structure(law)]
             values = {path: x[j] for j, (path, x) in zip(places, self._values.items(), strict=True)}
             task = self.task
             if values or law is not task.law:
                 mechanism = changed(task.mechanism, "mechanism", values)
                 task = dataclasses.replace(task, law=law, mechanism=mechanism)
-            self._at[begun], self._done[begun] = self._ensemble_of[k], 0
-            self._runs[self._ensemble_of[k]].begin(
-                begun, np.array([starts[i] for i in which]), task.mechanism, law
-            )
+            self._done[begun] = 0
+            runs.begin(begun, np.array([starts[i] for i in which]), task.mechanism, law)
             for row in begun:
-                self.tasks[row] = task
+                self.tasks[row], self._at[row] = task, runs
             for name, value in {"law": law, **values}.items():
                 self.drawn[name][begun] = value
+        used = dict.fromkeys(self._at)
+        self._moving = [(one, np.flatnonzero([at is one for at in self._at])) for one in used]
 
     def step(self, actions: Array) -> Stepped:
         """Hold an action for a period in each."""
@@ -416,8 +419,10 @@ class Steps:
         before = self.states
         self._done += 1
         untils = np.multiply(self._done, task.period, dtype=np.float64)
-        for runs in self._runs:
+        running = np.empty(self.count, dtype=bool)
+        for runs, rows in self._moving:
             runs.advance(untils, efforts)
+            running[rows] = runs.running[rows]
         after = self.states
         x, _, q, w = task.places
         moved = after - before
@@ -428,7 +433,7 @@ class Steps:
         return Stepped(
             observations=self._seen(after),
             rewards=moved[:, x] - task.work_weight * work,
-            terminated=beyond | ~self._of_each([runs.running for runs in self._runs]),
+            terminated=beyond | ~running,
             truncated=self._done >= task.steps,
             travel=moved[:, x],
             work=work,
@@ -436,8 +441,7 @@ class Steps:
 
     def ending(self, row: int) -> str:
         """Return the sentence that says why an episode ended."""
-        runs = self._runs[self._at[row]]
-        if not runs.running[row]:
-            return runs.status(row).value
+        if not self._at[row].running[row]:
+            return self._at[row].status(row).value
         name = self.task.observation_names[1]
         return f"{name} or its rate exceeded its limit."

@@ -148,10 +148,10 @@ class IncrementalEnsemble:
         mechanism = mechanism or self.mechanism
         placed = [within_stops(mechanism, state) for state in states]
         values = values_of(mechanism, law or self.law)
-        p = [values[path] for path in self.model.parameter_paths]
         self._kept[rows] = self._fresh
         self._wholes[rows] = self._runner.header
-        self._kept[np.ix_(rows, np.add(self.model.places, POLYNOMIAL - NUMBERS))] = p
+        for path, place in zip(self.model.parameter_paths, self.model.places, strict=True):
+            self._kept[rows, POLYNOMIAL + place - NUMBERS] = values[path]
         self._kept[rows, self._y : self._y + len(self.model.states)] = placed
 
     def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
