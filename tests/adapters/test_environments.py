@@ -517,3 +517,14 @@ def test_training_improves_the_policy():
     first = train.scores(envs, np.tile(train.START, (train.CANDIDATES, 1)), seed=10**6).mean()
     _, score = train.train(12, told=lambda _: None)
     assert score > 1.5 * first
+
+
+@pytest.mark.slow
+def test_the_profile_of_the_worst_quarter_beats_the_three_phase_motion():
+    train = module_at(FILES / "train_capsule.py")
+    start = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    best = dataclasses.replace(start, amplitude=0.0135, fast=65.6, slow=12.3, last=12.5)
+    laws = [Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.05)]
+    first, then = (train.returned(train.following(one), laws, 7) for one in (start, best))
+    assert 0.0 < first < then
+    assert train.returned(train.constant(laws), laws, 7) == pytest.approx(0.0, abs=1e-3)
