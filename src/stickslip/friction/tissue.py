@@ -47,24 +47,8 @@ class Tissue:
     def sample(self, count: int = 20, *, seed: int = 0, **values: Given) -> list[FrictionLaw]:
         """Return laws drawn over what was measured, each value in a range as likely.
 
-        Parameters
-        ----------
-        count : int
-            Number of laws.
-        seed : int
-            Seed of the draws.
-        **values
-            Parameters that all of them have; those without a range have to be given.
-
-        Returns
-        -------
-        list of FrictionLaw
-            The laws.
-
-        Raises
-        ------
-        ParameterError
-            If the law needs a parameter that has no range and is not given.
+        `values` are parameters that all of them have: those without a range have to be given, or
+        a `ParameterError` names them.
 
         Examples
         --------
