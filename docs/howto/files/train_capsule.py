@@ -12,6 +12,7 @@ import time
 from importlib.util import find_spec
 
 import cma
+import gymnasium
 import numpy as np
 
 from stickslip import Axis, Measurement, Stribeck, select
@@ -102,25 +103,53 @@ def optimised(laws, start):
     return profile_at(search.result.xfavorite)
 
 
-def learned(laws, steps):
-    """Return the policy that PPO of stable-baselines3 has learned, with its default network."""
+def learned(laws, steps, profile=None):
+    """Return what PPO of stable-baselines3 learns: efforts, or what is added to a profile."""
     import torch
     from stable_baselines3 import PPO
     from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
+    follow = (lambda _, seen: np.zeros(len(seen))) if profile is None else following(profile)
+    rate = 0.0 if profile is None else 2.0 * np.pi * TASK.period / float(profile.period)
+
+    def with_phase(step, seen):
+        phase = np.full((len(seen), 1), rate * step)
+        return np.hstack([seen, np.sin(phase), np.cos(phase)])
+
+    class Corrected(gymnasium.Wrapper):
+        """Sees the phase of the profile too; actions are beside those that follow it."""
+
+        def __init__(self):
+            super().__init__(MotorEnvironment(TASK, laws=laws, vary=VARY))
+            self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (5,))
+
+        def reset(self, **given):
+            self.done, (self.seen, info) = 0, self.env.reset(**given)
+            return with_phase(0, self.seen[None])[0], info
+
+        def step(self, action):
+            effort = follow(self.done, self.seen[None]) + action
+            self.seen, *rest = self.env.step(np.clip(effort, -1.0, 1.0))
+            self.done += 1
+            return with_phase(self.done, self.seen[None])[0], *rest
+
     torch.set_num_threads(1)
-    envs = VecNormalize(
-        DummyVecEnv([lambda: MotorEnvironment(TASK, laws=laws, vary=VARY)] * 16), gamma=0.995
-    )
+    envs = VecNormalize(DummyVecEnv([Corrected] * 16), gamma=0.99)
     model = PPO(
-        "MlpPolicy", envs, n_steps=512, batch_size=512, gamma=0.995, seed=SEEDS["training"],
-        device="cpu",
+        "MlpPolicy", envs, n_steps=512, batch_size=512, seed=SEEDS["training"], device="cpu",
+        policy_kwargs={"log_std_init": -2.0},
     )  # fmt: skip
     model.learn(steps)
-    return lambda _, seen: model.predict(envs.normalize_obs(seen), deterministic=True)[0][:, 0]
+
+    def policy(step, seen):
+        given = envs.normalize_obs(with_phase(step, seen))
+        action = model.predict(given, deterministic=True)[0][:, 0]
+        return np.clip(follow(step, seen) + action, -1.0, 1.0)
+
+    return policy
 
 
-def table(steps=1_000_000):
+def table(steps=300_000):
     """Print the table."""
     verdict = measured()
     laws = verdict.sample(20, seed=SEEDS["training"])
@@ -131,6 +160,7 @@ def table(steps=1_000_000):
         "three-phase profile": lambda: following(start),
         "optimised profile": lambda: following(optimised(laws, start)),
         f"PPO, {steps:,} steps": lambda: learned(laws, steps),
+        f"PPO beside the three-phase profile, {steps:,} steps": lambda: learned(laws, steps, start),
     }
     print(
         "| policy | return, mm: mean | worst | speed, mm/s: mean | worst | travel per energy, m/J"
