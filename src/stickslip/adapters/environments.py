@@ -108,7 +108,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         Returns
         -------
         (array (3,), dict)
-            Observation [SI]; travel [m], work [J] and all states.
+            Observation [SI]; travel [m], work [J], all states, and what was drawn: ``"drawn"``.
         """
         super().reset(seed=seed)
         self._steps.begin([0], [self.np_random], _given(options))
@@ -268,7 +268,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         Returns
         -------
         (array (count, 3), dict)
-            Observations [SI]; travel [m] and work [J] of each.
+            Observations [SI]; travel [m] and work [J] of each, and what each has drawn.
 
         Raises
         ------
