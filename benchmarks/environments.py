@@ -92,7 +92,7 @@ def by_stickslip(count: int, steps: int, threads: int) -> Measured:
     carts = Steps(CART, count, threads=threads)
     rows = np.arange(count)
     for _ in range(2):  # the first time is that of loading
-        carts.begin(rows, starts(count))
+        carts.begin(rows, [np.random.default_rng(SEED + 1)] * count)
         name = f"stickslip, {threads} thread{'s' * (threads > 1)}"
         found = timed(name, carts.step, torques(count, steps), lambda: carts.states[:, 0])
     return found

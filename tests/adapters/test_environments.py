@@ -15,7 +15,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from tests.support import module_at
 
-from stickslip import Axis, Coulomb, EventDriven, LuGre, simulate
+from stickslip import Axis, Coulomb, EventDriven, LuGre, Measurement, Stribeck, select, simulate
 from stickslip.adapters import (
     CAPSULE,
     CART,
@@ -25,6 +25,7 @@ from stickslip.adapters import (
 )
 from stickslip.drives import ThreePhase
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import TISSUES
 from stickslip.mechanisms import Prescribed
 from stickslip.results import Status
 
@@ -289,9 +290,132 @@ def test_other_laws_and_mechanisms_serve():
     assert info["travel"].tolist() == [0.0, 0.0]  # it sticks
 
 
+LAWS = [
+    *(Coulomb(kinetic_coefficient=mu) for mu in (0.1, 0.2, 0.3)),
+    Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.02),
+    LuGre(
+        kinetic_coefficient=0.2, static_coefficient=0.25, stribeck_velocity=0.01,
+        bristle_stiffness=1e4, bristle_damping=10.0,
+    ),
+]  # fmt: skip
+INCLINES = [-0.1, 0.0, "5 deg"]
+DRAWN = {"laws": LAWS, "vary": {"incline": INCLINES}}
+
+
+def test_a_seed_draws_a_law_and_parameters():
+    env = MotorEnvironment("capsule", **DRAWN)
+    drawn = [env.reset(seed=seed)[1]["drawn"] for seed in (*range(60), *range(60))]
+    assert drawn[:60] == drawn[60:]
+    assert {LAWS.index(one["law"]) for one in drawn} == {*range(len(LAWS))}
+    inclines = {float(one["mechanism.incline"]) for one in drawn}
+    assert inclines == {-0.1, 0.0, math.radians(5.0)}
+    env.reset(seed=3)
+    after = [env.reset()[1]["drawn"] for _ in range(3)]  # the generator goes on
+    assert any(one != drawn[3] for one in after)
+
+
+def test_each_law_is_as_likely():
+    envs = MotorVectorEnvironment(600, "capsule", **DRAWN)
+    laws = envs.reset(seed=0)[1]["drawn"]["law"]
+    counts = [sum(one is law for one in laws) for law in LAWS]
+    # 120 of each are expected, with a standard deviation of 9.8
+    assert sum(counts) == 600
+    assert max(abs(count - 120) for count in counts) < 40
+
+
+def test_episodes_with_what_they_drew_are_runs_of_the_engine():
+    env = MotorEnvironment("capsule", **DRAWN)
+    ends = set()
+    for seed in range(12):
+        drawn = env.reset(seed=seed)[1]["drawn"]
+        for action in actions(8, share=0.2, seed=seed)[:, 0]:
+            *_, info = env.step(action)
+        mechanism = dataclasses.replace(
+            CAPSULE.mechanism, incline=float(drawn["mechanism.incline"])
+        )
+        task = dataclasses.replace(CAPSULE, law=drawn["law"], mechanism=mechanism)
+        run = task.trajectory(env._start, env._actions)
+        end = [run[name][-1] for name in run.states]
+        np.testing.assert_allclose(info["state"], end, atol=1e-7)
+        assert env.trajectory()["x"][-1] == run["x"][-1]
+        ends.add(round(float(end[0]), 9))
+    assert len(ends) > 3
+
+
+def test_many_draw_what_each_draws_alone():
+    task, told = dataclasses.replace(CAPSULE, duration=0.1), actions(40, 20, share=0.2)
+    envs = MotorVectorEnvironment(20, task, threads=2, **DRAWN)
+    _, info = envs.reset(seed=5)
+    infos = [info] + [envs.step(action)[-1] for action in told]
+    laws = set()
+    for row in range(20):
+        env = MotorEnvironment(task, **DRAWN)
+        _, alone = env.reset(seed=5 + row)
+        over = False
+        for k, action in enumerate(told):
+            if over:
+                (_, alone), over = env.reset(), False
+            else:
+                *_, terminated, truncated, alone = env.step(action[row])
+                over = terminated or truncated
+            together = infos[k + 1]
+            assert together["travel"][row] == alone["travel"]
+            assert {n: together["drawn"][n][row] for n in alone["drawn"]} == alone["drawn"]
+            laws.add(LAWS.index(alone["drawn"]["law"]))
+    assert len(laws) == len(LAWS)
+
+
+def test_without_lists_the_law_of_the_task_is_drawn_and_seeds_mean_the_same():
+    env, listed = MotorEnvironment(), MotorEnvironment(laws=[CART.law], vary={"incline": [0.0]})
+    told = actions(5)[:, 0]
+    assert alike(played(env, told, seed=1), played(listed, told, seed=1))
+    assert env.reset()[1]["drawn"] == {"law": CART.law}
+
+
+def verdict_on_a_table():
+    v = np.linspace(0.02, 1.0, 12)
+    noise = np.random.default_rng(1).normal(size=12)
+    table = Measurement(
+        velocity=v, friction=1.2 + 0.3 * v + 0.02 * noise, load=np.linspace(4.0, 6.0, 12)
+    )
+    return select(Axis(inertia=1.0), None, table)
+
+
+@pytest.mark.parametrize(
+    "drawing",
+    [lambda: TISSUES["wet"], pytest.param(verdict_on_a_table, marks=pytest.mark.slow)],
+    ids=["tissue", "verdict"],
+)
+def test_a_verdict_or_a_tissue_draws_the_laws(drawing):
+    made = drawing()
+    laws = MotorVectorEnvironment(200, laws=made).reset(seed=0)[1]["drawn"]["law"]
+    drawn = made.sample()
+    assert len(drawn) == 20
+    assert all(any(one == law for law in drawn) for one in laws)
+    assert all(any(one == law for one in laws) for law in drawn)
+
+
+def test_a_pickled_environment_draws_on():
+    envs = MotorVectorEnvironment(33, threads=2, **DRAWN)
+    envs.reset(seed=0)
+    twin = pickle.loads(pickle.dumps(envs))
+    both = [one.reset() for one in (envs, twin)]
+    assert np.array_equal(both[0][0], both[1][0])
+    assert [*both[0][1]["drawn"]["law"]] == [*both[1][1]["drawn"]["law"]]
+
+
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
+        (lambda: MotorEnvironment(laws=[]), InputError, "at least one"),
+        (lambda: MotorEnvironment(laws=LAWS[0]), InputError, r"laws must be .* got Coulomb"),
+        (lambda: MotorEnvironment(laws=[*LAWS, 0.2]), InputError, "sample"),
+        (lambda: MotorEnvironment(laws=TISSUES["intestine"]), ParameterError, "logarithmic_coeff"),
+        (lambda: MotorEnvironment(vary={"inclin": [0]}), UnknownNameError, "incline"),
+        (lambda: MotorEnvironment(vary={"incline": 0.1}), InputError, "linspace"),
+        (lambda: MotorEnvironment(vary={"incline": []}), InputError, "linspace"),
+        (lambda: MotorEnvironment(vary={"incline": "5 deg"}), InputError, "linspace"),
+        (lambda: MotorEnvironment(vary={"incline": [7.0]}), ParameterError, "at most 1.57 rad"),
         (lambda: MotorEnvironment("car"), UnknownNameError, "cart"),
         (lambda: MotorEnvironment(7), InputError, "MotorTask or a name"),
         (lambda: MotorEnvironment(render_mode="human"), InputError, "rgb_array"),
@@ -393,3 +517,14 @@ def test_training_improves_the_policy():
     first = train.scores(envs, np.tile(train.START, (train.CANDIDATES, 1)), seed=10**6).mean()
     _, score = train.train(12, told=lambda _: None)
     assert score > 1.5 * first
+
+
+@pytest.mark.slow
+def test_the_profile_of_the_worst_quarter_beats_the_three_phase_motion():
+    train = module_at(FILES / "train_capsule.py")
+    start = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    best = dataclasses.replace(start, amplitude=0.0135, fast=65.6, slow=12.3, last=12.5)
+    laws = [Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.05)]
+    first, then = (train.returned(train.following(one), laws, 7) for one in (start, best))
+    assert 0.0 < first < then
+    assert train.returned(train.constant(laws), laws, 7) == pytest.approx(0.0, abs=1e-3)

@@ -11,6 +11,7 @@ from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
+from stickslip.quantities import vary
 from stickslip.results import Status
 from stickslip.simulation import check_pair
 from stickslip.solver import IncrementalEnsemble, gather
@@ -115,6 +116,31 @@ def test_a_run_that_begins_anew_leaves_the_others():
     assert runs.t[3] == 0.0 < runs.t[4]
     others = np.arange(COUNT) != 3
     np.testing.assert_array_equal(runs.states[others], before[others])
+
+
+def test_runs_may_begin_with_other_parameters():
+    mechanism, law = CASES["series"]
+    other = vary(mechanism, "mechanism", {"mechanism.inertia": 3.0})
+    rough = dataclasses.replace(law, kinetic_coefficient=2.0 * law.kinetic_coefficient)
+    runs, others = going(mechanism, law), going(other, rough)
+    plain = advanced(going(mechanism, law)).states
+    rows = np.arange(0, COUNT, 2)
+    runs.begin(rows, others.states[rows], other, rough)
+    mixed, far = advanced(runs).states, advanced(others).states
+    np.testing.assert_array_equal(mixed[::2], far[::2])
+    np.testing.assert_array_equal(mixed[1::2], plain[1::2])
+    assert not np.array_equal(far, plain)
+
+
+def test_a_run_that_is_left_stays_where_it_is_until_it_begins():
+    runs = advanced(going(*CASES["series"]), range(5))
+    runs.leave([3])
+    assert np.flatnonzero(~runs.running).tolist() == [3]
+    before = runs.states[3]
+    advanced(runs, range(5, 10))
+    assert runs.states[3].tolist() == before.tolist()
+    runs.begin([3], before[None])
+    assert runs.running.all()
 
 
 def test_a_run_that_took_too_many_steps_has_ended():

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.adapters.motor_task import MotorTask, Steps, task_of
+from stickslip.adapters.motor_task import Draws, MotorTask, Steps, task_of
 from stickslip.display import require_library
 from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
 from stickslip.trajectory import Trajectory
 
 require_library("gymnasium", "gym")
@@ -61,7 +62,14 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 25}  # type: ignore[misc]
 
-    def __init__(self, task: str | MotorTask = "cart", render_mode: str | None = None) -> None:
+    def __init__(
+        self,
+        task: str | MotorTask = "cart",
+        render_mode: str | None = None,
+        *,
+        laws: Sequence[FrictionLaw] | Draws | None = None,
+        vary: Mapping[str, Sequence[float | str]] | None = None,
+    ) -> None:
         """Make the environment.
 
         Parameters
@@ -70,12 +78,18 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
             The task, ``"cart"`` or ``"capsule"``.
         render_mode : str, optional
             ``"rgb_array"`` for pictures, each of which takes some tenths of a second.
+        laws : sequence of FrictionLaw, or a verdict or tissue, optional
+            Each episode has one of them, or of what ``laws.sample()`` draws, instead of that of the
+            task.
+        vary : mapping, optional
+            Values of parameters of the mechanism, such as ``{"incline": [0.0, "5 deg"]}``: each
+            episode has one of them.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode must be None or 'rgb_array', got {render_mode!r}.")
         self.task, self.render_mode = task_of(task), render_mode
         self.observation_space, self.action_space = _spaces(self.task)
-        self._steps = Steps(self.task, 1, threads=1)
+        self._steps = Steps(self.task, 1, laws=laws, vary=vary, threads=1)
         self._start: list[float] | None = None
         self._actions: list[float] = []
         self._travel = self._work = 0.0
@@ -94,12 +108,11 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         Returns
         -------
         (array (3,), dict)
-            Observation [SI]; travel [m], work [J] and all states.
+            Observation [SI]; travel [m], work [J], all states, and what was drawn: ``"drawn"``.
         """
         super().reset(seed=seed)
-        start = self._steps.start(self.np_random, _given(options))
-        self._steps.begin([0], start[None])
-        self._start, self._actions = start.tolist(), []
+        self._steps.begin([0], [self.np_random], _given(options))
+        self._start, self._actions = self._steps.state(0).tolist(), []
         self._travel = self._work = 0.0
         return self._steps.observations[0], self._info()
 
@@ -142,8 +155,10 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         )
 
     def _info(self) -> Info:
-        """Return travel [m] and work [J] of the episode, and all states [SI]."""
-        return {"travel": self._travel, "work": self._work, "state": self._steps.states[0]}
+        """Return travel [m] and work [J] of the episode, all states [SI], and what was drawn."""
+        drawn = {name: values[0] for name, values in self._steps.drawn.items()}
+        state = self._steps.state(0)
+        return {"travel": self._travel, "work": self._work, "state": state, "drawn": drawn}
 
     def trajectory(self) -> Trajectory:
         """Return the run of the episode so far, with its events and certificate.
@@ -155,7 +170,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         """
         if self._start is None:
             raise InputError("the environment has not begun: call reset() before trajectory().")
-        return self.task.trajectory(self._start, self._actions)
+        return self._steps.tasks[0].trajectory(self._start, self._actions)
 
     @override
     def render(self) -> Any:
@@ -166,7 +181,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
         run = self.trajectory()
         now = min(len(self._actions) * self.task.period, run.span[1])
-        return picture_of(run, self.task.driven(self._actions), now, size=PICTURE)
+        return picture_of(run, self._steps.tasks[0].driven(self._actions), now, size=PICTURE)
 
 
 @final
@@ -198,6 +213,8 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         *,
         threads: int | None = None,
         render_mode: str | None = None,
+        laws: Sequence[FrictionLaw] | Draws | None = None,
+        vary: Mapping[str, Sequence[float | str]] | None = None,
     ) -> None:
         """Make the environments.
 
@@ -211,6 +228,8 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             Threads that share them; one a processor if not given.
         render_mode : str, optional
             None: there is nothing to render.
+        laws, vary
+            As of `MotorEnvironment`.
         """
         told: object = num_envs
         if not (isinstance(told, int | np.integer) and told >= 1):
@@ -221,7 +240,9 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
                 " MotorEnvironment of the same seed and actions."
             )
         self.task, self.num_envs = task_of(task), int(num_envs)
-        self._steps = Steps(self.task, self.num_envs, threads=threads)  # refuses too many
+        self._steps = Steps(  # refuses too many
+            self.task, self.num_envs, laws=laws, vary=vary, threads=threads
+        )
         self.single_observation_space, self.single_action_space = _spaces(self.task)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -247,7 +268,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         Returns
         -------
         (array (count, 3), dict)
-            Observations [SI]; travel [m] and work [J] of each.
+            Observations [SI]; travel [m] and work [J] of each, and what each has drawn.
 
         Raises
         ------
@@ -282,8 +303,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
     def _begin(self, rows: NDArray[np.intp], given: Mapping[str, float] | None = None) -> None:
         if not rows.size:
             return
-        starts = [self._steps.start(self._generators[row], given) for row in rows]
-        self._steps.begin(rows, np.array(starts))
+        self._steps.begin(rows, [self._generators[row] for row in rows], given)
         self._over[rows] = False
         self._travel[rows] = self._work[rows] = 0.0
 
@@ -329,11 +349,12 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         return seen, rewards, terminated, truncated, self._info()
 
     def _info(self) -> Info:
-        """Return travel [m] and work [J] of each episode, all of which are there."""
+        """Return travel [m] and work [J] of each episode, and what was drawn: all are there."""
         there = np.ones(self.num_envs, dtype=bool)
-        return {
-            "travel": self._travel.copy(),
-            "_travel": there,
-            "work": self._work.copy(),
-            "_work": there,
-        }
+
+        def masked(values: Info) -> Info:
+            return values | {f"_{name}": there for name in values}
+
+        drawn = {name: values.copy() for name, values in self._steps.drawn.items()}
+        work, travel = self._work.copy(), self._travel.copy()
+        return masked({"travel": travel, "work": work, "drawn": masked(drawn)})

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, final
+from typing import Annotated, Any, Protocol, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.mechanisms import Capsule, Mechanism, Motor, PendulumCart, Torque, slip_of
-from stickslip.quantities import Parametrised, Quantity
+from stickslip.quantities import Parametrised, Quantity, full_path, parameters, structure
+from stickslip.quantities import vary as changed
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven, IncrementalEnsemble
 from stickslip.trajectory import Trajectory
@@ -237,43 +238,113 @@ class Stepped:
     """Of the motor in the step (count,) [J]."""
 
 
+class Draws(Protocol):
+    """What draws laws: a verdict, or a tissue."""
+
+    def sample(self) -> Sequence[FrictionLaw]:
+        """Return laws, each of them as likely."""
+
+
+def laws_of(task: MotorTask, laws: Sequence[FrictionLaw] | Draws | None) -> list[FrictionLaw]:
+    """Return the laws of which episodes draw one: that of the task if none are given."""
+    if laws is None:
+        return [task.law]
+    found = laws if isinstance(laws, Sequence) else getattr(laws, "sample", tuple)()
+    if not found or not all(isinstance(one, FrictionLaw) for one in found):
+        raise InputError(
+            "laws must be friction laws, at least one, or what draws them by sample(), as a verdict"
+            f" or TISSUES['wet'], got {laws!r}."
+        )
+    return [*found]
+
+
+def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dict[str, list[float]]:
+    """Return the values of which episodes draw one [SI], by the full path of a parameter."""
+    known = {path: quantity for path, quantity, _ in parameters(task.mechanism, "mechanism")}
+    found: dict[str, list[float]] = {}
+    for name, given in vary.items():
+        path = full_path(name, known)
+        if isinstance(given, str) or np.ndim(given) != 1 or len(given) == 0:
+            raise InputError(
+                f"vary[{name!r}] must be the values of which an episode draws one, such as"
+                f" np.linspace(-0.1, 0.1, 21), got {given!r}."
+            )
+        for x in given:
+            own = changed(task.mechanism, "mechanism", {path: cast("float", x)})
+            found.setdefault(path, []).append(
+                {p: v for p, _, v in parameters(own, "mechanism")}[path]
+            )
+    return found
+
+
 @final
 class Steps:
-    """Mechanisms of one task that step together."""
+    """Mechanisms of one task that step together, each with a law and parameters that it draws.
 
-    def __init__(self, task: MotorTask, count: int, *, threads: int | None = None) -> None:
+    Laws with the same equations are runs of one ensemble: each mechanism moves in that of its law.
+    """
+
+    def __init__(
+        self,
+        task: MotorTask,
+        count: int,
+        *,
+        laws: Sequence[FrictionLaw] | Draws | None = None,
+        vary: Mapping[str, Sequence[float | str]] | None = None,
+        threads: int | None = None,
+    ) -> None:
         """Make room; each has to begin before it can step."""
         self.task, self.count = task, count
-        self._runs = IncrementalEnsemble(
-            task.driven(), task.law, count=count, solver=task.solver, threads=threads
-        )
+        self._laws, self._values = laws_of(task, laws), values_in(task, vary or {})
+        firsts = {structure(law): law for law in self._laws}
+        self._runs = {
+            form: IncrementalEnsemble(
+                task.driven(), law, count=count, solver=task.solver, threads=threads
+            )
+            for form, law in firsts.items()
+        }
+        self._at = [next(iter(self._runs.values()))] * count
+        self._moving: list[tuple[IncrementalEnsemble, NDArray[np.intp]]] = []
+        """Ensembles that mechanisms move in, and which do."""
+        self.tasks = [task] * count
+        """That of each, with what it has drawn."""
+        self.drawn: dict[str, NDArray[Any]] = {"law": np.full(count, None)}
+        """What each has drawn (count,): its law, and parameters by path [SI]."""
+        self.drawn |= {path: np.full(count, np.nan) for path in self._values}
         self._done = np.zeros(count, dtype=np.int64)
         self._bounds = task.observation_bounds
 
     @property
     def states(self) -> Array:
-        """States of all (count, n) [SI]."""
-        return self._runs.states
+        """Coordinates and rates of all (count, 4) [SI]."""
+        found = np.empty((self.count, 4))
+        for runs, rows in self._moving:
+            found[rows] = runs.states[rows, :4]
+        return found
+
+    def state(self, row: int) -> Array:
+        """Return the state of one, with those of its law (n,) [SI]."""
+        found: Array = self._at[row].states[row]
+        return found
 
     @property
     def observations(self) -> Array:
         """What is observed of all (count, 3) [SI], clipped to its bounds."""
-        return self._seen(self._runs.states)
+        return self._seen(self.states)
 
     def _seen(self, states: Array) -> Array:
         _, v, q, w = self.task.places
         return np.clip(states[:, (v, q, w)], -self._bounds, self._bounds)
 
-    def start(
-        self, generator: np.random.Generator, given: Mapping[str, float] | None = None
+    def _start(
+        self, names: Sequence[str], generator: np.random.Generator, given: Mapping[str, float]
     ) -> Array:
         """Return a state at which an episode may begin (n,) [SI]."""
-        names = self._runs.model.states
         state = np.zeros(len(names))
         _, _, q, w = self.task.places
         spread = self.task.start_spread
         state[q] = generator.uniform(-spread, spread)
-        for name, value in (given or {}).items():
+        for name, value in given.items():
             if name not in names:
                 raise UnknownNameError("state", name, names)
             state[names.index(name)] = value
@@ -286,10 +357,42 @@ class Steps:
                 )
         return state
 
-    def begin(self, rows: Sequence[int] | NDArray[np.intp], states: Array) -> None:
-        """Let some begin a new episode."""
-        self._runs.begin(rows, states)
-        self._done[rows] = 0
+    def _draw(self, generator: np.random.Generator) -> tuple[int, ...]:
+        """Return which law and which values an episode has."""
+        # a choice of one takes nothing from the generator
+        sizes = [len(self._laws), *map(len, self._values.values())]
+        return tuple(int(generator.integers(size)) for size in sizes)
+
+    def begin(
+        self,
+        rows: Sequence[int] | NDArray[np.intp],
+        generators: Sequence[np.random.Generator],
+        given: Mapping[str, float] | None = None,
+    ) -> None:
+        """Let some begin a new episode: each draws its law, parameters and start, in this order."""
+        draws = [self._draw(generator) for generator in generators]
+        names = [self._runs[structure(self._laws[k])].model.states for k, *_ in draws]
+        starts = [self._start(*one, given or {}) for one in zip(names, generators, strict=True)]
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for i, (row, draw) in enumerate(zip(rows, draws, strict=True)):
+            self._at[row].leave([row])
+            alike.setdefault(draw, []).append(i)
+        for (k, *places), which in alike.items():
+            begun, law = [int(rows[i]) for i in which], self._laws[k]
+            runs = self._runs[structure(law)]
+            values = {path: x[j] for j, (path, x) in zip(places, self._values.items(), strict=True)}
+            task = self.task
+            if values or law is not task.law:
+                mechanism = changed(task.mechanism, "mechanism", values)
+                task = dataclasses.replace(task, law=law, mechanism=mechanism)
+            self._done[begun] = 0
+            runs.begin(begun, np.array([starts[i] for i in which]), task.mechanism, law)
+            for row in begun:
+                self.tasks[row], self._at[row] = task, runs
+            for name, value in {"law": law, **values}.items():
+                self.drawn[name][begun] = value
+        used = dict.fromkeys(self._at)
+        self._moving = [(one, np.flatnonzero([at is one for at in self._at])) for one in used]
 
     def step(self, actions: Array) -> Stepped:
         """Hold an action for a period in each."""
@@ -313,11 +416,14 @@ class Steps:
                 " got nan."
             )
         efforts = np.multiply(np.clip(efforts, -1.0, 1.0), task.effort_limit, dtype=np.float64)
-        before = self._runs.states
+        before = self.states
         self._done += 1
         untils = np.multiply(self._done, task.period, dtype=np.float64)
-        self._runs.advance(untils, efforts)
-        after = self._runs.states
+        running = np.empty(self.count, dtype=bool)
+        for runs, rows in self._moving:
+            runs.advance(untils, efforts)
+            running[rows] = runs.running[rows]
+        after = self.states
         x, _, q, w = task.places
         moved = after - before
         work = np.maximum(efforts * moved[:, q], 0.0)
@@ -327,7 +433,7 @@ class Steps:
         return Stepped(
             observations=self._seen(after),
             rewards=moved[:, x] - task.work_weight * work,
-            terminated=beyond | ~self._runs.running,
+            terminated=beyond | ~running,
             truncated=self._done >= task.steps,
             travel=moved[:, x],
             work=work,
@@ -335,7 +441,7 @@ class Steps:
 
     def ending(self, row: int) -> str:
         """Return the sentence that says why an episode ended."""
-        if not self._runs.running[row]:
-            return self._runs.status(row).value
+        if not self._at[row].running[row]:
+            return self._at[row].status(row).value
         name = self.task.observation_names[1]
         return f"{name} or its rate exceeded its limit."

@@ -9,8 +9,11 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import final
 
+import numpy as np
+
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.registry import law
+from stickslip.quantities import Given
 
 
 @final
@@ -40,6 +43,22 @@ class Tissue:
     def law(self) -> type[FrictionLaw]:
         """The class of its laws, which has the condition under which these are passive."""
         return law(self.composition)
+
+    def sample(self, count: int = 20, *, seed: int = 0, **values: Given) -> list[FrictionLaw]:
+        """Return laws drawn over what was measured, each value in a range as likely.
+
+        `values` are parameters that all of them have: those without a range have to be given, or
+        a `ParameterError` names them.
+
+        Examples
+        --------
+        >>> laws = TISSUES["wet"].sample(50)
+        >>> 0.0004 <= min(one.kinetic_coefficient for one in laws) < 0.002
+        True
+        """
+        draw = np.random.default_rng(seed).uniform
+        rows = ({name: draw(*ends) for name, ends in self.ranges.items()} for _ in range(count))
+        return [self.law(**(row | values)) for row in rows]
 
 
 TISSUES: Mapping[str, Tissue] = MappingProxyType(

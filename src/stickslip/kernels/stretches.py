@@ -79,8 +79,8 @@ def stretches(
     before its time stays as it is.
     """
     for row in range(first, count):
-        take_up(row, kept, wholes, w, whole)
-        if whole[STATUS] in (RUNNING, END_TIME, FULL):
+        if wholes[row * len(whole) + STATUS] in (RUNNING, END_TIME, FULL):
+            take_up(row, kept, wholes, w, whole)
             if whole[STATUS] != FULL:
                 whole[STEPS] = 0
                 whole[EVENTS] = 0

@@ -35,7 +35,7 @@ from stickslip.kernels.state_layout import (
 from stickslip.kernels.stretches import kept_size
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
-from stickslip.solver.drive_schedule import gather
+from stickslip.solver.drive_schedule import gather, values_of
 from stickslip.solver.event_driven import EventDriven, status_of
 from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS
@@ -79,7 +79,7 @@ class IncrementalEnsemble:
         self._kept = np.zeros((count, self._width))
         # sizes of those that have not begun count too: the kernels look at all rows
         self._wholes = np.tile(np.array([*header], dtype=np.int64), (count, 1))
-        self._wholes[:, STATUS] = enums.STEP_TOO_SMALL  # nothing that could go on
+        self.leave(range(count))
         self._work()
 
     def _work(self) -> None:
@@ -139,14 +139,24 @@ class IncrementalEnsemble:
         self,
         rows: Sequence[int] | NDArray[np.intp],
         states: Array,
+        mechanism: Mechanism | None = None,
+        law: FrictionLaw | Laws | None = None,
     ) -> None:
-        """Let some runs begin anew at time 0."""
+        """Let some runs begin anew at time 0, with other parameters if these are given."""
         if not np.isfinite(states).all():
             raise InputError(f"states must be finite, got {states!r}.")
+        mechanism = mechanism or self.mechanism
+        placed = [within_stops(mechanism, state) for state in states]
+        values = values_of(mechanism, law or self.law)
         self._kept[rows] = self._fresh
         self._wholes[rows] = self._runner.header
-        placed = [within_stops(self.mechanism, state) for state in states]
+        for path, place in zip(self.model.parameter_paths, self.model.places, strict=True):
+            self._kept[rows, POLYNOMIAL + place - NUMBERS] = values[path]
         self._kept[rows, self._y : self._y + len(self.model.states)] = placed
+
+    def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
+        """Let some runs go no further until they begin anew."""
+        self._wholes[rows, STATUS] = enums.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
         """Go on with all runs that have not ended, the drives having constant values."""
