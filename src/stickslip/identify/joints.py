@@ -268,7 +268,7 @@ def select_joints(
     joints = dict[str, BandVerdict]()
     for name, contact in records.contacts.items():
         judged = problem(own[name])
-        if laws is not None:
+        if laws is not None and not said:  # forces of another joint may follow none of them
             restrict(judged, laws)
         joints[contact] = record_verdict(
             judged,
