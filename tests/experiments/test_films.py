@@ -9,7 +9,7 @@ from stickslip import Capsule, Coulomb, Measurement, check, select, simulate
 from stickslip.drives import Square
 from stickslip.errors import InputError
 from stickslip.experiments import travels_of_films
-from stickslip.experiments.films import frequency_of
+from stickslip.experiments.films import frequency_of, other_drives
 from stickslip.mechanisms import Torque
 
 PERIOD = "mechanism.drive.drive.period"
@@ -47,6 +47,15 @@ def test_a_film_with_the_frequency_of_another_run_is_refused() -> None:
     films = Measurement(trials=(film(0.3, 60.0, 2e-4, 1), film(0.4, 60.0, 2e-4, 2, stated=0.3)))
     with pytest.raises(InputError, match=r"film 2 oscillates with 2\.5 Hz, and its drive has 3\.3"):
         travels_of_films(capsule(0.4), films)
+
+
+def test_a_motion_that_repeats_after_three_cycles_is_that_of_its_drive() -> None:
+    t = np.arange(0.0, 4.0, 1.0 / 60.0)
+    third = 2e-3 * np.sin(2.0 * np.pi * t / 1.2) + 3e-4 * np.sin(2.0 * np.pi * t / 0.4)
+    slow = Measurement(time=t, position=0.01 * t + third)
+    assert not [*other_drives(capsule(0.4), slow)]
+    other = Measurement(time=t, position=0.01 * t + 2e-3 * np.sin(2.0 * np.pi * t / 0.95))
+    assert len([*other_drives(capsule(0.4), other)]) == 1
 
 
 def test_a_film_that_begins_after_its_drive_is_refused() -> None:

@@ -100,8 +100,7 @@ def frequency_of(time: Array, position: Array) -> tuple[float, float]:
     if not len(tried):
         return math.nan, 0.0
     shares = np.array([oscillation(time, position, f) for f in tried])
-    good = np.flatnonzero(shares >= AS_GOOD * shares.max())
-    at = int(good[-1])
+    at = int(np.flatnonzero(shares >= AS_GOOD * shares.max())[-1])
     at = max(range(max(at - BINS, 0), min(at + BINS, len(tried))), key=lambda i: float(shares[i]))
     fine = np.linspace(tried[at] - 1.0 / (BINS * span), tried[at] + 1.0 / (BINS * span), 17)
     near = [oscillation(time, position, f) for f in fine]
@@ -111,14 +110,17 @@ def frequency_of(time: Array, position: Array) -> tuple[float, float]:
 def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str]:
     """Yield a sentence for each film that oscillates with another frequency than its drive.
 
-    A motion that repeats itself after two cycles counts as that of its drive.
+    A motion that repeats itself after some cycles is that of its drive: then the frequency of the
+    film goes into that of the drive, as far as frequencies are tried.
     """
     for index, record in enumerate(measurement.records(), 1):
         time, x = np.asarray(record.time), np.asarray(record.values("position"))
         drive = 1.0 / cycle_of(vary(mechanism, PREFIX, record.overrides))
         best, share = frequency_of(time, x)
         own = oscillation(time, x, 0.5 * drive, 2 * HARMONICS)
-        if share > SHOWN and own < OTHER * share:
+        cycles = float(np.rint(drive / best))
+        repeats = cycles > 1.0 and abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
+        if share > SHOWN and own < OTHER * share and not repeats:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"
                 f" drive has {number(drive, 3)} Hz: one of the two is not of this run."
@@ -171,8 +173,8 @@ def travels_of_films(
     records = measurement.records()
     if not is_filmed(measurement):
         raise InputError("travels are read off films, which have positions in time and no more.")
-    shortest = min(float(np.asarray(one.time)[-1]) for one in records)
-    t_end = shortest if t_end is None else min(t_end, shortest)
+    t_end = math.inf if t_end is None else t_end
+    t_end = min(t_end, *(float(np.asarray(one.time)[-1]) for one in records))
     if said := list(other_drives(mechanism, measurement)):
         raise InputError(" ".join(said))
     found = [_read(mechanism, one, t_end, i) for i, one in enumerate(records, 1)]
@@ -216,8 +218,7 @@ def settled_speed(mechanism: Mechanism, film: Measurement) -> tuple[float, float
     (0.03, True)
     """
     rig = vary(mechanism, PREFIX, film.overrides)
-    last = float(np.asarray(film.time)[-1])
-    count = whole_cycles(rig, last)
+    count = whole_cycles(rig, float(np.asarray(film.time)[-1]))
     if count < 2:
         raise InputError(f"{film.name or 'the film'} has no two cycles of its drive.")
     period = cycle_of(rig)

@@ -5,8 +5,12 @@ covariance of `BlockRegression.fit`; where the same measurement was prepared in 
 a part of the draws comes from each, so that what the preparation changes is spread too. A band is
 the quantiles of the drawn curves: point by point, or widened until that share of the curves lies
 inside all along.
+
+Each structure has a stream of random numbers of its own, whose first ones stay the same for any
+number of draws: a share that differs by rounding adds or removes a draw, and changes no other.
 """
 
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -83,22 +87,27 @@ class Ensemble:
 
     def draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return `count` laws, in the order of the structures."""
-        rng = np.random.default_rng(self.seed)
-        shares, structures = self.comparison.shares, self.comparison.structures
         return [
-            Draw(structure=structures[i], coefficients=self.sampled(structures[i], n, rng))
-            for i, n in enumerate(allotted(shares, count))
-            if n
+            Draw(structure=structure, coefficients=self.sampled(structure, n))
+            for structure, n in self._counts(count)
         ]
 
-    def sampled(self, structure: Structure, count: int, rng: np.random.Generator) -> Array:
-        """Return coefficients (count, p) of draws of one structure, alike many of each twin."""
+    def _counts(self, count: int) -> list[tuple[Structure, int]]:
+        """Return how often each structure is drawn, of those that are."""
+        shares, structures = self.comparison.shares, self.comparison.structures
+        return [(s, n) for s, n in zip(structures, allotted(shares, count), strict=True) if n]
+
+    def sampled(self, structure: Structure, count: int, further: int = 0) -> Array:
+        """Return coefficients (count, p) of draws of one structure, alike many of each twin.
+
+        `further` is the number of a set of draws apart from others.
+        """
         twins = [twin for twin in self._twins if twin.problem.serves(structure)]
         fits = [self.fit(structure), *(twin.fit(structure) for twin in twins)]
         parts = allotted(np.ones(len(fits)), count)
-        return np.vstack(
-            [self._drawn(structure, fit, n, rng) for fit, n in zip(fits, parts, strict=True)]
-        )
+        streams = stream_of(structure, self.seed + further).spawn(len(fits))
+        each = zip(fits, parts, streams, strict=True)
+        return np.vstack([self._drawn(structure, fit, n, rng) for fit, n, rng in each])
 
     def _drawn(
         self, structure: Structure, fit: Fitted, count: int, rng: np.random.Generator
@@ -149,8 +158,8 @@ class Ensemble:
     def scatter(self, rng: np.random.Generator, count: int = THRESHOLDS.ensemble) -> Array:
         """Return draws (count,) of the scatter that drawn laws leave, in the order of `curves`."""
         found = []
-        for draw in self.draws(count):
-            fit, n = self.fit(draw.structure), len(draw.coefficients)
+        for structure, n in self._counts(count):
+            fit = self.fit(structure)
             found.append(fit.scatter / np.sqrt(rng.chisquare(fit.freedom, n) / fit.freedom))
         return np.concatenate(found)
 
@@ -165,7 +174,6 @@ class Ensemble:
         self, term: str, structures: Mapping[Structure, float], count: int = 1500
     ) -> Array:
         """Return draws of the first coefficient of a term over structures by weight (count,)."""
-        rng = np.random.default_rng(self.seed + 2)
         found = []
         having = {one: p for one, p in structures.items() if any(n == term for n, _ in one)}
         weights = np.array([*having.values()])
@@ -173,7 +181,7 @@ class Ensemble:
             if n:
                 before = one[: [name for name, _ in one].index(term)]
                 at = sum(self.regression.columns.of(column).shape[1] for column in before)
-                found.append(self.sampled(one, n, rng)[:, at])
+                found.append(self.sampled(one, n, further=2)[:, at])
         return np.concatenate(found)
 
 
@@ -209,14 +217,21 @@ def allotted(shares: Array, count: int) -> list[int]:
     return [int(one) for one in np.diff(ends, prepend=0.0)]
 
 
+def stream_of(structure: Structure, seed: int) -> np.random.Generator:
+    """Return the random numbers of a structure, whose shapes are known but for rounding."""
+    text = repr([(name, [f"{float(x):.4g}" for x in shape]) for name, shape in structure])
+    return np.random.default_rng([seed, zlib.crc32(text.encode())])
+
+
 def student(fit: Fitted, count: int, rng: np.random.Generator) -> Array:
     """Return draws (count, p) of Student's t about 0 with the covariance of a fit."""
-    root = _root(fit.covariance) if fit.root is None else fit.root
-    normal = rng.normal(size=(count, len(root))) @ root
-    return np.asarray(normal / np.sqrt(rng.chisquare(fit.freedom, (count, 1)) / fit.freedom))
+    root = root_of(fit.covariance) if fit.root is None else fit.root
+    normal, scale = rng.spawn(2)
+    drawn = normal.normal(size=(count, len(root))) @ root
+    return np.asarray(drawn / np.sqrt(scale.chisquare(fit.freedom, (count, 1)) / fit.freedom))
 
 
-def _root(covariance: Array) -> Array:
+def root_of(covariance: Array) -> Array:
     """Return a root (p, p) of a covariance, the transposed one of Cholesky."""
     size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     unit = np.where(size > 0.0, size, 1.0)

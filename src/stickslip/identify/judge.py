@@ -118,13 +118,12 @@ class Judgement:
 
     def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return draws of the named family: shapes by their shares, coefficients by covariance."""
-        rng = np.random.default_rng(self.ensemble.seed + 1)
         family = self.problem.family(self.named)
         members = family_members(self.ensemble.comparison, family)
         members = members or family_members(self.comparison, family)
         parts = allotted(np.array([*members.values()]), count)
         return [
-            Draw(structure=one, coefficients=self.ensemble.sampled(one, n, rng))
+            Draw(structure=one, coefficients=self.ensemble.sampled(one, n, further=1))
             for one, n in zip(members, parts, strict=True)
             if n
         ]

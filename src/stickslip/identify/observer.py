@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
-from stickslip.identify.ensemble import Ensemble
+from stickslip.identify.ensemble import Ensemble, root_of, stream_of
 from stickslip.identify.kinds.record_signals import Record, noise_of
 from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.problem import Array, Column, Fitted, Mask, Shape, Structure
@@ -407,11 +407,10 @@ class RefinedLaw:
 
 
 def _fitted(coefficients: Array, covariance: Array, freedom: float) -> Fitted:
-    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    root = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    # signs of eigenvectors are a matter of rounding, a root by Cholesky is not
     return Fitted(
         fitted=np.zeros(0), coefficients=coefficients, covariance=covariance, freedom=freedom,
-        root=root,
+        root=root_of(covariance),
     )  # fmt: skip
 
 
@@ -651,7 +650,6 @@ class Observer:
         price = self.ensemble.regression.price * scores.shape[1]
         shares = stacked_shares(scores, np.exp(-price * (count - count.min())))
         shares = with_curve(shares, is_law) if not is_law.all() and is_law.any() else shares
-        rng = np.random.default_rng(self.ensemble.seed + 5)
         structures: list[Structure] = []
         fits: dict[Structure, Fitted] = {}
         own: list[float] = []
@@ -659,6 +657,7 @@ class Observer:
         first: dict[int, Structure] = {}
         for i, (one, share) in enumerate(zip(laws, shares, strict=True)):
             doubtful, moved = self._doubtful(one.law.structure)
+            rng = stream_of(one.law.structure, self.ensemble.seed + 5)
             for plain, part, plain_fit in one.drawn(float(share), rng):
                 structure, fit = plain, plain_fit
                 if doubtful:

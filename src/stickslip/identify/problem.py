@@ -42,6 +42,8 @@ STRETCHES = 20
 """Stretches of records, or of the speeds of a table, that are left out one at a time, at most."""
 BENDING = (0.01, 0.1, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
+BEYOND = 3
+"""Knots of the measured curve beyond the measured speeds on either side."""
 OPENING = 0.5
 """Part of the root of its stiffness that the measured curve has beyond the measured speeds."""
 RUNNING_IN = (0.0, 0.2, 0.6)
@@ -290,6 +292,31 @@ class Problem(ABC):
     def is_law(self, structure: Structure) -> bool:
         """Return whether a structure is a law, and not the measured curve."""
         return all(self.terms[name].role != "curve" for name, _ in structure)
+
+
+def bending_of(knots: Array) -> tuple[Array, Array]:
+    """Return eigenvalues (k,) and vectors (k, k) of the bending of a curve over its knots (k,).
+
+    The slope of the curve walks at random over the knots; over those `BEYOND` what was measured at
+    either end more freely. A straight line does not bend: its constant comes first, then
+    its slope. Signs are such that no rounding decides them: draws depend on them.
+
+    Examples
+    --------
+    >>> values, vectors = bending_of(np.linspace(0.0, 2.0, 9))
+    >>> bool(values[1] == 0.0 < values[2]), np.round(vectors[:, 0], 3).tolist()[:2]
+    (True, [0.333, 0.333])
+    """
+    gaps = np.maximum(np.diff(knots), 1e-6)
+    slopes = np.diff(np.eye(len(knots)), axis=0) / gaps[:, None]
+    between = 0.5 * (gaps[:-1] + gaps[1:])
+    root = np.diff(slopes, axis=0) / np.sqrt(between)[:, None]
+    root[:BEYOND] *= OPENING
+    root[-BEYOND:] *= OPENING
+    values, vectors = np.linalg.eigh(root.T @ root)
+    straight, _ = np.linalg.qr(np.column_stack([np.ones(len(knots)), knots]))
+    values[:2], vectors[:, :2] = 0.0, straight
+    return values, vectors * np.sign(np.exp(np.linspace(0.0, 1.0, len(knots))) @ vectors)
 
 
 @final

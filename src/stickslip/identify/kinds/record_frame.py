@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identify.kinds.record_signals import Along, Frame, Record, noise_of
-from stickslip.identify.problem import OPENING, STRETCHES, Array
+from stickslip.identify.problem import BEYOND, STRETCHES, bending_of
 
 APART = 3.0
 """Distance over 1/fc from which rows are independent."""
@@ -25,8 +25,6 @@ SAMPLED = 0.15
 """Largest band over the sampling rate."""
 BEND = 0.5
 """Logarithm of speeds over which the curve bends by its prior, and between knots beyond them."""
-BEYOND = 3
-"""Knots beyond the measured speeds on either side."""
 SLOW, SLOW_FREE = 0.02, 0.1
 """Part of the rows that is slower than friction is stated for: little work is done there."""
 KNOTS = 10
@@ -131,24 +129,6 @@ def band_for(records: Sequence[Record]) -> float:
     return float(np.clip(band, low, top))
 
 
-def _bending(knots: Array) -> tuple[Array, Array, Array]:
-    """Return eigenvectors (k, k) and values (k,) of the bending of a curve, and further knots (k,).
-
-    The slope of the curve walks at random over the logarithm of the speed, also beyond the speeds
-    that were measured, and there more freely.
-    """
-    beyond = BEND * np.arange(1, BEYOND + 1)
-    every = np.concatenate([knots[0] - beyond[::-1], knots, knots[-1] + beyond])
-    gaps = np.diff(every)
-    slopes = np.diff(np.eye(len(every)), axis=0) / gaps[:, None]
-    between = 0.5 * (gaps[1:] + gaps[:-1])
-    bend = np.diff(slopes, axis=0) * (BEND**1.5 / np.sqrt(between))[:, None]
-    bend[:BEYOND] *= OPENING
-    bend[-BEYOND:] *= OPENING
-    values, basis = np.linalg.eigh(bend.T @ bend)
-    return basis, np.where(values < 1e-8 * values.max(), 0.0, values), every
-
-
 def _unit(rows: Along) -> float:
     """Return the standard deviation of what a force of 1 N does in a record."""
     found = 0.0
@@ -171,7 +151,9 @@ def frame_of(rows: Along, band: float) -> Frame:
     else:
         quantiles = np.quantile(speed, np.linspace(0.02, 1.0, KNOTS))
         knots = np.unique(np.log(np.maximum(quantiles, low)))
-    basis, values, knots = _bending(knots)
+    beyond = BEND * np.arange(1, BEYOND + 1)
+    knots = np.concatenate([knots[0] - beyond[::-1], knots, knots[-1] + beyond])
+    values, basis = bending_of(knots)
     low_x, high_x = float(rows.position.min()), float(rows.position.max())
     loads = [one.load for one in rows.records if one.load is not None]
     varies = bool(loads) and float(np.ptp(np.concatenate(loads))) > 0.05 * float(
@@ -193,6 +175,6 @@ def frame_of(rows: Along, band: float) -> Frame:
         inputs={name: float(np.mean(x)) for name, x in sorted(inputs.items()) if np.ptp(x) > 0.0},
         knots=knots,
         basis=basis,
-        bending=values,
+        bending=BEND**3 * values,
         unit=_unit(rows),
     )

@@ -24,7 +24,7 @@ from stickslip.identify.problem import (
     ALIKE,
     ASKED,
     BENDING,
-    OPENING,
+    BEYOND,
     RUNNING_IN,
     SIDE,
     STRETCHES,
@@ -36,6 +36,7 @@ from stickslip.identify.problem import (
     Shape,
     Structure,
     Term,
+    bending_of,
 )
 from stickslip.mechanisms import Mechanism
 
@@ -45,7 +46,7 @@ SPEED_EXPONENTS = (0.2, 0.33, 0.5, 0.67, 0.8, 1.25, 1.5)
 """Powers of the speed; 1 is viscous and 2 is drag."""
 RUN_SPREADS = (3.0, 10.0, 30.0)
 """Spreads of runs, in units of the noise."""
-BEYOND = (math.log(10.0), math.log(10.0))
+FAR = math.log(10.0)
 """How far below and above the measured speeds the curve has knots, in logarithms."""
 FEW_SPEEDS = 3
 """Speeds of a direction from which it may differ from the other."""
@@ -160,7 +161,7 @@ class TableProblem(Problem):
         slowest = float(speed.min())
         logs = np.log(np.maximum(rows.speed, slowest / 10.0))
         knots = _knots(_apart(np.log(speed)))
-        bending, basis = _bending(knots)
+        bending, basis = bending_of(knots)
         self.frame = Frame(
             slowest=slowest,
             fastest=float(speed.max()),
@@ -447,20 +448,8 @@ def _knots(logs: Array) -> Array:
     else:
         count = min(STRETCHES - 1, 2 * len(logs) - 1)  # as many as blocks have gaps
         inside = np.interp(np.linspace(0, len(logs) - 1, count), np.arange(len(logs)), logs)
-    below, above = (np.linspace(0.0, far, 4)[1:] for far in BEYOND)
-    return np.concatenate([inside[0] - below[::-1], inside, inside[-1] + above])
-
-
-def _bending(knots: Array) -> tuple[Array, Array]:
-    """Return eigenvalues (k,) and vectors (k, k) of the bending of a curve."""
-    gaps = np.maximum(np.diff(knots), 1e-6)
-    slopes = np.diff(np.eye(len(knots)), axis=0) / gaps[:, None]
-    between = 0.5 * (gaps[:-1] + gaps[1:])
-    root = np.diff(slopes, axis=0) / np.sqrt(between)[:, None]
-    edge = len(gaps) - 2
-    root[[0, 1, 2, edge - 2, edge - 1, edge]] *= OPENING
-    values, vectors = np.linalg.eigh(root.T @ root)
-    return np.where(values < 1e-8 * values.max(), 0.0, values), vectors
+    beyond = np.linspace(0.0, FAR, BEYOND + 1)[1:]
+    return np.concatenate([inside[0] - beyond[::-1], inside, inside[-1] + beyond])
 
 
 def _gaps(speed: Array) -> list[float]:
