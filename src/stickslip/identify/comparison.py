@@ -143,11 +143,14 @@ def _material_evidence(
 ) -> dict[int, float]:
     """Return the evidence of families whose rows are dense, by the place of their best structures.
 
-    It is less the logarithm of the held-out error for each block, each parameter at its price.
+    It is less the logarithm of the held-out error for each block, each parameter at its price; an
+    error that is less than rounding is rounding.
     """
     problem, price, blocks = search.problem, search.regression.price, losses.shape[1]
     structures = search.structures
-    error = 0.5 * np.log(losses.mean(axis=1) + LEAST**2)
+    weighted = search.regression.weights * problem.response
+    least = (THRESHOLDS.rounding * float(np.max(np.abs(weighted)))) ** 2
+    error = 0.5 * np.log(losses.mean(axis=1) + least)
     count = np.array([problem.parameters(one) for one in structures])
     value = -blocks * (error + price * count)
     places: dict[Family, int] = {}

@@ -406,8 +406,9 @@ def noise_weights(
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
     rank = min(problem.parameters(structure), len(e) - 2)
     count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
-    # a fit without residuals still has the rounding of its numbers
-    least = (1e-9 * float(np.median(weights)) * float(np.max(np.abs(problem.response)))) ** 2
+    # a fit without residuals still has the rounding of its numbers, and of filters
+    size = float(np.median(weights)) * float(np.max(np.abs(problem.response)))
+    least = (THRESHOLDS.rounding * size) ** 2
     variance = float(e @ e) / count
     spare = len(e) - problem.parameters(structure)
     if problem.independent and spare < FEW:
