@@ -94,6 +94,17 @@ def test_a_free_decay_gains_no_energy(axis, start, noise):
     assert doubts(record) == []
 
 
+@pytest.mark.parametrize("rate", [12.0, 14.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_decay_with_few_samples_of_each_swing_gains_no_energy(rate, seed):
+    # the filter of the position takes off the speed that it has when it is let go
+    time = np.arange(0.0, 20.0, 1.0 / rate)
+    position = np.exp(-time / 30.0) * np.cos(2.0 * np.pi * time)
+    position += 0.004 * np.random.default_rng(seed).normal(size=len(time))
+    swing = Axis(inertia=1.0, stiffness=(2.0 * np.pi) ** 2)
+    assert doubts(Measurement(time=time, position=position), swing) == []
+
+
 def test_a_swing_without_a_spring_that_could_bring_it_back_is_an_error():
     record = decay(SPRUNG, {"x": 0.3})
     (one,) = doubts(record, Axis(inertia=1.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
-from stickslip.experiments.differentiation import acceleration_of
+from stickslip.experiments.differentiation import CUTOFF, acceleration_of
 from stickslip.experiments.measurement import ELECTRIC, Array, Measurement
 from stickslip.experiments.recorded_drive import COMMANDS
 from stickslip.experiments.slicing import between_gaps
@@ -17,7 +17,6 @@ from stickslip.formatting import number, percent
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 
-"""What drives a record in time."""
 OTHERS: Final = ("friction", "spring_force", "pull")
 """With one of these a record says by itself what acts; friction needs no drive."""
 LEVELS: Final = 31
@@ -167,9 +166,11 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
     """Return what energy is gained at one position, and what is left, over the largest energy.
 
     Both are medians over positions; what is left counts where a position is passed often. What
-    noise makes of as many passages is no gain.
+    noise makes of as many passages is no gain. Ends of the filter, a period of its corner, are
+    left out: it knows no speed before a release.
     """
-    v, most = moving.velocity, moving.fastest**2
+    ends = slice(round(1 / CUTOFF), -round(1 / CUTOFF))
+    position, v, most = position[ends], moving.velocity[ends], moving.fastest**2
     rises, left = [], []
     for level in np.linspace(position.min(), position.max(), LEVELS + 2)[1:-1]:
         apart = position - level
@@ -183,11 +184,8 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
         rises.append(max(rise - noise, 0.0) / most)
         if at.size >= LASTING and squares[0] > GAINED * most:
             left.append(float(squares[-1] / squares[0]))
-    enough = len(rises) >= FEWEST
-    return (
-        float(np.median(rises)) if enough else 0.0,
-        float(np.median(left)) if len(left) >= FEWEST else 0.0,
-    )
+    gained, kept = (float(np.median(x)) if len(x) >= FEWEST else 0.0 for x in (rises, left))
+    return gained, kept
 
 
 def _turned(moving: Motion) -> float:
