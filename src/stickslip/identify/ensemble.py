@@ -135,15 +135,15 @@ class Ensemble:
     def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
         """Return what drawn laws predict at rows (count, n).
 
-        Random effects of runs are those of one of the runs that were measured, in turn, and so
-        are places between two readings where something changes.
+        Random effects of runs are those of one of the runs that were measured, in turn, drifts are
+        those early, midway or late, and so are places between two readings where something changes.
         """
         variants = [Columns(self.problem, one) for one in self.problem.variants(rows)]
         length = self._length(variants[0])
         found = []
         for draw in self.draws(count):
-            runs = any(self.problem.terms[name].role == "run" for name, _ in draw.structure)
-            used = variants if runs else variants[:1]
+            roles = {self.problem.terms[name].role for name, _ in draw.structure}
+            used = variants if roles & {"run", "fault"} else variants[:1]
             places = self.problem.places(draw.structure)
             turns = [(columns, place) for columns in used for place in places]
             for k, (columns, place) in enumerate(turns):

@@ -26,7 +26,7 @@ from stickslip.identify.ensemble import (
 )
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
-from stickslip.identify.problem import Array, Column, Problem, Structure
+from stickslip.identify.problem import Array, Column, Family, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_at, noise_weights
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
@@ -118,7 +118,9 @@ class Judgement:
 
     def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return draws of the named family: shapes by their shares, coefficients by covariance."""
-        family = self.problem.family(self.named)
+        return self._family_draws(self.problem.family(self.named), count)
+
+    def _family_draws(self, family: Family, count: int) -> list[Draw]:
         members = family_members(self.ensemble.comparison, family)
         members = members or family_members(self.comparison, family)
         parts = allotted(np.array([*members.values()]), count)
@@ -145,15 +147,21 @@ class Judgement:
 
     @cached_property
     def intervals(self) -> tuple[Interval, ...]:
-        """Intervals of the parameters of the named law."""
+        """Intervals of the parameters of the named law.
+
+        Whichever law holds, half of the draws are of the named family, beside all that the band
+        has; and each rival has the root of its odds: what is not told apart must not be left out.
+        """
         own, every = self.named_values, self.values(self.ensemble.draws())
         tail = 0.5 * (1.0 - THRESHOLDS.interval)
+        rivals = [self.values(draws) for draws in self._rival_draws()]
         found = []
         for path, x in self.composition.paths().items():
             low, high = np.quantile(own[path], (tail, 1.0 - tail)).tolist()
             others = every.get(path, own[path])
             # as many draws of the named family as of all that have the parameter
-            both = np.concatenate([own[path], np.resize(others, len(own[path]))])
+            rest = [rival[path] for rival in rivals if path in rival]
+            both = np.concatenate([own[path], np.resize(others, len(own[path])), *rest])
             low_any, high_any = np.quantile(both, (tail, 1.0 - tail)).tolist()
             found.append(
                 Interval(
@@ -166,6 +174,18 @@ class Judgement:
                 )
             )
         return tuple(found)
+
+    def _rival_draws(self) -> list[list[Draw]]:
+        """Return draws of the families that are not told apart from the named one."""
+        evidence, (named, *rivals) = self.comparison.evidence, self.comparison.set
+        counts = {
+            rival: THRESHOLDS.ensemble * math.exp(0.5 * (evidence[rival] - evidence[named]))
+            for rival in rivals
+        }
+        return [
+            self._family_draws(self.problem.family(rival), math.ceil(count))
+            for rival, count in counts.items()
+        ]
 
     @cached_property
     def correlation(self) -> Array:

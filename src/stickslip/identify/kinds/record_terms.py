@@ -265,7 +265,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
              title=TITLES["level_direction"], rank=5, **on_memory),
         Term(name="drag", role="law", columns=law(lambda r, _: r.velocity * np.abs(r.velocity)),
              excludes=flows - {"drag"}, nonnegative=True,
-             title=TITLES["drag"], rank=6),
+             title=TITLES["drag"], rank=1 if rows.free else 6),  # what swings out is in air
         Term(name="power", role="law",
              columns=law(lambda r, s: np.sign(r.velocity) * np.abs(r.velocity) ** s[0]),
              shapes=[(p,) for p in (0.33, 0.5, 0.67, 0.8, 1.5)], steps=(1.25,), nonnegative=True,

@@ -93,7 +93,7 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = {"work": 0.65, "momentum": 0.9}
 """Width of the noise of free motions over their band, as white noise would have (study: decays)."""
-FREE_SPREAD = 4.0
+FREE_SPREAD = 3.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
@@ -212,7 +212,7 @@ class RecordsProblem(Problem):
                 ("level",), ("level", "offset"), ("level", "viscous"), ("viscous",),
                 ("level", "offset", "viscous"), ("level", "stribeck", "viscous"),
                 ("level", "offset", "stribeck", "viscous"), ("drag", "level"),
-                ("drag", "level", "viscous"), ("drag", "viscous"), ("level", "power"),
+                ("drag", "level", "viscous"), ("drag", "viscous"), ("drag",), ("level", "power"),
                 ("adhesion", "level"), ("adhesion", "level", "viscous"),
                 ("hose", "level", "offset", "viscous"),
                 ("adhesion", "level", "stribeck", "viscous"), ("adhesion", "level", "power"),

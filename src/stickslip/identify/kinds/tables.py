@@ -232,11 +232,17 @@ class TableProblem(Problem):
 
     @override
     def variants(self, rows: Rows) -> Sequence[Rows]:
-        """Return rows as they were in each run that was measured, where none is asked for."""
-        runs = int(self.rows.run.max()) + 1
-        if runs < 2 or (rows.run >= 0).any():
+        """Return rows as they were in each run, early, midway and late, where none is asked for."""
+        if (rows.run >= 0).any():
             return [rows]
-        return [replace(rows, run=np.full(len(rows.run), k)) for k in range(runs)]
+        runs = range(int(self.rows.run.max()) + 1) if "run" in self.terms else (-1,)
+        orders = (0.0, -1.0, 1.0) if "drift" in self.terms else (0.0,)
+        like = np.ones(len(rows.run))
+        return [
+            replace(rows, run=k * like.astype(int), order=order * like)
+            for k in runs
+            for order in orders
+        ]
 
     @override
     def at(
