@@ -20,13 +20,11 @@ from stickslip.identification.series.inverse_dynamics import (
     known_forces,
     positions_of,
 )
+from stickslip.identification.series.measured_load import VARIES
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
-
-VARIES = 0.05
-"""Range of a torque over its median beyond which it varies."""
 
 
 def transmitted_along(mechanism: Mechanism, measurement: Measurement) -> list[Array] | None:

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bound
+from stickslip.identification.estimation.parameters import MOVED
+from stickslip.identification.settings import ROUNDS
 from stickslip.kernels.bristle_steps import (
     MARGIN,
     MOST_PARTS,
@@ -30,17 +32,10 @@ from stickslip.solver import states_along
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
-JOINED = 1e-10
-"""Mismatch at joints over the largest deflection that counts as none: a thousand times less than
-what the copies of a law differ by when slopes are wanted."""
-SWEEPS = 30
-"""Sweeps at most: states that do not meet by then belong to values far from any fit."""
 CREEP = 1e-9
 """Speed [m/s] at which bristles follow displacement alone."""
 WAY_PARTS = 2
 """Parts of such a displacement; one is exact where rates are linear in the deflection."""
-STEPS_PER_CHUNK = 0.5
-"""Steps in a chunk over the number of chunks."""
 PLAIN = 1e-9
 """Exponent of yielding, less 1, that is none."""
 LEAST = 1e-15
@@ -89,7 +84,7 @@ class Path:
         """
         found = self.steps()
         count = found.shape[1]
-        steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
+        steps = max(1, round(count**0.5))
         chunks = -(-count // steps)
         padded = np.zeros((len(found), steps * chunks))
         padded[:, :count] = found
@@ -103,7 +98,7 @@ def follow(
     start: Array,
     guess: Array | None = None,
     *,
-    mismatch: float = JOINED,
+    mismatch: float = MOVED**2,
 ) -> Array:
     """Return bristle states along a path.
 
@@ -133,7 +128,7 @@ def follow(
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
     # each sweep settles one more joint, whatever the slopes
     flags: Array = np.zeros((0, chunks, copies), dtype=bool)
-    for _ in range(min(chunks, SWEEPS)):
+    for _ in range(min(chunks, ROUNDS)):
         states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))

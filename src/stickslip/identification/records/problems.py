@@ -49,7 +49,7 @@ from stickslip.identification.series.start_values import (
     mechanism_unknown,
     regressed,
 )
-from stickslip.identification.settings import Hold, RecordSettings, SensorResponse
+from stickslip.identification.settings import NEGLIGIBLE, Hold, RecordSettings, SensorResponse
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import (
@@ -63,14 +63,10 @@ from stickslip.mechanisms import Mechanism, motor_of, stops_of
 from stickslip.quantities import full_path, parameters, vary
 
 Array = NDArray[np.float64]
-SOME = 2_500
-"""Samples of a record that start values are looked for with, where many are at rest."""
 SEEN = 16.0
 """Way along which a bristle yields, over the noise of positions, from which a record shows it."""
 ELECTRIC = ("mechanism.drive.resistance", "mechanism.drive.back_emf_constant")
 """Paths of what the winding alone tells of a motor under a recorded current."""
-CONSTANT = 1e-6
-"""Variation of a force over its size below which it never changes."""
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
@@ -180,7 +176,7 @@ class _ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=FEW)
         except InputError:
             return ()
         return tuple(
@@ -268,7 +264,7 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     else:
         inertia = regressed(mechanism, under_load, wanted.unknown)
         derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
-        stretches = derive(slipping=True, samples=SOME)
+        stretches = derive(slipping=True, samples=FEW)
         rough = StartEstimate.of(stretches)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
@@ -390,7 +386,7 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     problem, further = map_along(
         wanted.law,
         stretches,
-        own(samples=SOME),
+        own(samples=FEW),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
@@ -471,7 +467,7 @@ def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) ->
         if one.regressors is not None
     ]
     forces = np.concatenate(table)
-    if np.ptp(forces) <= CONSTANT * np.max(np.abs(forces), initial=0.0):
+    if np.ptp(forces) <= NEGLIGIBLE * np.max(np.abs(forces), initial=0.0):
         raise InputError(
             f"inverse dynamics cannot find {mass.path}: the force that moves the body never"
             " changes, and a mass of 0 with a friction of that size would explain it. Give the"
