@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identification.estimation.parameters import MOVED
-from stickslip.identification.settings import ROUNDS
+from stickslip.identification.settings import ROUNDING, ROUNDS
 from stickslip.kernels.bristle_steps import (
     MARGIN,
     MOST_PARTS,
@@ -32,14 +32,10 @@ from stickslip.solver import states_along
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
+TINY = float(np.finfo(float).eps)
+"""Share of the way to the limit that is none."""
 CREEP = 1e-9
 """Speed [m/s] at which bristles follow displacement alone."""
-WAY_PARTS = 2
-"""Parts of such a displacement; one is exact where rates are linear in the deflection."""
-PLAIN = 1e-9
-"""Exponent of yielding, less 1, that is none."""
-LEAST = 1e-15
-"""Share of the way to the limit that is none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,7 +155,7 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
     known = _moved(law, v, load, states, way / v, Latches(off=True))
     if known is not None:
         return known
-    found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
+    found, _, _ = _stepped(_rates(law, v, load), way / v, states, 1, size)
     return found
 
 
@@ -289,10 +285,10 @@ def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
     left = 1.0 - curve * along * z
     size = np.abs(left)
     bend = 1.0 - power
-    worn = curve * np.abs(v) * h * np.maximum(size, LEAST) ** -bend
-    plain = np.abs(bend) < PLAIN
+    worn = curve * np.abs(v) * h * np.maximum(size, TINY) ** -bend
+    plain = np.abs(bend) < ROUNDING
     spent = np.where(plain, 0.0, bend * worn)
-    kept = np.log1p(-np.minimum(spent, 1.0 - LEAST)) / np.where(plain, 1.0, bend)
+    kept = np.log1p(-np.minimum(spent, 1.0 - TINY)) / np.where(plain, 1.0, bend)
     size = np.where(spent >= 1.0, 0.0, size * np.exp(np.where(plain, -worn, kept)))
     return np.where(moves, along * (1.0 - np.copysign(size, left)) / curve, z)
 

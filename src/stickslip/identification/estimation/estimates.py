@@ -10,7 +10,7 @@ from stickslip import formatting
 from stickslip.formatting import fixed, number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.jackknife import Inference
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import WIDE, FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.results import READINGS, Estimate
 from stickslip.identification.settings import NEGLIGIBLE, TAKES_PART
@@ -19,11 +19,9 @@ from stickslip.mechanisms import Mechanism
 Array = NDArray[np.float64]
 
 INTERVAL = "95 %"
-MANY = 10.0
-"""An interval that goes so many times the value to either side is none, nor is one of a logarithm
-that goes by this factor; of a number that may be 0 ..."""
-OF_BOUNDS = 0.1
-"""... it is also as wide as this share of what was searched."""
+MANY = 30.0
+"""An interval that goes so many times the value to either side is none, or as many times
+what the record suggests if that is more, nor is one of a logarithm that goes by this factor."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
 SEPARABLE = 300.0
@@ -66,7 +64,7 @@ def estimates_of(
             if spread > math.log(MANY):
                 low, high = -math.inf, math.inf
                 reason = "the record does not determine its order of magnitude"
-        elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
+        elif half > MANY * max(abs(value), (item.high - item.low) / (2.0 * WIDE)):
             low, high = -math.inf, math.inf
             reason = f"the record does not determine its magnitude, ± {with_unit(half, item, 2)}"
         found.append(

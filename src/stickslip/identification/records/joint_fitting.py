@@ -16,7 +16,12 @@ from stickslip.formulation import JointTorques
 from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
-from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import (
+    OFFSET,
+    WIDE,
+    FreeParameter,
+    FreeParameters,
+)
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
@@ -35,7 +40,7 @@ from stickslip.identification.records.fitting import finished, searched
 from stickslip.identification.records.links import told_links
 from stickslip.identification.records.problems import FitSetup
 from stickslip.identification.series.inverse_dynamics import positions_of
-from stickslip.identification.series.start_values import WIDE
+from stickslip.identification.series.start_values import MOST
 from stickslip.identification.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
 from stickslip.identification.validation import (
     LAW,
@@ -52,9 +57,6 @@ JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | No
 
 JOINTS = "joints"
 """The route of records of several joints."""
-DOUBTED, BETTER = 0.5, 0.5
-"""Residual of a regression over the spread of a force from which wrong columns are looked for, and
-how much less it must be without what is wrong."""
 SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
 """What may be exchanged, and the quantities of a record that it is."""
 OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
@@ -286,11 +288,12 @@ class JointFitter:
     def wrong_columns(self, laws: Mapping[str, JointLaw] | str) -> str:
         """Return which signals would explain the forces if exchanged or converted, as a sentence.
 
-        Looked for where a regression leaves much of the force of some joint; empty elsewhere.
+        Looked for where a regression leaves most of the force of some joint; empty elsewhere, and
+        if none takes most of that away.
         """
         names, units = self.mechanism.coordinates, self.mechanism.units
         share = float(np.max(self.motion.share))
-        if share < DOUBTED:
+        if share < MOST:
             return ""
         zeros = bool(self.settings.position_zeros)
         found = []
@@ -302,7 +305,7 @@ class JointFitter:
                 continue
             found.append((float(np.max(seen.share)), finding))
         left, finding = min(found, default=(np.inf, ""))
-        if left > min(BETTER * share, DOUBTED):
+        if left > MOST * min(share, 1.0):
             return ""
         falls = (
             f"what the mechanism does not explain of the forces falls from {percent(share)}"

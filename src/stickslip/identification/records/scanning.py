@@ -17,8 +17,8 @@ from stickslip.friction import Coulomb
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
-from stickslip.identification.force_map.start_values import StartEstimate
-from stickslip.identification.series.start_values import ONE_WAY, load_of
+from stickslip.identification.force_map.start_values import STEPS, StartEstimate
+from stickslip.identification.series.start_values import LITTLE, load_of
 from stickslip.identification.settings import RESOLUTION, ROUNDS
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
@@ -37,9 +37,6 @@ SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
 PRESLIDING: Final = 1e-3
 """Length over which bristles give way, over the stroke."""
-KEPT, STEPS = 8, 15
-"""Starts of least residual that are followed, and for so many steps: of 30 bristle laws, three and
-five leave five in another valley, eight and fifteen one."""
 
 
 def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> StartEstimate:
@@ -95,7 +92,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         force=found * load,
         speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
         stiffness=found / (PRESLIDING * stroke),
-        two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
+        two_sided=LITTLE < ahead < 1.0 - LITTLE,
     )
 
 
@@ -104,7 +101,7 @@ def least_of(problem: RecordProblem, tried: Sequence[Array]) -> Array:
     if len(tried) == 1:
         return tried[0]
     seen = [problem.linearise(values, slopes=False) for values in tried]
-    best = sorted(seen, key=lambda one: one.cost)[:KEPT]
+    best = sorted(seen, key=lambda one: one.cost)[:STEPS]
     ends = [_end(problem, one, rounds=STEPS) for one in best]
     return min(ends, key=lambda one: one.cost).values
 
