@@ -294,9 +294,8 @@ def _matched(
     for part, own, f in zip(parts, means, freedoms, strict=True):
         raw = float(np.sum(part * part.T))
         # a scatter of f degrees overrates its square (Bai & Saranadasa 1996)
-        right = (
-            max(f * f / ((f - 1.0) * (f + 2.0)) * (raw - own * own / f), 0.0) if f > 1.0 else 0.0
-        )
+        known = (1.0 - 1.0 / f) * (1.0 + 2.0 / f)
+        right = max((raw - own * own / f) / known, 0.0) if f > 1.0 else 0.0
         squares += max(right, own * own / len(form)) - raw
         unsure += max(right, own * own / len(form)) / f
     above = min(max(mean * mean / max(squares, 1e-300), 1.0), float(len(form)))

@@ -59,6 +59,8 @@ from stickslip.quantities import parameters, vary
 Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
 
+LEVELS = 2
+"""Positions between which an encoder may jitter at rest, too seldom to be noise."""
 FAR = 50.0
 """Range of a slow motion over the displacement that the sensor may miss from which it is one."""
 
@@ -433,7 +435,7 @@ def _cut_off(
     reaches = [reach_of(x, noise) for x, noise in zip(raw, noises, strict=True)]
     followed = [play(x, reach) for x, reach in zip(raw, reaches, strict=True)]
     ranges = [float(np.ptp(x)) / (2.0 * reach) for x, reach in zip(followed, reaches, strict=True)]
-    moving = [one > 1.0 for one in ranges]
+    moving = [one > 1.0 and np.unique(x).size > LEVELS for x, one in zip(raw, ranges, strict=True)]
 
     def passed() -> float:
         found = zip(raw, noises, moving, strict=True)
