@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 Hold: TypeAlias = Literal["zero", "first"]
 """What an applied force does between samples: keeps its value, or goes straight to the next."""
 RESOLUTION = 100
-"""Samples a segment is compared at, and pieces its drive has, at most."""
+"""Samples a segment is compared at, pieces its drive has, and poses and stretches of a record that
+are looked at, at most."""
 LEAST = 8
 """Rows that a segment must have to say anything beside its initial state."""
 SEGMENT = 1.0

@@ -88,14 +88,7 @@ class Path:
         return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
 
-def follow(
-    law: FrictionLaw,
-    path: Path,
-    start: Array,
-    guess: Array | None = None,
-    *,
-    mismatch: float = MOVED**2,
-) -> Array:
+def follow(law: FrictionLaw, path: Path, start: Array, guess: Array | None = None) -> Array:
     """Return bristle states along a path.
 
     Within a step the velocity is constant, so that laws which know displacement only see the
@@ -122,14 +115,15 @@ def follow(
     starts = np.repeat(start[:, None, :], chunks, axis=1)
     if guess is not None:
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
-    # each sweep settles one more joint, whatever the slopes
+    # each sweep settles one more joint, whatever the slopes; what is left is beside the second
+    # order of the step by which copies of a law differ
     flags: Array = np.zeros((0, chunks, copies), dtype=bool)
     for _ in range(min(chunks, ROUNDS)):
         states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         passed = np.concatenate([np.zeros_like(after[:, :1]), after[:, :-1]], axis=1)
-        apart = ~(gap <= mismatch * size)
+        apart = ~(gap <= MOVED**2 * size)
         apart |= (passed != (flags if len(flags) else False)).any(axis=(0, 1))
         if not (apart & np.isfinite(size)).any():
             break
