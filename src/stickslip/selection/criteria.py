@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.described import Described
-from stickslip.identification.settings import ROUNDING
+from stickslip.identification import ROUNDING
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.trajectory import Trajectory
 

@@ -19,6 +19,7 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
 from stickslip.identification.force_map.force_balance import (
+    SAMPLES,
     BalanceProblemBuilder,
     RederivedBalance,
     balanced,
@@ -26,13 +27,7 @@ from stickslip.identification.force_map.force_balance import (
 )
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import (
-    FEW,
-    MECHANISM,
-    SAMPLES,
-    constant_of,
-    map_along,
-)
+from stickslip.identification.force_map.problem import FEW, MECHANISM, constant_of, map_along
 from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
