@@ -45,9 +45,8 @@ FAST = 0.5
 FARTHER = 10.0
 """How much farther than its range an exponent, a change with an input, and what spans decades is
 looked for."""
-STEPS = 8
-"""Starts that are followed downhill, and for how many steps: of 30 simulated bristle laws three and
-five leave five in another valley, eight and fifteen one."""
+STEPS = 4
+"""Steps downhill from points of the grid, before the best end is followed."""
 
 
 def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
@@ -99,7 +98,7 @@ def _best_of_each(
     for k in order:
         key = tuple(points[k][path] for path in speeds if path in points[k]) or (float(k),)
         kept.setdefault(key, rated[k])
-    return list(kept.values())[:STEPS]
+    return list(kept.values())[: len(SPEEDS)]
 
 
 def _has_memory(problem: ForceMap) -> bool:
