@@ -76,7 +76,7 @@ def planar():
 
 def test_two_links_in_a_plane_have_seven_base_parameters(monkeypatch):
     """M. Gautier: moments of both, inertias of both and the armature of the second."""
-    monkeypatch.setattr("stickslip.identification.records.links.ESSENTIAL", 0.0)
+    monkeypatch.setattr("stickslip.identification.records.links.SURE", 0.0)
     robot = planar()
     other = replace(robot, joints=(replace(robot.joints[0], mass=2.1), robot.joints[1]))
     _, told = told_links(other, excited(robot, 1), "first", zeros=False)

@@ -25,7 +25,7 @@ ROUGH = StartEstimate(
 # Start and bounds by hand: friction reaches 4.4 N / 2 N.
 MAPPED = {
     "kinetic_coefficient": (2.0, 0.0, 220.0),
-    "static_coefficient": (2.4, 0.0, 240.0),
+    "static_coefficient": (2.8, 0.0, 280.0),
     "forward_kinetic_coefficient": (1.5, 0.0, 220.0),
     "backward_kinetic_coefficient": (2.5, 0.0, 250.0),
     "viscous_coefficient": (0.5, 0.0, 880.0),
@@ -35,8 +35,8 @@ MAPPED = {
     "stribeck_velocity": (0.05, 5e-5, 5.0),
     "bristle_stiffness": (1e4, 1.0, 1e8),
     "bristle_damping": (0.04, 0.0, 440.0),
-    "fading_exponent": (None, 0.02, 10.0),
-    "yield_exponent": (None, 0.02, 10.0),
+    "fading_exponent": (None, 0.03, 50.0),
+    "yield_exponent": (None, 0.02, 30.0),
     "viscous_exponent": (1.0, 0.2, 1.5),
 }
 TRAVELS = {

@@ -16,7 +16,7 @@ from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.problems import RouteChoice, prepared
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.initial_states import (
-    CLEARLY,
+    AGREE,
     Known,
     LocalState,
     Ways,
@@ -155,7 +155,7 @@ def test_residuals_have_next_to_nothing_left_that_an_initial_state_can_do(record
     off = 0.99 * problem.free_parameters.start
     here = problem.linearise(off)
     again = problem.linearise(off, here)
-    assert (1.0 - CLEARLY) * here.cost < again.cost <= here.cost
+    assert (1.0 - AGREE) * here.cost < again.cost <= here.cost
     for k, local in here.memory.items():
         own = here.segment == k
         assert np.max(np.abs(local.basis.T @ here.slopes[own])) < 1e-9 * np.abs(local.slopes).max()

@@ -9,11 +9,9 @@ import pytest
 
 from stickslip import (
     Axis,
-    CoulombViscous,
     Dahl,
     Measurement,
     RecordSettings,
-    fit,
     select,
 )
 from stickslip.selection.choice import APART, NEAR, apart, as_good, choose
@@ -119,15 +117,6 @@ def test_numbers_that_two_laws_fit_exactly_go_to_the_simpler_one():
 
 def test_a_single_block_tells_no_laws_apart():
     assert as_good(law("simple", [9.0]), law("rich", [1.0]))
-
-
-def test_all_readings_at_one_speed_are_held_out_together():
-    v = np.repeat([0.1, 0.2, 0.3, 0.4, 0.5], 3)
-    table = Measurement(velocity=v, friction=2.0 + 3.0 * v)
-    problem = fit(AXIS, CoulombViscous, table).problem
-    segment = problem.linearise(problem.free_parameters.start).segment
-    held = {tuple(v[segment == k]) for k in np.unique(segment)}
-    assert held == {(one,) * 3 for one in (0.1, 0.2, 0.3, 0.4, 0.5)}
 
 
 def rubbing(t, v, x, noise):

@@ -39,6 +39,7 @@ INSIDE = {
     "Parameters": "validation",
     "Problem": "estimation.problem",
     "READINGS": "results",
+    "ROUNDING": "settings",
     "ROUTES": "records.route_choice",
     "ResidualJacobian": "estimation.problem",
     "RouteName": "records.route_choice",

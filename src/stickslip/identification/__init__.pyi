@@ -72,6 +72,7 @@ from stickslip.identification.series.inverse_dynamics import inverse_dynamics as
 from stickslip.identification.series.inverse_dynamics import known_forces as known_forces
 from stickslip.identification.series.measured_load import as_loaded as as_loaded
 from stickslip.identification.series.start_values import load_of as load_of
+from stickslip.identification.settings import ROUNDING as ROUNDING
 from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.segments import segments_of as segments_of
 from stickslip.identification.shooting.segments import with_drive as with_drive

@@ -14,6 +14,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input, with_voltage
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
+from stickslip.identification.settings import RESOLUTION, ROUNDING, STEP
 from stickslip.mechanisms import (
     ContactInputs,
     Mechanism,
@@ -30,16 +31,8 @@ from stickslip.quantities import parameters, vary
 
 Array = NDArray[np.float64]
 
-SAME = 1e-9
-"""Relative change of an input that is none: rounding of its unit."""
-MOVED = 1.001
-"""Factor on a parameter by which it is seen what depends on it."""
-BENT = 1e-2
-"""Share of a slope by which such a step may differ from it."""
 WEIGHTS = ("external", "gravity")
 """Inputs that fall where a joint takes more force; what a gear transmits grows."""
-LOOKED_AT = 50
-"""Samples of a record at which this is seen."""
 
 
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
@@ -222,7 +215,7 @@ def joint_inputs(
         return found
 
     found = told_by(mechanism)
-    every = max(1, len(time) // LOOKED_AT)
+    every = max(1, len(time) // RESOLUTION)
     elsewhere = told_by(mechanism, every, 1.0) if zeros else None
     nudged = [_nudged(mechanism, path) for path in fitted]
     moved = [(told_by(one, every), step) for one, step in nudged]
@@ -246,9 +239,9 @@ def joint_inputs(
 
 
 def _alike(seen: Array, table: Array) -> bool:
-    """Whether slopes (n, k) that a step shows are those of a table, as far as it tells."""
+    """Whether slopes (n, k) that a step shows are those of a table: bent by the step at most."""
     size = np.max(np.abs(table), axis=0, initial=0.0)
-    return bool(np.all(np.abs(seen - table) <= BENT * size + 1e-300))
+    return bool(np.all(np.abs(seen - table) <= STEP * size + 1e-300))
 
 
 def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
@@ -258,10 +251,10 @@ def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
     """
     value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
     try:
-        larger = value * MOVED if abs(value) > SAME else 2.0 * SAME
+        larger = value * (1.0 + STEP) if abs(value) > ROUNDING else 2.0 * ROUNDING
         return vary(mechanism, "mechanism", {path: larger}), larger - value
     except ParameterError:
-        smaller = value / MOVED
+        smaller = value / (1.0 + STEP)
         return vary(mechanism, "mechanism", {path: smaller}), smaller - value
 
 
@@ -377,7 +370,7 @@ def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> 
     found = []
     for name in _asked(law):
         values = np.concatenate([one[name] for one in inputs if name in one] or [np.zeros(0)])
-        if len(values) and np.ptp(values) <= SAME * float(np.max(np.abs(values))):
+        if len(values) and np.ptp(values) <= ROUNDING * float(np.max(np.abs(values))):
             found.append(f"The {name} is constant in this record: its effect cannot be told.")
     return tuple(found)
 

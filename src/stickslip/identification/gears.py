@@ -11,22 +11,20 @@ from stickslip.identification.force_map.force_balance import (
     mean_force,
     passed_by_balance,
     second_differences,
+    widened,
 )
 from stickslip.identification.force_map.gear_torques import gear_torques
-from stickslip.identification.force_map.joint_balance import AHEAD, WIDEST
 from stickslip.identification.series.applied_force import applied_force, driven, goes_straight
 from stickslip.identification.series.inverse_dynamics import (
     LEAST,
     known_forces,
     positions_of,
 )
+from stickslip.identification.series.measured_load import VARIES
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
-
-VARIES = 0.05
-"""Range of a torque over its median beyond which it varies."""
 
 
 def transmitted_along(mechanism: Mechanism, measurement: Measurement) -> list[Array] | None:
@@ -85,7 +83,7 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
         rows = np.searchsorted(times, time)
         raw, dt = positions_of(piece), float(np.ptp(time)) / (len(time) - 1)
         passed = passed_by_balance(raw)
-        a = second_differences(smoothed(raw, min(AHEAD * passed, WIDEST)), dt)
+        a = second_differences(smoothed(raw, widened(passed)), dt)
         torques = gear_torques(
             filtered_motion(raw, dt, passed, tracked="position" in piece.quantities()),
             drives[rows],

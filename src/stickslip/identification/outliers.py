@@ -10,12 +10,11 @@ import numpy as np
 from stickslip.experiments import Measurement
 from stickslip.identification.results import ModelError
 from stickslip.identification.series.inverse_dynamics import LEAST
+from stickslip.identification.settings import ROUNDS
 from stickslip.identification.signals import SHARES, far_off
 
 OUTLIERS = "outliers"
 """Name of the finding of samples far off those beside."""
-PASSES = 3
-"""Times that outliers are looked for: behind large ones there may be smaller ones."""
 
 
 def outlying(counts: Mapping[str, int]) -> tuple[ModelError, ...]:
@@ -54,7 +53,7 @@ def without_outliers(measurement: Measurement) -> tuple[Measurement, Mapping[str
     counts: dict[str, int] = {}
     if not all(isinstance(one.time, np.ndarray) for one in measurement.records()):
         return measurement, counts
-    for _ in range(PASSES):
+    for _ in range(ROUNDS):
         records, before = [], sum(counts.values())
         for record in measurement.records():
             columns: dict[str, Any] = {}

@@ -4,14 +4,9 @@ from collections.abc import Mapping
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, check_uncertainty
+from stickslip.identification.settings import STEP
 from stickslip.mechanisms import Mechanism, canonical_path
 from stickslip.quantities import Quantity, parameters, vary
-
-STEP = 1e-3
-"""Half the span of a central difference over the value: runs are exact to 1e-8, so that neither
-their error nor the curvature changes the fourth digit of an uncertainty."""
-OF_ZERO = 1e-2
-"""The same over the uncertainty where the value is 0."""
 
 
 def uncertainties_of(
@@ -77,5 +72,5 @@ def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float
         name: (quantity, value) for name, quantity, value in parameters(mechanism, "mechanism")
     }
     quantity, value = known[path]
-    step = STEP * abs(value) or OF_ZERO * doubt
+    step = STEP * abs(value) or doubt
     return max(value - step, quantity.low), min(value + step, quantity.high)

@@ -17,11 +17,32 @@ Array = NDArray[np.float64]
 Hold: TypeAlias = Literal["zero", "first"]
 """What an applied force does between samples: keeps its value, or goes straight to the next."""
 RESOLUTION = 100
-"""Samples a segment is compared at, and pieces its drive has, at most."""
+"""Samples a segment is compared at, pieces its drive has, and poses and stretches of a record that
+are looked at, at most."""
 LEAST = 8
 """Rows that a segment must have to say anything beside its initial state."""
 SEGMENT = 1.0
 """Length of a segment [s] that is simulated from a state of its own."""
+
+# What several rules ask alike has one answer.
+ROUNDING = 1e-9
+"""Share by which numbers differ that are the same but for their units and for sums."""
+NEGLIGIBLE = 1e-7
+"""Share below which slopes, and singular values of slopes, are not told from 0: they are exact to
+seven or eight digits."""
+TAKES_PART = 0.01
+"""Share of a direction from which a parameter takes part in it, and of a slope that is its own."""
+SETTLED = 1e-4
+"""Share by which a step lowers a cost, or changes values, at which an iteration ends."""
+ROUNDS = 200
+"""Steps of an iteration at most: all end by themselves."""
+STEP = 1e-3
+"""Share by which a parameter of a mechanism is moved to see what depends on it: neither the error
+of a run, 1e-8, nor curvature changes more than the third digit of a difference."""
+CHANCE = 0.05
+"""Chance with which an interval misses, and with which a test finds what is not there."""
+SURE = 3.0
+"""Standard errors from 0 beyond which a single number is something."""
 
 
 @final

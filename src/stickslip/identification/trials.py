@@ -16,7 +16,7 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError, Stic
 from stickslip.experiments import Measurement, condition_name, condition_unit
 from stickslip.formatting import interval, joined, number, significant, unit_text, with_unit, within
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification.estimation.estimates import bounds_met, estimates_of
+from stickslip.identification.estimation.estimates import TOGETHER, bounds_met, estimates_of
 from stickslip.identification.estimation.jackknife import (
     BLOCKS,
     Displaced,
@@ -35,7 +35,7 @@ from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.resting import rests
 from stickslip.identification.records.route_choice import RouteName
 from stickslip.identification.results import Estimate
-from stickslip.identification.settings import RecordSettings
+from stickslip.identification.settings import CHANCE, NEGLIGIBLE, RecordSettings
 from stickslip.identification.validation import check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
@@ -47,18 +47,8 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 
-CUT = 1e-10
-"""Eigenvalue of the scaled normal matrix, over the largest, below which a direction is not seen."""
-KNOWN = 1e9
-"""Degrees of freedom of a stated uncertainty."""
-SURE = 0.05
-"""Significance of the test."""
 MOST = 3
 """Parameters that a sentence names at most."""
-LEAST_P = 1e-3
-"""Below this, a probability is given as less than this."""
-TOGETHER = 0.95
-"""Correlation of two conditions from which their effects cannot be told from each other."""
 LAW = "friction."
 """How paths of a law begin; what is looked for beside it is the rig's, one number of all trials."""
 NOT_ALONE = (
@@ -130,7 +120,7 @@ def line_over(
         misfit = float(np.sum(weights * (values - table @ [level, slope]) ** 2)) / rest
         total = float(np.sum(freedom))
         scatter = float(scipy.stats.f.sf(misfit, rest, total))
-        if scatter < SURE:
+        if scatter < CHANCE:
             error, own = error * math.sqrt(misfit), float(rest)
     return np.array([level - slope * center, slope]), error, own, scatter
 
@@ -240,7 +230,7 @@ def homogeneity(
         for one, place, moved in zip(trials, places, several, strict=True):
             pull[place] += (one.slopes @ scale).T @ moved.rows
         scatters.append(np.outer(pull, pull))
-        freedoms.append(KNOWN)
+        freedoms.append(math.inf)
     form = _inverse(normal) - gathered @ _inverse(gathered.T @ normal @ gathered) @ gathered.T
     return _matched(float(score @ form @ score), form, scatters, freedoms)
 
@@ -284,7 +274,7 @@ def _inverse(matrix: Array) -> Array:
     """Return the inverse of a normal matrix on the directions that are seen, columns scaled."""
     size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     size = np.where(size > 0.0, size, 1.0)
-    inverse = np.linalg.pinv(matrix / np.outer(size, size), rcond=CUT, hermitian=True)
+    inverse = np.linalg.pinv(matrix / np.outer(size, size), rcond=NEGLIGIBLE, hermitian=True)
     return np.asarray(inverse / np.outer(size, size))
 
 
@@ -304,9 +294,8 @@ def _matched(
     for part, own, f in zip(parts, means, freedoms, strict=True):
         raw = float(np.sum(part * part.T))
         # a scatter of f degrees overrates its square (Bai & Saranadasa 1996)
-        right = (
-            max(f * f / ((f - 1.0) * (f + 2.0)) * (raw - own * own / f), 0.0) if f > 1.0 else 0.0
-        )
+        known = (1.0 - 1.0 / f) * (1.0 + 2.0 / f)
+        right = max((raw - own * own / f) / known, 0.0) if f > 1.0 else 0.0
         squares += max(right, own * own / len(form)) - raw
         unsure += max(right, own * own / len(form)) / f
     above = min(max(mean * mean / max(squares, 1e-300), 1.0), float(len(form)))
@@ -326,12 +315,12 @@ def sentences_of(
     """Yield what a comparison says; the outcome of the test first."""
     clear = _clear(lines)
     yield _outcome(trials, test, clear)
-    if test.p < SURE:
+    if test.p < CHANCE:
         yield (
             "One law for all trials is an average; its intervals do not apply to individual trials."
         )
     for line in clear:
-        yield _slope(line, confirmed=test.p < SURE)
+        yield _slope(line, confirmed=test.p < CHANCE)
     yield from _troubles(trials)
     yield from _untold(trials)
     for name, reason in failed.items():
@@ -360,8 +349,8 @@ def _outcome(
             "Whether the trials share one law cannot be tested: the trials do not identify its"
             " parameters individually."
         )
-    p = f"p < {number(LEAST_P)}" if test.p < LEAST_P else f"p = {number(test.p, 2)}"
-    if not test.p < SURE:
+    p = f"p = {number(test.p, 2)}"
+    if not test.p < CHANCE:
         return f"The trials are consistent with one law ({p})."
     said = [_change(line) for line in clear] or _groups(trials) or _range(trials)
     reason = f": {joined(said)}" if said else ""
@@ -390,7 +379,7 @@ def _slope(line: ConditionLine, *, confirmed: bool) -> str:
         f"{line.quantity.symbol} changes by {slope} per {by} (95 % interval"
         f" {interval(line.low, line.high)})"
     )
-    if line.scatter < SURE:
+    if line.scatter < CHANCE:
         text += ", including scatter about the line beyond the intervals of the trials"
     if not confirmed:
         text += "; the test of all parameters together does not confirm it"
@@ -413,7 +402,7 @@ def _groups(trials: Sequence[TrialEstimates]) -> list[str]:
                 if (mean := _mean([t for t in trials if t.conditions.get(condition) == w], i))
             }
             p = _differs(list(means.values()))
-            if p < SURE:
+            if p < CHANCE:
                 quantity = one.quantity
                 parts = [
                     f"{with_unit(number(m[0]), quantity.unit)} for {w!r}" for w, m in means.items()
@@ -437,7 +426,7 @@ def _mean(trials: Sequence[TrialEstimates], i: int) -> tuple[float, float, float
     error, freedom = float(weights.sum() ** -0.5), float(sum(t.freedom[i] for t in usable))
     if len(usable) > 1:
         misfit = float(np.sum(weights * (values - mean) ** 2)) / (len(usable) - 1)
-        if scipy.stats.f.sf(misfit, len(usable) - 1, freedom) < SURE:
+        if scipy.stats.f.sf(misfit, len(usable) - 1, freedom) < CHANCE:
             error, freedom = error * math.sqrt(misfit), len(usable) - 1.0
     return mean, error, freedom
 
@@ -545,7 +534,7 @@ class TrialComparison(InPanels, Tabular):
     @property
     def shared(self) -> bool:
         """Whether the trials share one law as far as they tell."""
-        return not self.test.p < SURE
+        return not self.test.p < CHANCE
 
     @property
     def conditions(self) -> tuple[str, ...]:

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.described import Described
+from stickslip.identification import ROUNDING
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.trajectory import Trajectory
 
-NOISE = 1e-9
-"""Share of the largest speed or travel below which a reverse motion is rounding."""
 GRID = 4000
 """Times at which a run is looked at, beside its steps."""
 
@@ -82,8 +81,8 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
         travel=travel,
         least_velocity=least,
         largest_return=back,
-        velocity_never_negative=bool(least >= -NOISE * np.abs(v).max()),
-        displacement_never_decreases=bool(fall <= NOISE * np.abs(x - x[0]).max()),
+        velocity_never_negative=bool(least >= -ROUNDING * np.abs(v).max()),
+        displacement_never_decreases=bool(fall <= ROUNDING * np.abs(x - x[0]).max()),
         relative_error=None if not measured else (travel - measured) / measured,
         work_in=book.energy_start + book.work_supplied,
         work_friction=book.work_friction,

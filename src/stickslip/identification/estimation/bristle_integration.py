@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bound
+from stickslip.identification.estimation.parameters import MOVED
+from stickslip.identification.settings import ROUNDING, ROUNDS
 from stickslip.kernels.bristle_steps import (
     MARGIN,
     MOST_PARTS,
@@ -30,21 +32,10 @@ from stickslip.solver import states_along
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
-JOINED = 1e-10
-"""Mismatch at joints over the largest deflection that counts as none: a thousand times less than
-what the copies of a law differ by when slopes are wanted."""
-SWEEPS = 30
-"""Sweeps at most: states that do not meet by then belong to values far from any fit."""
+TINY = float(np.finfo(float).eps)
+"""Share of the way to the limit that is none."""
 CREEP = 1e-9
 """Speed [m/s] at which bristles follow displacement alone."""
-WAY_PARTS = 2
-"""Parts of such a displacement; one is exact where rates are linear in the deflection."""
-STEPS_PER_CHUNK = 0.5
-"""Steps in a chunk over the number of chunks."""
-PLAIN = 1e-9
-"""Exponent of yielding, less 1, that is none."""
-LEAST = 1e-15
-"""Share of the way to the limit that is none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,7 +80,7 @@ class Path:
         """
         found = self.steps()
         count = found.shape[1]
-        steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
+        steps = max(1, round(count**0.5))
         chunks = -(-count // steps)
         padded = np.zeros((len(found), steps * chunks))
         padded[:, :count] = found
@@ -97,14 +88,7 @@ class Path:
         return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
 
-def follow(
-    law: FrictionLaw,
-    path: Path,
-    start: Array,
-    guess: Array | None = None,
-    *,
-    mismatch: float = JOINED,
-) -> Array:
+def follow(law: FrictionLaw, path: Path, start: Array, guess: Array | None = None) -> Array:
     """Return bristle states along a path.
 
     Within a step the velocity is constant, so that laws which know displacement only see the
@@ -131,14 +115,15 @@ def follow(
     starts = np.repeat(start[:, None, :], chunks, axis=1)
     if guess is not None:
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
-    # each sweep settles one more joint, whatever the slopes
+    # each sweep settles one more joint, whatever the slopes; what is left is beside the second
+    # order of the step by which copies of a law differ
     flags: Array = np.zeros((0, chunks, copies), dtype=bool)
-    for _ in range(min(chunks, SWEEPS)):
+    for _ in range(min(chunks, ROUNDS)):
         states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         passed = np.concatenate([np.zeros_like(after[:, :1]), after[:, :-1]], axis=1)
-        apart = ~(gap <= mismatch * size)
+        apart = ~(gap <= MOVED**2 * size)
         apart |= (passed != (flags if len(flags) else False)).any(axis=(0, 1))
         if not (apart & np.isfinite(size)).any():
             break
@@ -164,7 +149,7 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
     known = _moved(law, v, load, states, way / v, Latches(off=True))
     if known is not None:
         return known
-    found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
+    found, _, _ = _stepped(_rates(law, v, load), way / v, states, 1, size)
     return found
 
 
@@ -294,10 +279,10 @@ def _yielded(law: Any, v: Array, n: Array, z: Array, h: Array) -> Array | None:
     left = 1.0 - curve * along * z
     size = np.abs(left)
     bend = 1.0 - power
-    worn = curve * np.abs(v) * h * np.maximum(size, LEAST) ** -bend
-    plain = np.abs(bend) < PLAIN
+    worn = curve * np.abs(v) * h * np.maximum(size, TINY) ** -bend
+    plain = np.abs(bend) < ROUNDING
     spent = np.where(plain, 0.0, bend * worn)
-    kept = np.log1p(-np.minimum(spent, 1.0 - LEAST)) / np.where(plain, 1.0, bend)
+    kept = np.log1p(-np.minimum(spent, 1.0 - TINY)) / np.where(plain, 1.0, bend)
     size = np.where(spent >= 1.0, 0.0, size * np.exp(np.where(plain, -worn, kept)))
     return np.where(moves, along * (1.0 - np.copysign(size, left)) / curve, z)
 

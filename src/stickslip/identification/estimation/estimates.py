@@ -10,22 +10,18 @@ from stickslip import formatting
 from stickslip.formatting import fixed, number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.jackknife import Inference
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import WIDE, FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.results import READINGS, Estimate
+from stickslip.identification.settings import NEGLIGIBLE, TAKES_PART
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
 
 INTERVAL = "95 %"
-CLOSE = 1e-6
-"""Distance from a bound, over the bound's size or the range, at which it counts as met."""
-MANY = 10.0
-"""An interval that goes so many times the value to either side is none ..."""
-OF_BOUNDS = 0.1
-"""... if it is also as wide as this share of what was searched: the value itself may be 0."""
-ORDERS = 30.0
-"""An interval of a logarithm that goes by this factor to either side is none."""
+MANY = 30.0
+"""An interval that goes so many times the value to either side is none, or as many times
+what the record suggests if that is more, nor is one of a logarithm that goes by this factor."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
 SEPARABLE = 300.0
@@ -39,9 +35,9 @@ def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, s
     at = free_parameters.coordinates(values)
     for i, item in enumerate(free_parameters.items):
         size = max(abs(item.start), 1e-300) if not item.log else 1.0
-        if at[i] <= low[i] + CLOSE * size:
+        if at[i] <= low[i] + NEGLIGIBLE * size:
             found[item.path] = "lower"
-        elif at[i] >= high[i] - CLOSE * size:
+        elif at[i] >= high[i] - NEGLIGIBLE * size:
             found[item.path] = "upper"
     return found
 
@@ -65,10 +61,10 @@ def estimates_of(
         elif item.log:
             spread = half / value
             low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
-            if spread > math.log(ORDERS):
+            if spread > math.log(MANY):
                 low, high = -math.inf, math.inf
                 reason = "the record does not determine its order of magnitude"
-        elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
+        elif half > MANY * max(abs(value), (item.high - item.low) / (2.0 * WIDE)):
             low, high = -math.inf, math.inf
             reason = f"the record does not determine its magnitude, ± {with_unit(half, item, 2)}"
         found.append(
@@ -140,10 +136,6 @@ def step_intervals(
     return found
 
 
-PART = 0.1
-"""Share of the direction that a record separates least from which a parameter is named in it."""
-
-
 def sentences_of(
     free_parameters: FreeParameters,
     jacobian: ResidualJacobian,
@@ -185,7 +177,7 @@ def _inseparable(free_parameters: FreeParameters, jacobian: ResidualJacobian) ->
     size = np.linalg.norm(jacobian.slopes, axis=0)
     seen = np.flatnonzero(size > 0.0)
     weakest = np.linalg.svd(jacobian.slopes[:, seen] / size[seen], full_matrices=False)[2][-1]
-    found = [*dict.fromkeys(symbols[k] for k in seen[np.abs(weakest) > PART])]
+    found = [*dict.fromkeys(symbols[k] for k in seen[np.abs(weakest) > TAKES_PART])]
     return found if len(found) > 1 else [*dict.fromkeys(symbols)]
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from statistics import NormalDist
 from typing import final
 
 import numpy as np
@@ -18,25 +19,16 @@ from numpy.typing import NDArray
 
 from stickslip.errors import check_size
 from stickslip.identification.estimation.problem import ResidualJacobian
+from stickslip.identification.settings import CHANCE, NEGLIGIBLE, TAKES_PART
 
 Array = NDArray[np.float64]
 
-HOPELESS = 1e7
-"""Condition beyond which a direction of the parameters is not seen at all."""
-TAKES_PART = 0.01
-"""Share of such a direction from which a parameter counts as part of it."""
 UNSEEN = "the record does not depend on it"
 TIED = "the record depends only on a combination of it and other parameters"
-NORMAL_95 = 1.959963984540054
+NORMAL_95 = NormalDist().inv_cdf(1.0 - CHANCE / 2.0)
+"""Half width of a 95 % interval of a known standard error."""
 BLOCKS = 8
 """Blocks of a record between which residuals count as independent."""
-DEPENDENT = 0.05
-"""Chance with which independent rows pass for dependent ones."""
-ALONE = 1e-12
-"""Share of what all blocks see of a direction, squared, below which the others see nothing."""
-LEVERAGE = 1e-6
-"""Share of a row's variance that a fit leaves, up to which this row alone sees a direction: squares
-of its inverse are terms of a difference of the size of 1."""
 ONCE = "only one segment of the record depends on it"
 
 
@@ -70,7 +62,7 @@ class Directions:
         size = np.where(effective, largest, 1.0)
         size = size * np.where(effective, np.linalg.norm(table / size, axis=0), 1.0)
         u, singular, v = np.linalg.svd((table / size)[:, effective], full_matrices=False)
-        kept = singular > singular.max(initial=0.0) / HOPELESS
+        kept = singular > singular.max(initial=0.0) * NEGLIGIBLE
         inverse, cut = (np.zeros((len(size), int(k.sum()))) for k in (kept, ~kept))
         inverse[effective] = v[kept].T / singular[kept] / size[effective, None]
         cut[effective] = v[~kept].T
@@ -259,9 +251,7 @@ def _dependent(residual: Array, columns: Array) -> bool:
     mean = trace / freedom
     variance = 2.0 * (square - trace * mean) / (freedom * (freedom + 2.0))
     found = float(residual[1:] @ residual[:-1]) / size
-    return bool(
-        found - mean > scipy.stats.norm.ppf(1.0 - DEPENDENT) * math.sqrt(max(variance, 0.0))
-    )
+    return bool(found - mean > NormalDist().inv_cdf(1.0 - CHANCE) * math.sqrt(max(variance, 0.0)))
 
 
 def _neighbours(columns: Array) -> Array:
@@ -286,7 +276,7 @@ def infer(
     bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
 
     Where the rows are those of a table, which they are taken for if they are dealt out to segments
-    in turn, and a test finds no serial dependence (`DEPENDENT`), each row's own residual is its
+    in turn, and a test finds no serial dependence (`CHANCE`), each row's own residual is its
     variance (HC2), with degrees of freedom of its own: blocks of a few rows would throw most of ten
     rows away, and a common variance is too small where friction scatters more at some speeds than
     at others.
@@ -370,7 +360,7 @@ def _spread(
 def _by_rows(residual: Array, columns: Array) -> _Spread:
     """Return the scatter by each row's residual, over what the fit leaves of its variance."""
     left = 1.0 - np.sum(columns**2, axis=1)
-    alone = left <= LEVERAGE
+    alone = left <= NEGLIGIBLE
     spare = np.where(alone, 1.0, left)
     changes = columns * (np.where(alone, 0.0, residual) / np.sqrt(spare))[:, None]
 
@@ -404,7 +394,7 @@ def _left_out(squares: Array, slopes: Array) -> tuple[Array, Array]:
     changes, alone = [], [np.zeros((squares.shape[1], 0))]
     for rest, slope in zip(_rests(squares), slopes, strict=True):
         share, directions = np.linalg.eigh(rest)
-        kept = share > ALONE
+        kept = share > NEGLIGIBLE**2
         solved = directions[:, kept].T @ (wanted - slope) / share[kept]
         changes.append(directions[:, kept] @ solved)
         alone.append(directions[:, ~kept])
@@ -455,12 +445,12 @@ def freedom_of(squares: Array, direction: Array) -> float:
 
 def _solved(square: Array, wanted: Array) -> Array:
     """Return the least solution (p,) of scaled normal equations."""
-    return np.asarray(np.linalg.lstsq(square, wanted, rcond=ALONE)[0])
+    return np.asarray(np.linalg.lstsq(square, wanted, rcond=NEGLIGIBLE**2)[0])
 
 
 def quantile_of(freedom: Array) -> Array:
     """Return half widths of 95 % intervals in standard errors: of Student's t."""
-    return np.asarray(scipy.stats.t.ppf(0.975, freedom))
+    return np.asarray(scipy.stats.t.ppf(1.0 - CHANCE / 2.0, freedom))
 
 
 def effective_size(seen: ResidualJacobian) -> float:

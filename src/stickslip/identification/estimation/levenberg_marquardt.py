@@ -11,6 +11,7 @@ from stickslip.errors import ConvergenceError
 from stickslip.formatting import count, number
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import LeastSquaresProblem, ResidualJacobian
+from stickslip.identification.settings import ROUNDS, SETTLED
 
 Array = NDArray[np.float64]
 Watch = Callable[[float], object]
@@ -20,15 +21,9 @@ JITTER = 0.4
 """Further starts are the first one times e^(+-JITTER), by coordinate."""
 AGREE = 0.01
 """Starts agree if their root mean squares differ by less than this share."""
-FLAT = 1e-4
-"""The search ends when a step lowers the cost by less than this share."""
 FIRST_DAMPING, GROWTH = 1e-3, 10.0
 """Damping of the first step, and what it is multiplied by when a step fails: after each further
 failure by as much again, since steps change little while damping is below 1."""
-MOST_DAMPING = 1e6
-"""Damping above which nothing moves any more."""
-ROUNDS = 200
-"""Steps of a descent at most."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,7 +161,7 @@ def improve(
         for _ in range(rounds):
             table = here.slopes @ free_parameters.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
-            done = promised <= FLAT * here.cost
+            done = promised <= SETTLED * here.cost
             trial = at if done else np.clip(at + step, low, high)
             there = problem.linearise(free_parameters.values(trial), here)
             if counter is not None:
@@ -177,10 +172,8 @@ def improve(
                 damping, growth = damping * _eased(gained, promised), GROWTH
             elif not done:
                 damping, growth = damping * growth, growth * GROWTH
-            if done and not gained > FLAT * here.cost:
+            if done and not gained > SETTLED * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
-            if damping > MOST_DAMPING:
-                break
     except _StoppedError:
         return here, True
     return here, False

@@ -17,8 +17,8 @@ from stickslip.quantities import Quantity, fields_of, parameters, shadow, turned
 
 Array = NDArray[np.float64]
 
-DECADES = 1e3
-"""Factor by which a parameter without a range may leave its given value."""
+WIDE = 100.0
+"""How far bounds lie from the size that is given, or that a record suggests."""
 LEVELS = frozenset({"level", "level+", "level-", "force", "stiffness"})
 """Sizes that grow with friction."""
 ORDINARY = {
@@ -113,8 +113,8 @@ def with_ranges(law: FrictionLaw | type[FrictionLaw], name: str) -> Quantity:
     value = None if isinstance(law, type) else getattr(law, name)
     if not value:
         raise InputError(_without_range(kind, name, quantity))
-    size = DECADES * abs(value)
-    low = abs(value) / DECADES if quantity.above is not None else max(quantity.low, -size)
+    size = WIDE * abs(value)
+    low = abs(value) / WIDE if quantity.above is not None else max(quantity.low, -size)
     above = quantity.at_least is not None
     return replace(
         quantity,

@@ -15,8 +15,9 @@ from stickslip.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
-STEEPEST = 1e100
-"""Slopes from here on are those of predictions that leave all bounds."""
+
+STEEPEST = float(np.sqrt(np.finfo(float).max))
+"""Slopes from here on, whose squares overflow, are those of predictions that leave all bounds."""
 
 
 @final

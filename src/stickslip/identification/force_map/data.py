@@ -34,12 +34,10 @@ smoothed, the less reversals shift."""
 BENDING = 0.3
 """Half the length of the parabolas that give velocities, over the mean period per radian, at most:
 they take 1 % off the speed of a sine."""
-PAUSE = 9
-"""Sampling intervals of the shortest rest, which has one sample more."""
 GROWTH = 1.2
 """Factor between the lengths of parabolas that are tried for velocities."""
 SEGMENTS = 40
-"""Segments of a record where no length is given."""
+"""Segments of a record where no length is given, and of a table at most."""
 TIMELESS = "bristles depend on displacement, which a table without time does not have"
 """Why laws of bristles are not fitted to tables."""
 BEYOND = 4.0
@@ -54,14 +52,9 @@ SLOWEST = 0.1
 """Share of the largest speed that a law may take as unresolved at most."""
 CREEPING = 1e-3
 """Share of the largest speed that a displacement within what is resolved may have at rest."""
-SHARES = 20
-"""Segments of a table at most; its speeds are dealt out to them in turn, so that each has slow and
-fast ones, and all readings at one speed are in one segment."""
 
 FEWEST = 5
 """Rows that a table must have: three unknowns, and what tells whether they hold."""
-FEW_SPEEDS = 4
-"""Speeds of a table below which its rows are dealt out instead."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -367,24 +360,18 @@ def _table(
         record=number,
         path=path,
         friction=friction,
-        segment=first + _dealt(velocity),
+        segment=first + _dealt(len(velocity)),
         timed=False,
         resting=resting,
         held=friction,
     )
 
 
-def _dealt(velocity: Array) -> NDArray[np.intp]:
-    """Return the segment of each row of a table (n,).
-
-    Every other speed is in the first half of the segments. Of few speeds, rows are dealt out.
-    """
-    speeds, place = np.unique(velocity, return_inverse=True)
-    if len(speeds) < FEW_SPEEDS:
-        place = np.arange(len(velocity))
-    count = min(SHARES, int(place.max()) + 1)
-    share = place % count
-    return np.asarray((share % 2) * ((count + 1) // 2) + share // 2)
+def _dealt(count: int) -> NDArray[np.intp]:
+    """Return the segment of each row of a table (n,): rows are dealt out in turn."""
+    segments = min(SEGMENTS, count)
+    share = np.arange(count) % segments
+    return np.asarray((share % 2) * ((segments + 1) // 2) + share // 2)
 
 
 def _series(
@@ -492,7 +479,7 @@ def _resolved(
     number = np.searchsorted(moved, np.arange(len(time)), side="right")
     first, last = np.append(0, moved), np.append(moved, len(time)) - 1
     fast = usual_top_speed(velocity)
-    span = np.where(last - first >= PAUSE, time[last] - time[first], 0.0)
+    span = np.where(last - first >= LEAST, time[last] - time[first], 0.0)
     resting = (CREEPING * fast * span > 2.0 * reach)[number] & (np.abs(velocity) <= slowness)
     if len(moved):
         slow = np.abs(velocity) <= unsure

@@ -59,12 +59,9 @@ from stickslip.quantities import vary
 
 Array = NDArray[np.float64]
 
-RIPPLES = 20.0
-"""The common filter passes at least so many periods in a record, where the motion has none."""
-SHORT = 0.1
-"""Length of rests that are overlooked, over the memory of the filter: a row sees a tenth of it."""
-UNSURE = 0.1
-"""Share of slow samples, seen through the filter, from which a row is none that slips."""
+GLIMPSE = 0.1
+"""Share of a row that is seen through the filter and overlooked: of slow samples, in a row that
+slips, and of the memory of the filter, a rest."""
 FEW_SLIPPING = 0.05
 """Share of rows that slip below which a record is one of presliding, and all rows are fitted."""
 SAMPLES = 10_000
@@ -74,10 +71,10 @@ LEAK = 1e-3
 FEWEST = 5.0
 """The common filter passes at least so many times the mean frequency of the motion."""
 PATH = 4.0
-"""What the filter of the positions passes that bristles follow, over what noise allows a common
-filter ..."""
+"""What a filter of positions passes, over that of what is made of them: it changes nothing that
+passes, and leaves out noise that accelerations or bristles would see."""
 CHATTER = 2.0
-"""... and the reach within which they are chatter, over the noise that it leaves."""
+"""Reach within which positions that bristles follow are chatter, over the noise that is left."""
 OVERSAMPLED = 0.25
 """Most that the filter passes over half the frequency of these samples."""
 
@@ -323,11 +320,16 @@ def travelled(raw: Array, finest: float) -> Array:
     at each reversal, and Dahl friction seemed 7 to 20 % stiffer than it was, with 80 um to yield
     and 0.6 to 2 um of noise; so, 2 to 3 %.
     """
-    band = min(PATH * finest, 4.0 * HIGHEST)
+    band = widened(finest)
     x = smoothed(raw, band)
     moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
     found: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
     return found
+
+
+def widened(passed: float) -> float:
+    """Return what a filter of positions passes, of what is made of them and filtered again."""
+    return PATH * min(passed, HIGHEST)
 
 
 def torque_along(mechanism: Mechanism, record: Measurement, hold: Hold) -> Array:
@@ -424,7 +426,7 @@ def passed_by_balance(x: Array, *, resolved: bool = False) -> float:
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
     most = HIGHEST if resolved else most
-    return float(min(max(min(max(quiet, least), most), 2.0 * RIPPLES / len(x)), HIGHEST))
+    return float(min(max(min(max(quiet, least), most), 2.0 * HARMONICS / len(x)), HIGHEST))
 
 
 def _passed_of_motion(x: Array, noise: float, least: float) -> float:
@@ -434,7 +436,7 @@ def _passed_of_motion(x: Array, noise: float, least: float) -> float:
     """
     speed = usual_top_speed(np.diff(x))
     share = (3.0 * np.pi * (QUIET * speed / noise) ** 2) ** (1.0 / 3.0) / np.pi
-    return float(min(max(share, least), 4.0 * HIGHEST))
+    return float(min(max(share, least), PATH * HIGHEST))
 
 
 @final
@@ -493,7 +495,7 @@ def filtered_motion(
         # between two displacements of one direction slow slip has that direction, too
         known = resting & (ways[number] == ways[number + 1])
         v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
-        least = max(SHORT / passed, 1.0)
+        least = max(GLIMPSE / passed, 1.0)
         resting &= edges[number + 1] - edges[number] > least
         resting = _lasting(resting, least)
     return FilteredMotion(
@@ -507,7 +509,7 @@ def filtered_motion(
 def resting_motion(raw: Array, noise: float) -> FilteredMotion:
     """Return positions (n,) with noise as those of a body at rest, which at most drifts."""
     return FilteredMotion(
-        position=smoothed(raw, min(2.0 * RIPPLES / len(raw), HIGHEST)),
+        position=smoothed(raw, min(2.0 * HARMONICS / len(raw), HIGHEST)),
         velocity=np.zeros_like(raw),
         resting=np.ones(len(raw), dtype=bool),
         resolution=2.0 * reach_of(raw, noise),
@@ -539,7 +541,7 @@ def compared(
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
     if slipping:
         slow = np.abs(v) <= SLOW * usual_top_speed(v)
-        sure = kept & (smoothed(slow.astype(float), passed) < UNSURE)
+        sure = kept & (smoothed(slow.astype(float), passed) < GLIMPSE)
         kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
     return kept
 

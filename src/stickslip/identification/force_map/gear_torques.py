@@ -8,12 +8,9 @@ from scipy.optimize import nnls
 
 from stickslip.identification.force_map.data import smoothed
 from stickslip.identification.force_map.force_balance import FilteredMotion
+from stickslip.identification.settings import ROUNDS, SETTLED
 
 Array = NDArray[np.float64]
-
-ROUNDS = 5
-"""Times that the torque that a gear transmits is computed from the friction that grows with it: of
-the error each leaves a share, as friction is one of that torque."""
 
 
 def gear_torques(
@@ -59,6 +56,9 @@ def gear_torques(
         friction, rest = np.split(values, [rubs.shape[1]])
         constant, *forces = np.subtract(*np.split(rest, 2)).tolist()
         weight = constant if weighs else 0.0
+        before = motor
         motor = taken + within + weight + rubs @ friction + others[:, 1:] @ np.array(forces)
         transmitted = motor - external + weight
+        if np.linalg.norm(motor - before) <= SETTLED * np.linalg.norm(motor):
+            break
     return {"motor": motor, "transmitted": transmitted}

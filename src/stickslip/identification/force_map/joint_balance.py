@@ -31,19 +31,21 @@ from stickslip.identification.force_map.data import (
 from stickslip.identification.force_map.force_balance import (
     FEWEST,
     OVERSAMPLED,
-    RIPPLES,
     SAMPLES,
     FilteredMotion,
     compared,
     filtered_motion,
     mean_force,
     mean_frequency,
+    passed_by_balance,
     positive_noise,
     resting_motion,
     second_differences,
+    widened,
 )
 from stickslip.identification.force_map.model import ForceMap, spanned
 from stickslip.identification.series.inverse_dynamics import (
+    HARMONICS,
     HIGHEST,
     LEAST,
     check_even,
@@ -57,20 +59,10 @@ from stickslip.quantities import parameters, vary
 Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
 
-AHEAD, WIDEST = 5.0, 0.8
-"""Positions are first filtered at so many times what the common filter passes, but at most at this
-share of half their frequency: it changes nothing that passes, by 3e-6, and else noise of the first
-acceleration, from which the common filter starts, would be seen for long."""
 LEVELS = 2
-"""Positions between which an encoder may jitter at rest."""
+"""Positions between which an encoder may jitter at rest, too seldom to be noise."""
 FAR = 50.0
 """Range of a slow motion over the displacement that the sensor may miss from which it is one."""
-SHARE, OF_FRICTION = 0.01, 0.025
-"""Shares of the force, and of what motion leaves of it, that noise of accelerations may take."""
-SLOWEST, QUICKEST, RATE = 4.0, 60.0, 0.2
-"""Limits of such a band [Hz], and over the sampling rate."""
-JITTER = 1e-3
-"""Deviation from even times, over a step, from which a record is placed on even times."""
 
 
 def joint_stretches(
@@ -124,11 +116,7 @@ def joint_pieces(
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                own = JointPiece.of(torques, set_up, number, piece, hold, wider)
-                share = own.allowed(torques) / own.passed if resolved else 1.0
-                if share > 1.0:
-                    own = JointPiece.of(torques, set_up, number, piece, hold, wider * share)
-                yield own
+                yield JointPiece.of(torques, set_up, number, piece, hold, wider, resolved)
 
 
 def _cut(
@@ -267,7 +255,7 @@ class JointPiece:
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
     accelerations: Array
-    """Accelerations (n, m), of positions filtered at `AHEAD` times the common filter."""
+    """Accelerations (n, m), of positions filtered at `PATH` times the common filter."""
     passed: float
     """What the common filter passes, over half the sampling frequency."""
     applied: Array
@@ -301,6 +289,7 @@ class JointPiece:
         record: Measurement,
         hold: Hold,
         wider: float,
+        resolved: bool = False,
     ) -> "JointPiece":
         """Return one stretch of a record without a gap."""
         joints = [record.joints[name] for name in torques.coordinates]
@@ -309,6 +298,10 @@ class JointPiece:
         # steps of encoders, noise and rests show in the rows as they were recorded
         noises = [positive_noise(x, times) for x in rows]
         passed, moving = _cut_off(rows, noises, wider)
+        if resolved and any(moving):
+            found = zip(rows, moving, strict=True)
+            allowed = min(passed_by_balance(x, resolved=True) for x, moves in found if moves)
+            passed = max(passed, allowed)
         count = len(joints)
         time, columns = _on_even_times(times, [*rows, *forces])
         raw, forces = columns[:count], columns[count:]
@@ -322,7 +315,7 @@ class JointPiece:
         )
         places = np.column_stack([one.position for one in motions])
         rates = np.column_stack([one.velocity for one in motions])
-        ahead = min(AHEAD * passed, WIDEST)
+        ahead = widened(passed)
         accelerations = np.column_stack(
             [
                 second_differences(smoothed(x, ahead), dt) if moves else np.zeros_like(x)
@@ -371,25 +364,6 @@ class JointPiece:
                 zeros=torques.by_position,
             ),
         )
-
-    def allowed(self, torques: JointTorques) -> float:
-        """Return what a filter may pass by the noise of all moving joints' positions.
-
-        Over half the sampling frequency. White noise s of a position, sampled every h, has an
-        acceleration of variance 2 h s^2 (2 pi)^4 f^5 / 5 up to f, which may take `SHARE` of the
-        force, and `OF_FRICTION` of what the motion leaves of it.
-        """
-        h = float(self.time[1] - self.time[0])
-        inertias = torques.inertias(self.mechanism, np.mean(self.raw, axis=0))
-        left = smoothed(self.applied - self.taken, self.passed)
-        share = np.minimum(SHARE * np.std(self.applied, axis=0), OF_FRICTION * np.std(left, axis=0))
-        ratio = share / np.maximum(inertias * np.asarray(self.resolutions), 1e-300)
-        bands = (5.0 * ratio**2 / (2.0 * h * (2.0 * np.pi) ** 4)) ** 0.2
-        moving = [not motion.resting.all() for motion in self.motions]
-        if not any(moving):
-            return 0.0
-        top = min(RATE / h, QUICKEST)
-        return 2.0 * h * float(np.clip(bands[moving].min(), SLOWEST, top))
 
     def compared(
         self, i: int, law: FrictionLaw | None, forces: Sequence[Array] = ()
@@ -467,7 +441,7 @@ def _cut_off(
         found = zip(raw, noises, moving, strict=True)
         speeds = (mean_frequency(x, noise) for x, noise, moves in found if moves)
         least = FEWEST * max(speeds, default=0.0) / np.pi
-        return float(max(least, 2.0 * RIPPLES / len(raw[0])))
+        return float(max(least, 2.0 * HARMONICS / len(raw[0])))
 
     filtered = min(passed(), HIGHEST)
     for i, (x, reach) in enumerate(zip(followed, reaches, strict=True)):
@@ -478,10 +452,8 @@ def _cut_off(
 
 def _on_even_times(time: Array, columns: list[Array]) -> tuple[Array, list[Array]]:
     """Return signals at even times, joined by lines where they were sampled at others."""
-    dt = check_even(time)
+    check_even(time)
     even = np.linspace(time[0], time[-1], len(time))
-    if float(np.max(np.abs(time - even))) <= JITTER * dt:
-        return even, columns
     return even, [np.interp(even, time, column) for column in columns]
 
 

@@ -12,6 +12,7 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
+from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.start_values import (
     StartEstimate,
@@ -25,8 +26,6 @@ MECHANISM, SENSOR = "mechanism.offset", "measurement.offset.friction"
 """Paths of the constant force: of the mechanism if it has one, else of the force sensor."""
 FEW = 1_000
 """Samples of a record that start values are looked for with."""
-SAMPLES = 4_000
-"""Samples of a record that a fit uses at most."""
 
 
 class ConstantForce(NamedTuple):

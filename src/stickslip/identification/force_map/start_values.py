@@ -14,6 +14,8 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import (
+    SURPLUS_AT_REST,
+    WIDE,
     FreeParameter,
     FreeParameters,
     Sizes,
@@ -22,9 +24,10 @@ from stickslip.identification.estimation.parameters import (
     with_arrays,
     with_ranges,
 )
-from stickslip.identification.force_map.data import MotionSegment
+from stickslip.identification.force_map.data import SLOW, MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.series.inverse_dynamics import HUBER
+from stickslip.identification.series.start_values import LITTLE, MOST
 from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, vary
 
@@ -36,38 +39,14 @@ STIFFNESSES = tuple(float(10.0 ** (0.5 * power)) for power in range(-6, 3))
 """Stiffness over the one that reversals suggest, which is more often too high than too low."""
 EXPONENTS = (0.1, 0.6, 1.5)
 """Exponents; whole ones are another law's."""
-FADINGS = (1.01, 1.5, 1.99)
-"""Exponents with which a static surplus fades, from Tustin's to Gauss's."""
-SURPLUSES = (1.0, 5.0)
-"""Static surplus over its start value."""
-MISMATCH = 1e-2
-"""Mismatch of bristles between chunks over the largest deflection: points are only rated."""
-POLISHED = 7
-"""Points of the grid from which a search goes downhill."""
-ROUNDS = 4
-"""Steps downhill."""
 STIFF = "stiffness"
-FIRST = 4
-"""First column of the regressors of parameters of the mechanism."""
 FAST = 0.5
 """Share of the largest speed (its 99th percentile) above which slip counts as steady."""
-MOVING = 0.05
-"""Share of the largest speed above which there is slip at all."""
-FEWEST = 3
-"""Samples of slip in the rarer direction if both were measured: how well they tell a constant force
-from a friction level, its interval says."""
-SURPLUS = 0.2
-"""Static surplus to begin with, over the kinetic level."""
-MOST_VISCOUS = 0.5
-"""Share of friction at the largest speed that starts as viscous at most."""
-WIDE = 100.0
-"""How far bounds lie at least from the size that the data suggest."""
 FARTHER = 10.0
-"""How much farther up a parameter that spans decades is looked for than in records in time."""
-SOFTER = 0.01
-"""How much farther down a stiffness is: reversals more often suggest too high a one."""
-WHOLE = (0.02, 10.0)
-"""Exponents that are looked at, if allowed."""
+"""How much farther than its range an exponent, a change with an input, and what spans decades is
+looked for."""
+STEPS = 4
+"""Steps downhill from points of the grid, before the best end is followed."""
 
 
 def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
@@ -119,7 +98,7 @@ def _best_of_each(
     for k in order:
         key = tuple(points[k][path] for path in speeds if path in points[k]) or (float(k),)
         kept.setdefault(key, rated[k])
-    return list(kept.values())[:POLISHED]
+    return list(kept.values())[: len(SPEEDS)]
 
 
 def _has_memory(problem: ForceMap) -> bool:
@@ -128,9 +107,8 @@ def _has_memory(problem: ForceMap) -> bool:
 
 def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
-    fades = any(item.quantity.scale == "speed" for item in free_parameters.items)
     axes = {
-        item.path: FADINGS if fades and item.quantity.structural else _axis(item)
+        item.path: _axis(item)
         for item in free_parameters.items
         if item.path.startswith("friction.") and (item.log or (memory and item.above))
     }
@@ -140,11 +118,11 @@ def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[
 def _axis(item: FreeParameter) -> Sequence[float]:
     """Return the values of one unknown on the grid."""
     if item.above:
-        return [item.start * factor for factor in SURPLUSES]
+        return [item.start, item.start / SURPLUS_AT_REST]
     if item.quantity.structural:
         return EXPONENTS
     if item.quantity.scale == "speed":
-        return [item.high / 10.0 * share for share in SPEEDS]
+        return [item.high / FARTHER * share for share in SPEEDS]
     inside = [item.start * factor for factor in STIFFNESSES]
     return [value for value in inside if item.low <= value <= item.high]
 
@@ -176,7 +154,7 @@ def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
     free_parameters = FreeParameters(tuple(items[k] for k in free), coarse.free_parameters.known)
     try:
         end, _ = improve(
-            replace(coarse, law=law, free_parameters=free_parameters), values[free], rounds=4
+            replace(coarse, law=law, free_parameters=free_parameters), values[free], rounds=STEPS
         )
     except ConvergenceError:
         return _Rated(values, np.inf)
@@ -232,7 +210,7 @@ def _forces(
     laws: tuple[FrictionLaw, FrictionLaw], base: FrictionLaw, one: MotionSegment, count: int
 ) -> tuple[Array, Array]:
     """Return the friction (n, count) of copies of two laws whose bristles move alike."""
-    states = follow(laws[0], one.path, np.zeros((len(base.states), count)), mismatch=MISMATCH)
+    states = follow(laws[0], one.path, np.zeros((len(base.states), count)))
     v, n = one.path.velocity[:, None], one.path.load[:, None]
     first, second = (
         one.seen(np.asarray(one.path.told(law).force(v, n, tuple(states)))) for law in laws
@@ -267,7 +245,7 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
             new[k] = float(found[2])
         elif item.path in coarse.linear:
             j = coarse.linear.index(item.path)
-            new[k] = coarse.derived[j] + float(found[FIRST + j])
+            new[k] = coarse.derived[j] + float(found[len(found) - len(coarse.linear) + j])
     stiffness = next(
         (
             v
@@ -294,7 +272,7 @@ def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
     if not np.isfinite(rated.cost):
         return rated
     try:
-        end, _ = improve(coarse, rated.values, rounds=ROUNDS)
+        end, _ = improve(coarse, rated.values, rounds=STEPS)
     except ConvergenceError:
         return _Rated(rated.values, np.inf)
     return _Rated(end.values, end.cost)
@@ -380,8 +358,8 @@ class StartEstimate:
         ]
         v, n, f = np.concatenate(rows, axis=1)
         speed = float(np.percentile(np.abs(v), 99.0)) or 1.0
-        ahead, back = v > MOVING * speed, v < -MOVING * speed
-        two_sided = min(np.sum(ahead), np.sum(back)) >= FEWEST
+        ahead, back = v > SLOW * speed, v < -SLOW * speed
+        two_sided = min(np.mean(ahead), np.mean(back)) > LITTLE
         if offset is None:
             offset = _middle(v, f, FAST * speed) if two_sided else 0.0
         own: dict[str, Any] = {
@@ -394,7 +372,7 @@ class StartEstimate:
         stiffness = _stiffness(stretches, own["force"])
         sides = []
         for side in (back, ahead, ahead | back):
-            enough = side if np.sum(side) >= FEWEST else np.ones(len(v), dtype=bool)
+            enough = side if two_sided else np.ones(len(v), dtype=bool)
             level, viscous = _line(
                 np.abs(v[enough]), n[enough], np.abs(f - offset)[enough], FAST * speed
             )
@@ -422,7 +400,7 @@ class StartEstimate:
                 value = self.sizes.of(with_ranges(kind, declared.name)).start
                 value = min(max(value, quantity.low), quantity.high)
                 if quantity.at_least is not None and quantity.at_least in values:
-                    value = values[quantity.at_least] * (1.0 + SURPLUS)
+                    value = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
                 values[declared.name] = value
         return kind(**values)
 
@@ -510,13 +488,13 @@ class StartEstimate:
         # a change with an input: its bounds are numbers over the unit, whatever the input's size
         signed = ranged.scale == "none" and least < 0.0
         if quantity.structural:
-            low, high = min(least, WHOLE[0]), max(most, WHOLE[1])
+            low, high = least / FARTHER, most * FARTHER
         elif ranged.scale == "none":
             wide = FARTHER * abs(value) if signed else 0.0
             low, high = min(least, value - wide), max(most, value + wide)
         elif log:
             size = value if is_level(quantity) else min(reach, value)
-            low = least * size * (SOFTER if is_level(quantity) else 1.0)
+            low = least * size * (1.0 / WIDE if is_level(quantity) else 1.0)
             high = FARTHER * most * max(reach, value)
         else:
             size = max(reach, abs(value))
@@ -635,7 +613,7 @@ def _line(speed: Array, load: Array, force: Array, fast: float) -> tuple[float, 
     fast_rows = speed >= fast
     level = float(np.median((force / load)[fast_rows if fast_rows.any() else slice(None)]))
     # where speeds hardly differ a level passes for a viscous part, and the other way round
-    most = MOST_VISCOUS * level * float(np.median(load)) / float(np.max(speed, initial=1e-300))
+    most = MOST * level * float(np.median(load)) / float(np.max(speed, initial=1e-300))
     viscous = min(float(found[1]), most)
     return max(level, 1e-12), viscous
 

@@ -41,6 +41,7 @@ from stickslip.identification.outliers import outlying
 from stickslip.identification.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identification.rig_uncertainties import uncertainties_of
 from stickslip.identification.series.applied_force import inside
+from stickslip.identification.settings import RESOLUTION, ROUNDS, SETTLED
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.tables import Tabular
@@ -54,11 +55,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
 """What was fitted: a law, or the laws of several contacts."""
-
-SETTLING = 8
-"""Rounds in which initial states are fitted at most."""
-SETTLED = 1e-3
-"""Share of the cost that a round must take off for another one to follow."""
 
 
 class ProblemBuilder(Protocol):
@@ -595,10 +591,6 @@ class RecordFit(Fit[AnyLaw_co]):
         }
 
 
-LAGS = 200
-"""Stretches of a record over which a mean velocity is taken, so that noise does not count."""
-
-
 def _largest(records: Iterable[Measurement]) -> float | None:
     """Return the largest slip speed of several records, if one of them tells it."""
     return max((one for one in map(_largest_speed, records) if one is not None), default=None)
@@ -611,7 +603,7 @@ def _largest_speed(record: Measurement) -> float | None:
     if record.position is None or record.time is None:
         return None
     x, t = np.asarray(record.position), np.asarray(record.time)
-    lag = max(len(x) // LAGS, 1)
+    lag = max(len(x) // RESOLUTION, 1)
     return (
         float(np.max(np.abs((x[lag:] - x[:-lag]) / (t[lag:] - t[:-lag])))) if len(x) > 1 else None
     )
@@ -638,7 +630,7 @@ def settled(
     values: Array,
     *,
     only: Sequence[int] | None = None,
-    rounds: int = SETTLING,
+    rounds: int = ROUNDS,
 ) -> ResidualJacobian:
     """Return residuals at values with the segments' initial states fitted.
 

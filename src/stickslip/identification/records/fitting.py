@@ -61,12 +61,8 @@ Array = NDArray[np.float64]
 
 LOAD = "mechanism.load"
 """What a measured load takes the place of."""
-THINNED = 1.5
-"""Samples over rows from which rows were left out, and not only those at the ends."""
 NARROW = 0.6
 """Band of the filter, over the usual one, in which a balance is fitted again."""
-DECAY_STEP = 3.0
-"""A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
 
 def displacements(
@@ -243,7 +239,7 @@ def _thinned(problem: RecordProblem, measurement: Measurement) -> Iterator[str]:
         for index, record in enumerate(measurement.records())
         if record.time is not None and index in present
     )
-    if rows and samples > THINNED * rows:
+    if rows and samples >= 2 * rows:  # the ends alone are fewer
         yield (
             f"The record was thinned from {samples:,} to {rows:,} rows: friction was compared at"
             " these."
@@ -265,7 +261,7 @@ def _lengthened(
     """
     spans = ready.problem.spans
     whole = float(np.max(spans[:, 2]) - np.min(spans[:, 1]))
-    for length in (DECAY_STEP * settings.segment, whole):
+    for length in (math.sqrt(settings.segment * whole), whole):
         if found.cancelled or length <= settings.segment or length > whole:
             continue
         longer = ready.build(measurement, length)

@@ -16,7 +16,12 @@ from stickslip.formulation import JointTorques
 from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
-from stickslip.identification.estimation.parameters import OFFSET, FreeParameter, FreeParameters
+from stickslip.identification.estimation.parameters import (
+    OFFSET,
+    WIDE,
+    FreeParameter,
+    FreeParameters,
+)
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
@@ -29,14 +34,14 @@ from stickslip.identification.force_map.joint_balance import (
     regression_of,
 )
 from stickslip.identification.force_map.model import ForceMap, moved
-from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
+from stickslip.identification.force_map.problem import FEW, SENSOR, ConstantForce, map_along
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, searched
 from stickslip.identification.records.links import told_links
-from stickslip.identification.records.problems import SOME, FitSetup
-from stickslip.identification.series.inverse_dynamics import SETTLED, positions_of
-from stickslip.identification.series.start_values import WIDE
-from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.records.problems import FitSetup
+from stickslip.identification.series.inverse_dynamics import positions_of
+from stickslip.identification.series.start_values import MOST
+from stickslip.identification.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
 from stickslip.identification.validation import (
     LAW,
     fixed_values,
@@ -52,9 +57,6 @@ JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | No
 
 JOINTS = "joints"
 """The route of records of several joints."""
-DOUBTED, BETTER = 0.5, 0.5
-"""Residual of a regression over the spread of a force from which wrong columns are looked for, and
-how much less it must be without what is wrong."""
 SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
 """What may be exchanged, and the quantities of a record that it is."""
 OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
@@ -62,12 +64,6 @@ OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
     "m": {"positions": ("millimetres", 1e-3), "forces": ("mN", 1e-3)},
 }
 """Units that columns may be in by mistake, and what they are in SI, by the unit of a joint."""
-ALIKE = 1e-6
-"""Singular value of scaled slopes below which parameters do the same to all forces."""
-BENDS = 20
-"""Times at which slopes by parameters that forces are not linear in are taken anew."""
-FOLLOWED = 1_000
-"""Samples of a record along which bristles are integrated, unless the filter asks for more."""
 
 
 def fit_joints(
@@ -149,7 +145,7 @@ class _Motion:
     ) -> "_Motion":
         """Derive the motions; with the finer samples that bristles are integrated along."""
         torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
-        for _ in range(BENDS):
+        for _ in range(ROUNDS):
             own = cls.along(torques, asked, measurement, hold, bristles=bristles)
             if not torques.bent:
                 return own
@@ -171,7 +167,7 @@ class _Motion:
         bristles: bool,
     ) -> "_Motion":
         """Derive the motions with slopes at the values of the mechanism."""
-        samples = (SAMPLES, min(SAMPLES, SOME), *((FOLLOWED,) if bristles else ()))
+        samples = (SAMPLES, min(SAMPLES, FEW), *((FEW,) if bristles else ()))
         derived = joint_stretches(
             torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
         )
@@ -292,11 +288,12 @@ class JointFitter:
     def wrong_columns(self, laws: Mapping[str, JointLaw] | str) -> str:
         """Return which signals would explain the forces if exchanged or converted, as a sentence.
 
-        Looked for where a regression leaves much of the force of some joint; empty elsewhere.
+        Looked for where a regression leaves most of the force of some joint; empty elsewhere, and
+        if none takes most of that away.
         """
         names, units = self.mechanism.coordinates, self.mechanism.units
         share = float(np.max(self.motion.share))
-        if share < DOUBTED:
+        if share < MOST:
             return ""
         zeros = bool(self.settings.position_zeros)
         found = []
@@ -308,7 +305,7 @@ class JointFitter:
                 continue
             found.append((float(np.max(seen.share)), finding))
         left, finding = min(found, default=(np.inf, ""))
-        if left > min(BETTER * share, DOUBTED):
+        if left > MOST * min(share, 1.0):
             return ""
         falls = (
             f"what the mechanism does not explain of the forces falls from {percent(share)}"
@@ -358,7 +355,7 @@ class JointFitter:
     ) -> tuple[FitSetup, OptimizeResult]:
         """Search, again with slopes where it ended if forces are not linear in parameters."""
         motion = self.motion
-        for _ in range(BENDS):
+        for _ in range(ROUNDS):
             start = self._prepared(asked, motion)
             ready, found = start, searched(start, self.settings, progress)
             if not motion.torques.bent or found.cancelled:
@@ -383,7 +380,7 @@ class JointFitter:
         """Return the problem of all joints, with start values from the record."""
         first = [item.start for item in motion.linear]
         torques, contacts = motion.torques, self.contacts
-        samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
+        samples = FEW if any(map(_has_bristles, asked.laws.values())) else SAMPLES
         mechanism = vary(
             asked.mechanism, "mechanism", dict(zip(torques.linear, first, strict=True))
         )
@@ -392,7 +389,7 @@ class JointFitter:
             if coordinate in motion.resting:
                 continue
             contact = contacts.get(coordinate, "")
-            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
+            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, FEW)))
             check_inputs(
                 asked.laws.get(contact),
                 asked.mechanism,
@@ -691,8 +688,10 @@ def _allows(mechanism: Mechanism, values: Mapping[str, float]) -> bool:
 def _refuse_alike(names: Sequence[str], slopes: Array) -> None:
     """Refuse parameters that do the same to all forces, or nothing: searches would not settle."""
     _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
-    if sizes[-1] < ALIKE:
-        same = [name for name, part in zip(names, directions[-1], strict=True) if abs(part) > ALIKE]
+    if sizes[-1] < NEGLIGIBLE:
+        same = [
+            name for name, part in zip(names, directions[-1], strict=True) if abs(part) > NEGLIGIBLE
+        ]
         if len(same) == 1:
             raise InputError(f"the forces of this motion do not depend on {same[0]}: fix it.")
         raise InputError(

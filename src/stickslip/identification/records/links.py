@@ -13,7 +13,7 @@ from stickslip.experiments import Measurement
 from stickslip.formulation import JointTorques
 from stickslip.identification.force_map.joint_balance import joint_stretches, regression_of
 from stickslip.identification.series.inverse_dynamics import positions_of
-from stickslip.identification.settings import Hold
+from stickslip.identification.settings import RESOLUTION, SURE, TAKES_PART, Hold
 from stickslip.mechanisms import LINKS, Mechanism, Robot, RobotJoint
 from stickslip.quantities import fields_of, parameters, vary
 
@@ -23,12 +23,6 @@ SOUGHT = tuple(name for name, one in fields_of(RobotJoint).items() if one.nuisan
 """Fields of a joint that forces are linear in."""
 NOTHING = 1e-12
 """Value of a field that is looked for from 0 [SI]: 0 is no parameter of equations."""
-TOLD = 1e-2
-"""Share of a slope that others do not span, from which a motion tells it apart."""
-ESSENTIAL = 3.0
-"""Standard errors from 0 below which a parameter stays as it is described."""
-POSES = 50
-"""Poses of a record in which a mass matrix is looked at."""
 
 
 def told_links(
@@ -69,7 +63,7 @@ def told_links(
         certain = np.abs(found) * np.sqrt(passed) / errors
         least = int(np.argmin(certain))
         values = dict(zip((paths[told[i]] for i in kept), found.tolist(), strict=True))
-        if certain[least] > ESSENTIAL and _is_consistent(robot, values, poses):
+        if certain[least] > SURE and _is_consistent(robot, values, poses):
             break
         del values[paths[told[kept[least]]]], kept[least]
     return _moved(robot, values), tuple(path for path in paths if path in values)
@@ -100,7 +94,7 @@ def _independent(table: Array, count: int) -> Sequence[int]:
     basis = np.linalg.qr(scaled[:, count:])[0]
     columns = scaled[:, :count]
     _, triangle, order = qr(columns - basis @ (basis.T @ columns), mode="economic", pivoting=True)
-    found = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TOLD))
+    found = int(np.count_nonzero(np.abs(np.diagonal(triangle)) > TAKES_PART))
     return sorted(int(i) for i in order[:found])
 
 
@@ -119,7 +113,7 @@ def _poses(robot: Robot, measurement: Measurement) -> Mapping[str, Array]:
         np.concatenate([positions_of(one.joints[name]) for one in measurement.records()])
         for name in robot.coordinates
     ]
-    step = max(1, len(every[0]) // POSES)
+    step = max(1, len(every[0]) // RESOLUTION)
     return {name: q[::step] for name, q in zip(robot.coordinates, every, strict=True)}
 
 

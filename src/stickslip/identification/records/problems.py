@@ -19,6 +19,7 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
 from stickslip.identification.force_map.force_balance import (
+    SAMPLES,
     BalanceProblemBuilder,
     RederivedBalance,
     balanced,
@@ -26,13 +27,7 @@ from stickslip.identification.force_map.force_balance import (
 )
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import (
-    FEW,
-    MECHANISM,
-    SAMPLES,
-    constant_of,
-    map_along,
-)
+from stickslip.identification.force_map.problem import FEW, MECHANISM, constant_of, map_along
 from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
@@ -49,7 +44,7 @@ from stickslip.identification.series.start_values import (
     mechanism_unknown,
     regressed,
 )
-from stickslip.identification.settings import Hold, RecordSettings, SensorResponse
+from stickslip.identification.settings import NEGLIGIBLE, Hold, RecordSettings, SensorResponse
 from stickslip.identification.shooting.first_deflections import RecordedMotion
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import (
@@ -63,14 +58,10 @@ from stickslip.mechanisms import Mechanism, motor_of, stops_of
 from stickslip.quantities import full_path, parameters, vary
 
 Array = NDArray[np.float64]
-SOME = 2_500
-"""Samples of a record that start values are looked for with, where many are at rest."""
 SEEN = 16.0
 """Way along which a bristle yields, over the noise of positions, from which a record shows it."""
 ELECTRIC = ("mechanism.drive.resistance", "mechanism.drive.back_emf_constant")
 """Paths of what the winding alone tells of a motor under a recorded current."""
-CONSTANT = 1e-6
-"""Variation of a force over its size below which it never changes."""
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
@@ -180,7 +171,7 @@ class _ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
+            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=FEW)
         except InputError:
             return ()
         return tuple(
@@ -268,7 +259,7 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     else:
         inertia = regressed(mechanism, under_load, wanted.unknown)
         derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
-        stretches = derive(slipping=True, samples=SOME)
+        stretches = derive(slipping=True, samples=FEW)
         rough = StartEstimate.of(stretches)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
@@ -390,7 +381,7 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     problem, further = map_along(
         wanted.law,
         stretches,
-        own(samples=SOME),
+        own(samples=FEW),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
@@ -471,7 +462,7 @@ def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) ->
         if one.regressors is not None
     ]
     forces = np.concatenate(table)
-    if np.ptp(forces) <= CONSTANT * np.max(np.abs(forces), initial=0.0):
+    if np.ptp(forces) <= NEGLIGIBLE * np.max(np.abs(forces), initial=0.0):
         raise InputError(
             f"inverse dynamics cannot find {mass.path}: the force that moves the body never"
             " changes, and a mass of 0 with a friction of that size would explain it. Give the"

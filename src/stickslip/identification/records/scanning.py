@@ -14,11 +14,12 @@ from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.friction import Coulomb
-from stickslip.identification.estimation.levenberg_marquardt import ROUNDS, improve
+from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.start_values import StartEstimate
-from stickslip.identification.series.start_values import ONE_WAY, load_of
+from stickslip.identification.series.start_values import LITTLE, load_of
+from stickslip.identification.settings import RESOLUTION, ROUNDS
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
@@ -28,19 +29,17 @@ Array = NDArray[np.float64]
 
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
-ROWS: Final = 200
-"""Rows of a record that they are compared at."""
 SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
 """Levels at rest over those of sliding that are tried."""
 SPREAD: Final = tuple(np.geomspace(0.4, 2.5, 38).tolist())
 """Levels over the one to start from that are tried where there are stops: a twentieth more each."""
 SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
 """Shares of a segment that are taken in one after the other there."""
+KEPT, STEPS = 8, 15
+"""Starts of least residual that are followed downhill, and for how many steps: of 30 bristle laws
+three and five leave five in another valley, eight and fifteen one; eight and eight one of ten."""
 PRESLIDING: Final = 1e-3
 """Length over which bristles give way, over the stroke."""
-KEPT, STEPS = 8, 15
-"""Starts of least residual that are followed, and for so many steps: of 30 bristle laws, three and
-five leave five in another valley, eight and fifteen one."""
 
 
 def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> StartEstimate:
@@ -66,7 +65,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
         free_parameters=FreeParameters((level,), {}),
         segments=segments_of(
-            mechanism, measurement, length=longest, resolution=ROWS, quantity=quantity
+            mechanism, measurement, length=longest, resolution=RESOLUTION, quantity=quantity
         ),
         quantity_=quantity,
     )
@@ -82,7 +81,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         )
     slip = mechanism.coordinates.index(slip_of(mechanism))
     place, rate = mechanism.coordinates[slip], mechanism.rates[slip]
-    sampled = [run.sampled(10 * ROWS) for run in runs]
+    sampled = [run.sampled(10 * RESOLUTION) for run in runs]
     v = np.concatenate([one[rate] for one in sampled])
     moving = v[np.abs(v) > 0.0]
     ahead = float(np.mean(moving > 0.0)) if moving.size else 1.0
@@ -96,7 +95,7 @@ def scanned(mechanism: Mechanism, measurement: Measurement, quantity: str) -> St
         force=found * load,
         speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
         stiffness=found / (PRESLIDING * stroke),
-        two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
+        two_sided=LITTLE < ahead < 1.0 - LITTLE,
     )
 
 

@@ -14,6 +14,8 @@ from stickslip.experiments import Measurement, as_recorded, between_gaps, with_v
 from stickslip.formatting import estimate, percent, quantity
 from stickslip.identification.estimation.jackknife import Directions
 from stickslip.identification.series.applied_force import applied_force
+from stickslip.identification.settings import ROUNDING, ROUNDS, SETTLED
+from stickslip.identification.signals import GAP, ORDER
 from stickslip.identification.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary as with_values
@@ -26,8 +28,6 @@ Array = NDArray[np.float64]
 
 HUBER = 1.345
 """Residuals beyond this many standard deviations weigh less; 95 % as efficient as least squares."""
-BUTTERWORTH = 4
-"""Order of the position's filter."""
 POSITION_SHARE = 10.0
 """The position's filter passes a 10th of the sampling frequency if nothing else is asked for."""
 PARALLEL_SHARE = 50.0
@@ -38,16 +38,8 @@ HIGHEST = 0.2
 """Both stay below this share of the sampling frequency."""
 MARGIN = 49
 """Samples dropped at the start, where filters and differences begin."""
-UNEVEN = 3.0
-"""Longest step of time over the mean one with which filters still mean what they say."""
 LEAST = 30
 """Samples a record must have."""
-ROUNDS = 20
-"""Times that robust regression weighs anew, at most."""
-SAME = 1e-9
-"""Share by which two masses differ that are the same."""
-SETTLED = 1e-6
-"""Change of the estimates, as shares of the force, at which it ends."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -228,7 +220,7 @@ def is_mass(mechanism: Mechanism, path: str) -> bool:
     if path not in ("mechanism.inertia", "mechanism.mass"):
         return False
     mass = mass_of(mechanism)
-    return bool(abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= SAME * mass)
+    return bool(abs(mass - getattr(mechanism, path.rpartition(".")[2])) <= ROUNDING * mass)
 
 
 def times_of(record: Measurement) -> Array:
@@ -287,7 +279,7 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     dt = check_even(record.time)
     x = positions_of(record)
     share = _share(x, 1.0 / POSITION_SHARE) if cutoff is None else min(2.0 * cutoff * dt, 0.99)
-    smooth = _both_ways(signal.butter(BUTTERWORTH, share), x)
+    smooth = _both_ways(signal.butter(ORDER, share), x)
     v = np.gradient(smooth, dt)
     applied = applied_force(mechanism, record)
     force = 0.0 * x if applied is None else applied
@@ -300,7 +292,7 @@ def check_even(time: Array) -> float:
     """Return the mean step of times (n,) [s]."""
     dt = float(np.ptp(time)) / (len(time) - 1)
     longest = float(np.diff(time).max())
-    if longest > UNEVEN * dt:
+    if longest > GAP * dt:
         raise InputError(
             "inverse dynamics, which gives the start values, needs evenly spaced times: the mean"
             f" step is {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the"
@@ -336,7 +328,7 @@ def _decimated(column: Array, every: int, share: float) -> Array:
     from scipy import signal
 
     if every == 1:
-        return _both_ways(signal.butter(BUTTERWORTH, share), column)
+        return _both_ways(signal.butter(ORDER, share), column)
     smooth = _both_ways(signal.cheby1(8, 0.05, 0.8 / every), column)
     return smooth[(len(smooth) - 1) % every :: every]
 

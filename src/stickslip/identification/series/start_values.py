@@ -8,9 +8,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
-from stickslip.identification.estimation.parameters import (
-    FreeParameter,
-)
+from stickslip.identification.estimation.parameters import WIDE, FreeParameter
 from stickslip.identification.series.applied_force import driven
 from stickslip.identification.series.inverse_dynamics import (
     InverseDynamics,
@@ -21,20 +19,12 @@ from stickslip.identification.series.inverse_dynamics import (
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import Quantity, full_path, parameters
 
-REVERSED = 0.01
-"""Inertial share of a negative mass from which the force acts against the motion."""
-BENDING, BRAKES = 0.5, 0.5
-"""Inertial share of a negative mass up to which bristles may stand for it, and the level over the
-standard deviation of the friction from which one brakes."""
-WIDE = 30.0
-"""How far bounds lie from what regression found."""
-ONE_WAY = 0.01
-"""Share of samples that must go each way for a record to be two-sided."""
-WIDEST = 1e3
-"""Factor by which other parameters of a mechanism are looked for to either side."""
-UNEXPLAINED = 0.8
-"""Share of the force that a regression leaves above which its signs accuse no channel. A force
-recorded with the wrong sign fits as well as with the right one."""
+LITTLE = 0.01
+"""Share of a force that is next to nothing of it, and of samples that are few of them."""
+MOST = 0.5
+"""Share of a force that explains it: where a regression leaves more, its signs accuse no channel,
+and a level of less brakes nothing. A force recorded with the wrong sign fits as well as with the
+right one."""
 
 
 def inertia_of(
@@ -84,7 +74,7 @@ def check_signs(found: InverseDynamics, *, driven: bool) -> None:
             "no drive was given, and friction alone cannot cause this motion: linear regression"
             f" gives {said}. Give the force if there was one; only a free decay needs none."
         )
-    if found.relative_error > UNEXPLAINED:
+    if found.relative_error > MOST:
         raise InputError(
             f"inertia and sliding friction leave {100.0 * found.relative_error:.0f} % of the force:"
             f" linear regression gives {said}, which therefore says nothing. Friction may hold the"
@@ -101,16 +91,16 @@ def _says_little(found: InverseDynamics) -> bool:
     """Whether an inertia that came out negative says nothing of the sign of the force.
 
     The motion was slow, and it takes a small share of the force; or slip in both directions has a
-    level that brakes, beside which it takes less: a force that bends bristles goes with the
-    acceleration too. In one direction a level is not told from a weight.
+    level that brakes: a force that bends bristles goes with the acceleration too. In one direction
+    a level is not told from a weight.
     """
-    if found.inertial_share > -REVERSED:
+    if found.inertial_share > -LITTLE:
         return True
     ahead = float(np.mean(found.velocity > 0.0))
-    if not ONE_WAY < ahead < 1.0 - ONE_WAY or found.relative_error > UNEXPLAINED:
+    if not LITTLE < ahead < 1.0 - LITTLE or found.relative_error > MOST:
         return False
     level = min(found[name] for name in found.names if name.startswith("level"))
-    return found.inertial_share > -BENDING and level > BRAKES * float(np.std(found.friction))
+    return level > MOST * float(np.std(found.friction))
 
 
 def load_of(mechanism: Mechanism) -> float:
@@ -135,12 +125,12 @@ def load_of(mechanism: Mechanism) -> float:
 def mechanism_unknown(path: str, quantity: Quantity, start: float, level: float) -> FreeParameter:
     """Return an unknown of a mechanism under friction of a level [N], with wide bounds."""
     log = quantity.above is not None
-    most = WIDEST * (level + abs(start))
+    most = WIDE * (level + abs(start))
     return FreeParameter(
         path=path,
         quantity=quantity,
         start=start,
-        low=start / WIDEST if log else max(quantity.low, -most),
-        high=WIDEST * start if log else min(quantity.high, most),
+        low=start / WIDE if log else max(quantity.low, -most),
+        high=WIDE * start if log else min(quantity.high, most),
         log=log,
     )

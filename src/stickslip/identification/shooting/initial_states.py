@@ -8,22 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.identification.estimation.levenberg_marquardt import AGREE
+from stickslip.identification.settings import NEGLIGIBLE, ROUNDS, SETTLED
+
 Array = NDArray[np.float64]
 
-NEGLIGIBLE = 1e-7
-"""Singular values of the local states' slopes, over the largest, that are not told from 0."""
-ROUNDS = 12
-"""Steps at most in which a first initial state is fitted."""
-SETTLING = 1e-3
-"""It is fitted when a step promises to lower the misfit by less than this share."""
-CLEARLY = 0.01
-"""Share by which a moving start has to fit better than rest, which is preferred."""
 EXACT = 1e-6
 """Root mean square, over the size of the motion, that no step need take off: the solver's own."""
 DAMPING = 1e-6
-"""First damping of these steps, over the largest eigenvalue of the normal equations."""
-MOST_DAMPING = 1e4
-"""At this damping, nothing moves any more."""
+"""First damping of steps of initial states, over the largest eigenvalue of the normal equations;
+at one over it nothing moves."""
 
 
 Found = TypeVar("Found")
@@ -119,7 +113,7 @@ class LocalState:
         columns, singular, _ = self.known
         kept = 1.0 - self._damped * singular
         promised = float(np.sum((columns.T @ self.residual) ** 2 * (1.0 - kept**2)))
-        return promised <= max(SETTLING * self.misfit, self.exact)
+        return promised <= max(SETTLED * self.misfit, self.exact)
 
     @property
     def exact(self) -> float:
@@ -149,7 +143,7 @@ class LocalState:
     def stepped(self, *, well: bool) -> "LocalState":
         """Return the segment with less damping if its last step went well, else with more."""
         damping = self.damping / 10.0 if well else self.damping * 100.0
-        return replace(self, damping=min(damping, MOST_DAMPING))
+        return replace(self, damping=min(damping, 1.0 / DAMPING))
 
     def projected(self, columns: Array) -> Array:
         """Return columns less what initial states can do."""
@@ -209,7 +203,7 @@ def _or_at_rest(
     if first is None or not first.able:
         return best
     rested = _descended(first, shoot)
-    clearly = best is not None and best.misfit < (1.0 - CLEARLY) * rested.misfit
+    clearly = best is not None and best.misfit < (1.0 - AGREE) * rested.misfit
     return best if clearly else rested
 
 
@@ -224,7 +218,7 @@ def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) ->
             break
         there = shoot(best.near())
         if there is None or there.misfit >= best.misfit or not there.able:
-            if best.damping >= MOST_DAMPING:
+            if best.damping >= 1.0 / DAMPING:
                 break
             best = best.stepped(well=False)
         else:

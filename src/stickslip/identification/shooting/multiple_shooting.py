@@ -20,6 +20,7 @@ from stickslip.executors import on_threads
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
+from stickslip.identification.settings import RESOLUTION, ROUNDING, SURE
 from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identification.shooting.initial_states import (
     LocalState,
@@ -42,14 +43,11 @@ Array = NDArray[np.float64]
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
 """Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
 thousands, parameters have gone where nothing moves as measured."""
-STEPS_PER_ROW = 20
-"""Steps of a long segment at most, over its rows."""
 
 
 FIRST = 20
-"""First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
-UNSEEN = 3.0
-"""... if that is less than so many standard errors."""
+"""First rows of a segment from whose slope it is seen whether the body may be at rest, and from
+whose parabola its first velocity is guessed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,10 +89,6 @@ class ZeroEstimate:
     """What is measured where the mechanism is at 0 [m or rad]."""
     error: float
     """Its standard error."""
-
-
-NO_ZERO = 1e-9
-"""Mean square of what a shift of positions does beside all unknowns, over 1, that is none."""
 
 
 @final
@@ -302,7 +296,7 @@ class Shooting(RecordProblem):
             slopes = _sensed(run, counted, mechanism, law, begun[k], state, column, paths)
             own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
             freedom = max(len(left) - slopes.shape[1] - 1, 1)
-            if own @ own > NO_ZERO * len(left):
+            if own @ own > ROUNDING * len(left):
                 error = math.sqrt(float(np.sum((left - left.mean()) ** 2)) / freedom / (own @ own))
                 found[one.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
         return found
@@ -390,7 +384,7 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     found = np.linalg.lstsq(columns, x, rcond=None)[0]
     left = x - columns @ found
     error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
-    return bool(abs(found[0]) <= UNSEEN * error)
+    return bool(abs(found[0]) <= SURE * error)
 
 
 def _bare(
@@ -406,7 +400,7 @@ def _solved(
     segment: Segment, mechanism: Mechanism, law: FrictionLaw, start: Sequence[float]
 ) -> BareRun | None:
     """Return a segment simulated from its first states; None if the run fails."""
-    end, steps = float(segment.times[-1]), STEPS_PER_ROW * len(segment.times)
+    end, steps = float(segment.times[-1]), SOLVER.max_steps * len(segment.times) // RESOLUTION
     solver = SOLVER if steps <= SOLVER.max_steps else replace(SOLVER, max_steps=steps)
     if segment.loop is not None:
         return run_through(solver, mechanism, law, segment.loop, y0=start, t_end=end)[0]

@@ -9,11 +9,9 @@ import numpy as np
 from stickslip.drives import Sampled
 from stickslip.experiments import LoopSamples
 from stickslip.friction import FrictionLaw
+from stickslip.identification.settings import ROUNDING
 from stickslip.mechanisms import DCMotor, LoopMemory, Mechanism, SampledLoop, motor_of
 from stickslip.solver import BareRun, EventDriven, IncrementalRun
-
-SAME = 1e-9
-"""Share of a period by which two times are the same."""
 
 
 @final
@@ -34,7 +32,7 @@ class LoopInSegment:
         Before the segment it saw the measured motion.
         """
         times = self.samples.time - self.start
-        first = int(np.searchsorted(times, -SAME * loop.period))
+        first = int(np.searchsorted(times, -ROUNDING * loop.period))
         told, memories = self.samples.commands(loop, limit)
         acting = (times[:first] + loop.delay).tolist()
         return first, list(zip(acting, told[:first].tolist(), strict=True)), memories[first]
@@ -58,7 +56,7 @@ def run_through(
     limit = motor.largest_voltage
     first, acting, memory = seen.begun(loop, limit)
     sampled = dict(enumerate((seen.samples.time[first:] - seen.start).tolist(), first))
-    sampled = {k: max(t, 0.0) for k, t in sampled.items() if t < t_end - SAME * loop.period}
+    sampled = {k: max(t, 0.0) for k, t in sampled.items() if t < t_end - ROUNDING * loop.period}
     later = {t + loop.delay for t in (*sampled.values(), *(t - loop.delay for t, _ in acting))}
     breaks = sorted({0.0, *sampled.values(), *(t for t in later if 0.0 < t < t_end)})
     breaks = [t for t, after in zip(breaks, [*breaks[1:], t_end], strict=True) if after > t]
@@ -77,7 +75,7 @@ def run_through(
             goal = float(seen.samples.goal[at[t]])
             voltage, memory = loop.sampled(goal, onward.state()[0], memory, limit=limit)
             acting.append((t + loop.delay, voltage))
-        values.append(next((u for when, u in reversed(acting) if when <= t + SAME), 0.0))
+        values.append(next((u for when, u in reversed(acting) if when <= t + ROUNDING), 0.0))
         if not onward.advance(end, [(values[-1], 0.0)]):
             return None, mechanism
     told = _told(mechanism, motor, breaks, values)

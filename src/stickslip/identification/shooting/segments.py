@@ -20,18 +20,12 @@ from stickslip.identification.series.applied_force import (
 )
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
-from stickslip.identification.shooting.multiple_shooting import Segment
+from stickslip.identification.shooting.multiple_shooting import FIRST, Segment
 from stickslip.identification.shooting.sampled_loops import LoopInSegment
 from stickslip.identification.signals import GAP
 from stickslip.mechanisms import Mechanism, motor_of, slip_of
 
 Array = NDArray[np.float64]
-
-
-SAMPLES = 20
-"""Samples of a usual segment at least; where they are rare, a segment is longer than a second."""
-GUESSED = 20
-"""Rows of a segment from whose parabola its first velocity is guessed."""
 
 
 def measured_quantity(measurement: Measurement) -> str:
@@ -112,7 +106,7 @@ def usual_segment(measurement: Measurement) -> float:
     20.0
     """
     times = [one.time for one in measurement.records() if one.time is not None]
-    return max([SEGMENT, *(SAMPLES * interval_of(time) for time in times if time.size > 1)])
+    return max([SEGMENT, *(FIRST * interval_of(time) for time in times if time.size > 1)])
 
 
 def with_usual_segment(settings: RecordSettings, measurement: Measurement) -> RecordSettings:
@@ -241,7 +235,7 @@ def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
 
 def _guess(mechanism: Mechanism, quantity: str, time: Array, values: Array) -> Array:
     """Return the first coordinates and rates, from a parabola through the first samples."""
-    count = min(len(time), GUESSED + 1)
+    count = min(len(time), FIRST + 1)
     t = time[:count] - time[0]
     slope, value = np.polyfit(t, values[:count], 2)[1:]
     slip = mechanism.coordinates.index(slip_of(mechanism))
