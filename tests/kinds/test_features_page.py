@@ -5,7 +5,8 @@ import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
 from stickslip.kinds.features.figures import Excerpt
-from stickslip.kinds.features.page import CYCLES, _excerpt
+from stickslip.kinds.features.page import _excerpt
+from stickslip.kinds.features.problem import CYCLES
 from stickslip.kinds.report import verdict_page
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
