@@ -47,6 +47,9 @@ Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
 MASS = "mechanism.mass"
+LOCAL = 12
+"""Points of the global search from which the search goes on locally; of 6, other values with the
+same features are missed."""
 
 
 def fit_features(
@@ -359,7 +362,7 @@ def _searched(
     counter = Counter(progress)
     places, costs = _spread(problem, points, seed, _told(progress))
     ends, cancelled = [], False
-    for i in np.argsort(costs)[: THRESHOLDS.families]:
+    for i in np.argsort(costs)[:LOCAL]:
         if cancelled or not math.isfinite(costs[i]):
             break
         try:

@@ -21,7 +21,7 @@ from stickslip.solver import EventDriven, Samples
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
-CYCLES = 10
+CYCLES = 12
 """Observed periods after which the motion counts as a limit cycle, and of which the features are
 taken then."""
 SAMPLES = 64

@@ -197,15 +197,14 @@ def estimates_of(
     _, singular, right = np.linalg.svd(table)
     # slopes are known to about the step of their difference quotients
     rank = int(np.sum(singular > NUDGE * singular[0])) if len(singular) else 0
-    # the share of each coordinate, squared, in changes that leave every feature as it is
-    hidden = np.sum(right[rank:] ** 2, axis=0)
     inverse = to_values @ np.linalg.pinv(table, rcond=NUDGE)
     spread = inverse @ covariance @ inverse.T
     errors = np.sqrt(np.diag(spread))
     sizes = np.where(errors > 0.0, errors, 1.0)
     correlation = spread / np.outer(sizes, sizes)
     np.fill_diagonal(correlation, 1.0)
-    loose = hidden > NUDGE
+    # by the share of each coordinate, squared, in changes that leave every feature as it is
+    loose = np.sum(right[rank:] ** 2, axis=0) > NUDGE
     found, edge = [], THRESHOLDS.rounding
     for i, (item, value) in enumerate(zip(free_parameters.items, best.values, strict=True)):
         tied = item.above in free_parameters.paths and bool(
