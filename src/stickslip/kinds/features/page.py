@@ -24,7 +24,7 @@ from stickslip.identification import Estimate
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
-from stickslip.kinds.features.problem import CYCLES, SAMPLES
+from stickslip.kinds.features.problem import SAMPLES, WATCHED
 from stickslip.kinds.features.result import FeatureFit, half_width
 from stickslip.kinds.features.verdict import (
     COLUMNS,
@@ -204,9 +204,9 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
 def _excerpt(fit: FeatureFit, time: Array, force: Array, name: str, middle: float) -> Excerpt:
     """Return some cycles about a time, with the limit cycle shifted to lie nearest."""
     period = 1.0 / fit.observed.frequency
-    kept = np.abs(time - middle) <= 0.5 * CYCLES * period
+    kept = np.abs(time - middle) <= 0.5 * WATCHED * period
     t, measured = time[kept] - time[kept][0], force[kept]
-    fine = np.linspace(0.0, float(t[-1]) + period, 40 * (CYCLES + 1) + 1)
+    fine = np.linspace(0.0, float(t[-1]) + period, 40 * (WATCHED + 1) + 1)
     cycle = fit.limit_cycle(fine) / fit.mechanism.steady_load
     shifts = np.linspace(0.0, period, SAMPLES, endpoint=False)
     misfit = [float(np.sum((np.interp(t + s, fine, cycle) - measured) ** 2)) for s in shifts]

@@ -25,12 +25,11 @@ from stickslip.identify import THRESHOLDS
 from stickslip.kinds.features.features import (
     COMPARED,
     FEATURES,
-    READ,
     StickSlipFeatures,
     features_of,
     findings_of,
 )
-from stickslip.kinds.features.problem import CYCLES, NUDGE
+from stickslip.kinds.features.problem import NUDGE, SETTLING
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
 
@@ -123,7 +122,7 @@ class FeatureFit(Fit[Law_co]):
         t : array (n,)
             Times [s] from 0 on, at which the motion has settled.
         """
-        settled = CYCLES / self.observed.frequency
+        settled = SETTLING / self.observed.frequency
         times = settled + np.asarray(t, dtype=float)
         block, level = self.mechanism, self.observed.mean * self.mechanism.steady_load
         start = {"x": -level / block.stiffness}
@@ -317,12 +316,12 @@ def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
 def as_good(other: FeatureFit, best: FeatureFit) -> bool:
     """Whether a record does not tell another law from the best.
 
-    The difference must exceed one paired standard error, and what features are read to.
+    The difference must exceed one paired standard error, and what matters of features.
     """
     if best.held_out is None:
-        return other.rms <= best.rms + READ
+        return other.rms <= best.rms + THRESHOLDS.pattern
     difference, error = paired(other, best)
-    return difference <= max(error, READ)
+    return difference <= max(error, THRESHOLDS.pattern)
 
 
 def _slope(errors: Mapping[str, float]) -> Array:
