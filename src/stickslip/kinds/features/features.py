@@ -41,8 +41,6 @@ HIGHEST = 5.0
 AGREE = 0.25
 """Logarithm by which the top of a spectrum and the rate of regular slips may differ: irregular
 slips with a coefficient of variation of 0.2 reach 0.1."""
-FEWEST = 3
-"""Cycles of stick-slip at least."""
 Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
 COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
@@ -278,7 +276,11 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
     >>> refuse_without_cycles(np.sin(2.0 * np.pi * t), 0.01, 1.0)
     """
     cycles = cycles_of(force, 1.0 / (top * step))
-    rate = (len(cycles) - 1) / (step * float(np.ptp(cycles))) if len(cycles) > FEWEST else 0.0
+    rate = (
+        (len(cycles) - 1) / (step * float(np.ptp(cycles)))
+        if len(cycles) > THRESHOLDS.fewest
+        else 0.0
+    )
     if rate == 0.0 or abs(math.log(top / rate)) > AGREE:
         said = f"but it passes through {len(cycles)} cycles"
         said += f", which are {quantity(rate, 'Hz')}" if rate else " only"
@@ -528,7 +530,7 @@ def _drifts(force: Array) -> bool:
 
 def _is_slow(waiting: Array, natural: float) -> bool:
     """Whether slips are so far apart that the block sticks between them."""
-    return len(waiting) >= FEWEST and float(np.median(waiting)) * natural > LONG
+    return len(waiting) >= THRESHOLDS.fewest and float(np.median(waiting)) * natural > LONG
 
 
 def _regime(force: Array, frequency: float, natural: float) -> Regime:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import LawEstimates, levels_at
+from stickslip.experiments import LawEstimates, Rig, levels_at
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, Law_co, Trial, estimates_for, is_rig
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 
-T_END = 10.0
+T_END = Rig.t_end
 """Time after which a body counts as stopped [s]."""
 SAMPLES = 2001
 

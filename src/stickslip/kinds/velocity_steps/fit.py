@@ -41,7 +41,6 @@ from stickslip.kinds.velocity_steps.problem import (
 )
 from stickslip.kinds.velocity_steps.result import (
     ROOM,
-    UNSPENT,
     Profile,
     RateStateFit,
     Window,
@@ -407,7 +406,7 @@ def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     unbounded = True
     for tried in (
         [b + share * a for share in LARGER],
-        [0.5 * (b + least), least] if b > least + UNSPENT * a else [],
+        [0.5 * (b + least), least] if b > least + THRESHOLDS.negligible * a else [],
     ):
         for held in tried:
             end = _holding(slider, values, held)

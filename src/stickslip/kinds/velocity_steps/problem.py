@@ -20,6 +20,7 @@ from stickslip.identification import (
     Problem,
     ResidualJacobian,
 )
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.velocity_steps.load_point import STRETCHES, Path, path_of
 from stickslip.kinds.velocity_steps.slider import coefficients, logarithms
 from stickslip.quantities import Quantity, fields_of
@@ -51,9 +52,6 @@ PLAIN = 4000
 at uneven times have most of these at steps."""
 TOLERANCE = 1e-9
 """Six digits below the noise of any record."""
-LEAST = 1e-4
-"""Effects on friction below which difference quotients take no smaller steps; the least evolution
-effect that an effect of stress is divided by."""
 NUDGE = math.sqrt(TOLERANCE)
 """Step of difference quotients, relative."""
 
@@ -344,7 +342,8 @@ class Slider(Problem):
                 continue
             size = values[i]
             if i in (DIRECT, EVOLVED, SECOND):
-                size = max(abs(values[DIRECT]), abs(values[EVOLVED]), LEAST)
+                effects = values[[DIRECT, EVOLVED]]
+                size = max(*np.abs(effects), THRESHOLDS.negligible * abs(values[4]))
             elif i == STRESS:
                 size = 1.0 + values[STRESS]
             step = NUDGE * size
@@ -385,7 +384,9 @@ def unknowns_for(
     mu_0 = first - rate * float(np.log(record.speed / reference_velocity))
     start_a = (max(rate, 0.0) + 0.005) * (1.0 + stressed)  # a step shows a / (1 + c) at once
     start_b = start_a - rate
-    lowest = max(lowest_evolution_effect, LEAST) if stressed else lowest_evolution_effect
+    lowest = lowest_evolution_effect
+    if stressed:  # an effect of stress is divided by that of evolution
+        lowest = max(lowest, THRESHOLDS.negligible * abs(mu_0))
     k = given.get(PATHS[3], held.get(PATHS[3], _steepest(record)))
     names = [path.rpartition(".")[2] for path in PATHS]
     numbers = [

@@ -56,8 +56,6 @@ The variance of a block's sum is a sixth short then, as neighbouring blocks go t
 held in 28 to 30 of 30 records (decision 0032).
 """
 MOST_BLOCKS = 100
-UNSPENT = 1e-3
-"""Share of a below which b is none, and D_c has no effect; and of distances that are one."""
 REMEMBERED = 0.25
 """Effective over actual sample size of the residuals below which they are no noise of samples."""
 SETTLED = 8.0
@@ -303,7 +301,7 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
     for effect in (EVOLVED, SECOND):
-        if abs(values[effect]) < UNSPENT * abs(values[DIRECT]):
+        if abs(values[effect]) < THRESHOLDS.negligible * abs(values[DIRECT]):
             free[[effect, effect + 1]] = False
     return np.asarray(free)
 
@@ -398,7 +396,7 @@ def _correlation(slider: Slider, best: ResidualJacobian, profile: Profile) -> fl
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
     """
-    if abs(best.values[1]) < UNSPENT * abs(best.values[0]) and profile.ends:
+    if abs(best.values[1]) < THRESHOLDS.negligible * abs(best.values[0]) and profile.ends:
         best = slider.linearise(profile.ends[0].values)
     others = np.delete(best.slopes, [0, 1], axis=1)
     others = others / np.maximum(np.linalg.norm(others, axis=0), 1e-300)
@@ -558,7 +556,9 @@ def _remarks(fit: RateStateFit) -> tuple[str, ...]:
     swing = math.sqrt(block.mass / block.stiffness)
     # without a state, friction follows the load point over the way a/k
     way = abs(law.direct_effect) / fit.stiffness
-    spent = [distance for b, distance in law.states if b > UNSPENT * law.direct_effect]
+    spent = [
+        distance for b, distance in law.states if b > THRESHOLDS.negligible * law.direct_effect
+    ]
     if spent:
         way = min(spent)
     if not way > 0.0:

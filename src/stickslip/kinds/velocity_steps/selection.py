@@ -17,7 +17,7 @@ from stickslip.identification import LAW, Parameters, RecordSettings
 from stickslip.identify import THRESHOLDS
 from stickslip.kinds.velocity_steps.fit import STARTS, Drift, fit_rate_state, form_of, with_profile
 from stickslip.kinds.velocity_steps.load_point import STRETCHES
-from stickslip.kinds.velocity_steps.result import SETTLED, UNSPENT, RateStateFit, bounds_met
+from stickslip.kinds.velocity_steps.result import SETTLED, RateStateFit, bounds_met
 from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps
 from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.kinds.velocity_steps.wording import outcomes, rate_state_wording
@@ -199,10 +199,10 @@ def _acting(law: RateState) -> frozenset[str]:
     """Return the parameters that have an effect at the values of a law, named as in its forms."""
     if law.evolution == "none":
         return frozenset(RATE_STATE_FORMS[law.name].fit_order)
-    acting = [one for one in law.states if abs(one[0]) >= UNSPENT * law.direct_effect]
+    acting = [one for one in law.states if abs(one[0]) >= THRESHOLDS.negligible * law.direct_effect]
     distances = [distance for _, distance in acting]
     count = len(acting)
-    if count > 1 and max(distances) <= (1.0 + UNSPENT) * min(distances):
+    if count > 1 and max(distances) <= (1.0 + THRESHOLDS.negligible) * min(distances):
         count = 1  # they evolve alike
     effects = (
         ("evolution_effect", "critical_distance"),
@@ -211,7 +211,7 @@ def _acting(law: RateState) -> frozenset[str]:
             "second_critical_distance",
         ),
     )
-    stress = {"stress_effect"} if law.stress_effect >= UNSPENT else set()
+    stress = {"stress_effect"} if law.stress_effect >= THRESHOLDS.negligible else set()
     return frozenset({"reference_coefficient", "direct_effect", *stress}.union(*effects[:count]))
 
 

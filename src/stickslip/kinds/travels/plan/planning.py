@@ -69,12 +69,14 @@ friction scatter by a few per cent."""
 ROUGH = 0.01
 """Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
 of this is said."""
-LEAST, MOST = 3, 10
-"""Runs at each setting: fewer do not show their scatter, more are not asked for."""
+LEAST = THRESHOLDS.fewest
+"""Runs at each setting: fewer do not show their scatter ..."""
+MOST = 10
+"""... and more are not asked for."""
 SURE = 23.0
 """Evidence of readings without errors with which a law leaves the set in nine of ten sets with
 errors, which leave a third to a half of it (of 30 sets each, 24 at 19, 26 at 21 and 29 at 25)."""
-RESOLVED = 1e-3
+RESOLVED = THRESHOLDS.negligible
 """Share of a travel that no reading resolves: uncertainty of the one that is assumed where none was
 measured, difference of travels that are alike, step of a level for the slope of travels."""
 HALF = 0.5
