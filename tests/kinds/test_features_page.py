@@ -5,7 +5,8 @@ import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
 from stickslip.kinds.features.figures import Excerpt
-from stickslip.kinds.features.page import CYCLES, _excerpt
+from stickslip.kinds.features.page import _excerpt
+from stickslip.kinds.features.problem import WATCHED
 from stickslip.kinds.report import verdict_page
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
@@ -76,7 +77,7 @@ def test_an_excerpt_lies_beside_the_limit_cycle_in_its_nearest_phase(verdict):
     force = np.asarray(fit.measurement.spring_force) / REAL.load
     seen = _excerpt(fit, time, force, "middle", 2.5)
     assert isinstance(seen, Excerpt)
-    assert np.ptp(seen.time) == pytest.approx(CYCLES / fit.observed.frequency, rel=0.02)
+    assert np.ptp(seen.time) == pytest.approx(WATCHED / fit.observed.frequency, rel=0.02)
     simulated = np.interp(seen.time, seen.simulated_time, seen.simulated)
     left = float(np.std(simulated - seen.measured))
     # one of 64 phases is at most 0.05 rad off, and 0.3 % of frequency are 0.15 rad in 8 cycles

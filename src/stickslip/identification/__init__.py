@@ -85,6 +85,7 @@ INSIDE = {
     "load_of": "series.start_values",
     "names_of": "validation",
     "outlying": "outliers",
+    "quantile_of": "estimation.jackknife",
     "quantities_read": "travel_model",
     "reads_as_forces": "estimation.parameters",
     "recorded_inputs": "contact_inputs",

@@ -14,6 +14,7 @@ from stickslip.identification.estimation.jackknife import BLOCKS as BLOCKS
 from stickslip.identification.estimation.jackknife import Inference as Inference
 from stickslip.identification.estimation.jackknife import effective_size as effective_size
 from stickslip.identification.estimation.jackknife import infer as infer
+from stickslip.identification.estimation.jackknife import quantile_of as quantile_of
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identification.estimation.levenberg_marquardt import Counter as Counter
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult

@@ -73,6 +73,11 @@ class Thresholds:
     """... or the scatter follows it by this share (study: what is left)."""
     rounding: float = 1e-6
     """Share by which numbers differ that say the same: scores, balances, an inertia."""
+    negligible: float = 1e-3
+    """Share of a number below which another beside it is none: an evolution effect of rate and
+    state beside the direct one, a difference of planned travels."""
+    fewest: int = 3
+    """Runs, or cycles of stick-slip, that show a scatter or a rate, at least."""
     least_variance: float = 0.3
     """Residual variance over that of the weights below which few rows are not believed."""
 

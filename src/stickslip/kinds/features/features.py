@@ -16,43 +16,31 @@ from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import (
     CURE,
     Finding,
+    Level,
     MainsLine,
     Measurement,
+    drift,
     is_narrow,
     lines_of,
     sentences_of,
     words_of,
 )
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
+from stickslip.identification import BLOCKS
+from stickslip.identify import THRESHOLDS
 from stickslip.mechanisms import Mechanism, TowedBlock
 
 Array: TypeAlias = NDArray[np.float64]
 
-OUTSTANDING = 6.0
-"""A fall counts if it stands out of the scatter of falls by so many of its standard deviations."""
 LARGE = 0.25
-"""And if it is this share of the median fall: smaller ones are creep."""
-FINE = 8
-"""Spectra are padded with zeros to so many times their length."""
-SWING = 0.5
-"""A cycle goes from so many standard deviations below the mean to as many above it."""
-BLOCKS = 15
-"""Half overlapping stretches, of an eighth of the record each, for spectra and the bootstrap."""
-STRETCHES = 8
-DRAWS = 400
+"""A fall counts from this share of the median fall on: smaller ones are creep."""
+HALVES = 2 * BLOCKS - 1
+"""Half overlapping blocks of the record, for spectra."""
 HIGHEST = 5.0
 """Frequencies are sought up to so many times the natural one."""
 AGREE = 0.25
 """Logarithm by which the top of a spectrum and the rate of regular slips may differ: irregular
 slips with a coefficient of variation of 0.2 reach 0.1."""
-WANDERS = 1.5
-"""Slower by this logarithm, a spectrum shows how levels wander from slip to slip, not slips."""
-CERTAIN = 3.0
-"""And by so many standard errors."""
-FEWEST = 3
-"""Cycles at least."""
-BIASED = 0.02
-"""Share of the variance from which hum falsifies features: the standard deviation by 1 %."""
 Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
 COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
@@ -60,16 +48,8 @@ FEATURES = "features"
 """What `fit` and `select` call the way that compares features."""
 READ = 2e-3
 """Features are read off samples to this share at best, however regular the record is."""
-STEADY = 0.02
-"""Sliding is steady if the force scatters by less than this share of its mean."""
 LONG = 1.5
 """Cycles longer than so many natural periods are of sticking and slipping."""
-DRIFTS = 0.03
-"""The force drifts if means of thirds differ by more than this share of the mean."""
-DOUBT = 2.5
-"""And by more than so many standard errors of the mean."""
-FASTER = 1.05
-"""A frequency that many times the natural one is not that of the nominal mass."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,7 +88,7 @@ def slips_of(force: Array, half_period: int) -> Slips:
     rise = float(np.median(rises))  # while it sticks, which is most of the time
     scatter = 1.4826 * float(np.median(np.abs(rises - rise)))
     usual = -rise * 2 * n / lag
-    height = usual + OUTSTANDING * scatter + 1e-9 * float(np.ptp(force))
+    height = usual + THRESHOLDS.outlying * scatter + 1e-9 * float(np.ptp(force))
     place, _ = find_peaks(fall, height=height, distance=2 * n)
     if len(place):
         place = place[fall[place] >= LARGE * np.median(fall[place])]
@@ -133,7 +113,7 @@ def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
     from scipy.ndimage import uniform_filter1d
 
     fast = force - uniform_filter1d(force, max(round(2.0 * period), 1))
-    limit = SWING * float(fast.std())
+    limit = float(np.median(np.abs(fast)))  # half of the force is above or below that
     outside = np.flatnonzero(np.abs(fast) > limit)
     high = fast[outside] > 0.0
     return np.asarray(outside[1:][high[1:] & ~high[:-1]], dtype=np.intp)
@@ -147,7 +127,7 @@ def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, 
     starts = np.linspace(0, len(force) - length, blocks).astype(int)
     window = np.hanning(length)
     ramp = np.linspace(-1.0, 1.0, length)
-    padded = next_fast_len(FINE * length, real=True)
+    padded = next_fast_len(len(force), real=True)
     frequency = np.fft.rfftfreq(padded)
     kept = frequency <= highest
     spectra = []
@@ -207,12 +187,12 @@ def frequency_of(
     >>> round(found.frequency, 6)
     1.0
     """
-    chosen = np.random.default_rng(0).integers(0, STRETCHES, (DRAWS, STRETCHES))
-    frequencies, spectra = spectra_of(force, BLOCKS, HIGHEST * natural * step)
+    chosen = np.random.default_rng(0).integers(0, BLOCKS, (THRESHOLDS.draws, BLOCKS))
+    frequencies, spectra = spectra_of(force, HALVES, HIGHEST * natural * step)
     top = peak_of(frequencies, spectra.mean(axis=0)) / step
     # overlapping spectra stand around the stretch they begin with
     tops = [
-        peak_of(frequencies, spectra[np.minimum(2 * drawn, BLOCKS - 1)].mean(axis=0))
+        peak_of(frequencies, spectra[np.minimum(2 * drawn, HALVES - 1)].mean(axis=0))
         for drawn in chosen
     ]
     spectral = Frequency(frequency=top, draws=np.array(tops) / step, chosen=chosen)
@@ -233,7 +213,9 @@ def frequency_of(
 def _hum(force: Array, step: float, top: float) -> tuple[MainsLine, ...]:
     """Return the lines of the mains, if one is the top of the spectrum or they falsify features."""
     lines = lines_of(force, step)
-    falsify = sum(line.share for line in lines) > BIASED
+    left = 1.0 - sum(line.share for line in lines)
+    # of the variance: what the standard deviation would be without them
+    falsify = math.sqrt(max(left, 0.0)) < 1.0 - THRESHOLDS.pattern
     return lines if falsify or any(abs(one.frequency / top - 1.0) < 0.01 for one in lines) else ()
 
 
@@ -242,9 +224,9 @@ def _rate(
 ) -> Frequency:
     """Return the rate of events, which a stretch has as many of as begin in it."""
     waits = step * np.diff(events)
-    stretch = np.minimum(events[:-1] * STRETCHES // samples, STRETCHES - 1)
-    counts = np.bincount(stretch, minlength=STRETCHES)
-    times = np.bincount(stretch, weights=waits, minlength=STRETCHES)
+    stretch = np.minimum(events[:-1] * BLOCKS // samples, BLOCKS - 1)
+    counts = np.bincount(stretch, minlength=BLOCKS)
+    times = np.bincount(stretch, weights=waits, minlength=BLOCKS)
     rate = 1.0 / float(waits.mean())
     drawn, spent = counts[chosen].sum(axis=1), times[chosen].sum(axis=1)
     draws = np.where(drawn > 0, drawn / np.where(drawn > 0, spent, 1.0), rate)
@@ -254,13 +236,15 @@ def _rate(
 def _refuse_contradiction(
     spectral: Frequency, slips: Frequency, force: Array, step: float, count: int
 ) -> None:
-    """Refuse a record whose spectrum has its top far from the rate of its slips."""
+    """Refuse a record whose spectrum has its top above the rate of its slips.
+
+    Below it, a spectrum shows how levels wander from slip to slip.
+    """
     top, rate = spectral.frequency, slips.frequency
     apart = math.log(top / rate)
     narrow = apart > AGREE and is_narrow(force, step, top)
     errors = [float(np.log(one.draws).std()) for one in (spectral, slips)]
-    least = AGREE if apart > 0.0 else WANDERS
-    contradict = narrow or abs(apart) > least + CERTAIN * math.hypot(*errors)
+    contradict = narrow or apart > AGREE + THRESHOLDS.outlier * math.hypot(*errors)
     lines = _hum(force, step, top)
     if not contradict and not lines:
         return
@@ -277,7 +261,7 @@ def _refuse_contradiction(
             f" {quantity(top, 'Hz')}, but {found}"
         )
         cure = f"Find the cause of the force at {quantity(top, 'Hz')}, or remove it with a "
-        cure += "notch filter." if apart > 0.0 else "high-pass filter below the slip rate."
+        cure += "notch filter."
     raise InputError(f"{said}: the features would mix two motions. {cure}")
 
 
@@ -292,7 +276,11 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
     >>> refuse_without_cycles(np.sin(2.0 * np.pi * t), 0.01, 1.0)
     """
     cycles = cycles_of(force, 1.0 / (top * step))
-    rate = (len(cycles) - 1) / (step * float(np.ptp(cycles))) if len(cycles) > FEWEST else 0.0
+    rate = (
+        (len(cycles) - 1) / (step * float(np.ptp(cycles)))
+        if len(cycles) > THRESHOLDS.fewest
+        else 0.0
+    )
     if rate == 0.0 or abs(math.log(top / rate)) > AGREE:
         said = f"but it passes through {len(cycles)} cycles"
         said += f", which are {quantity(rate, 'Hz')}" if rate else " only"
@@ -331,7 +319,7 @@ class StickSlipFeatures(metaclass=Described):
     halves: tuple[float, float]
     """Mean force in the first and the second half."""
     drifts: bool
-    """Whether means of thirds differ by more than 3 % and more than chance."""
+    """Whether the mean changes from the first half to the second, as `check` finds."""
     regime: Regime
     """Kind of motion."""
     covariance: Array
@@ -343,6 +331,11 @@ class StickSlipFeatures(metaclass=Described):
     def sentences(self) -> tuple[str, ...]:
         """The findings in words."""
         return sentences_of(self.findings)
+
+    @property
+    def too_fast(self) -> bool:
+        """Whether the frequency is not that of the nominal mass: it is above the natural one."""
+        return self.frequency > (1.0 + THRESHOLDS.material) * self.natural_frequency
 
     @property
     def waiting_time(self) -> float:
@@ -470,8 +463,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
         "thirds": thirds,
         "halves": halves,
-        "drifts": max(thirds) - min(thirds)
-        > abs(float(force.mean())) * max(DRIFTS, DOUBT * math.sqrt(covariance[1, 1])),
+        "drifts": _drifts(force),
         "regime": regime,
         "covariance": covariance,
     }
@@ -531,16 +523,32 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     return step, np.interp(time[0] + step * np.arange(count), time, force)
 
 
+def _drifts(force: Array) -> bool:
+    size = float(np.sqrt(np.mean(force**2)))
+    return any(drift([Level("spring_force", "spring force", force, size)]))
+
+
 def _is_slow(waiting: Array, natural: float) -> bool:
     """Whether slips are so far apart that the block sticks between them."""
-    return len(waiting) >= 3 and float(np.median(waiting)) * natural > LONG
+    return len(waiting) >= THRESHOLDS.fewest and float(np.median(waiting)) * natural > LONG
 
 
 def _regime(force: Array, frequency: float, natural: float) -> Regime:
     """Return what moves without slips that stand out."""
-    if float(force.std()) < STEADY * abs(float(force.mean())):
+    if is_steady(float(force.mean()), float(force.std())):
         return "steady sliding"
     return "inertial oscillation" if frequency * LONG > natural else "stick-slip"
+
+
+def is_steady(mean: float, spread: float) -> bool:
+    """Whether a force with a mean and a standard deviation is that of steady sliding.
+
+    Examples
+    --------
+    >>> is_steady(0.3, 0.001), is_steady(0.3, 0.01)
+    (True, False)
+    """
+    return spread < THRESHOLDS.pattern * abs(mean)
 
 
 def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> Array:
@@ -568,7 +576,7 @@ def findings_of(found: StickSlipFeatures, part: str = "record") -> tuple[Finding
 
     ratio = found.frequency / found.natural_frequency
     error = math.sqrt(found.covariance[0, 0])
-    if ratio > FASTER and found.regime == "inertial oscillation":
+    if found.too_fast and found.regime == "inertial oscillation":
         low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
         add(
             "frequency",

@@ -22,9 +22,9 @@ from stickslip.identification import (
     starting_law,
     with_known,
 )
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.features.features import (
     COMPARED,
-    FASTER,
     StickSlipFeatures,
     features_of,
     refuse_uncertainties,
@@ -46,13 +46,10 @@ from stickslip.quantities import vary as with_values
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
-ALIKE = 2e-3
-"""Ends whose features differ by no more than this are equally good: features are read to that."""
 MASS = "mechanism.mass"
-AS_WELL = 7.8
-"""Chi-square of three features up to which an end explains the observed ones: 95 %."""
 LOCAL = 12
-"""Points of the global search from which the search goes on locally."""
+"""Points of the global search from which the search goes on locally; of 6, other values with the
+same features are missed."""
 
 
 def fit_features(
@@ -191,7 +188,7 @@ def _result(
     estimates, correlation = estimates_of(free_parameters, best, observed.covariance)
     errors = errors_of(predicted, observed)
     said = sentences_of(estimates, observed, held, errors)
-    if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
+    if observed.too_fast and MASS not in pairs:
         said += (
             "The mass was fixed at its nominal value; vary=['friction.*', 'mechanism.mass'] fits"
             " it too.",
@@ -356,7 +353,12 @@ def _searched(
     seed: int,
     progress: Watch | None,
 ) -> _End:
-    """Return the best end of the best points of a Sobol sequence."""
+    """Return the best end of the best points of a Sobol sequence, and what fits as well.
+
+    That is where chi-square is above the least by no more than chance allows of three features.
+    """
+    from scipy.stats import chi2
+
     counter = Counter(progress)
     places, costs = _spread(problem, points, seed, _told(progress))
     ends, cancelled = [], False
@@ -375,10 +377,12 @@ def _searched(
         )
     best = min(ends, key=lambda end: end.cost)
     inverse = np.linalg.inv(problem.observed.covariance)
+    sizes = np.array([end.residual @ inverse @ end.residual for end in ends])
+    room = chi2.isf(THRESHOLDS.pattern_chance, len(COMPARED))
     alike = [
         end.values
-        for end in ends
-        if end.cost <= best.cost + ALIKE**2 or end.residual @ inverse @ end.residual <= AS_WELL
+        for end, size in zip(ends, sizes, strict=True)
+        if end is best or size <= sizes.min() + room
     ]
     runs = len(places) + counter.count * (1 + len(problem.free_parameters))
     best.memory = np.array(alike)

@@ -24,7 +24,8 @@ from stickslip.identification import Estimate
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
-from stickslip.kinds.features.result import QUANTILE, FeatureFit
+from stickslip.kinds.features.problem import SAMPLES, WATCHED
+from stickslip.kinds.features.result import FeatureFit, half_width
 from stickslip.kinds.features.verdict import (
     COLUMNS,
     PERCENT,
@@ -164,12 +165,6 @@ def _motion(features: StickSlipFeatures) -> Fact:
 
 Array: TypeAlias = NDArray[np.float64]
 
-CYCLES = 8
-"""Cycles of the record that an excerpt shows."""
-SHIFTS = 64
-"""Phases of the limit cycle that are tried, of which the nearest is drawn."""
-MOST = 1500
-
 
 def force_section(verdict: FeatureVerdict) -> Section | None:
     """Return the section with the measured and the simulated force."""
@@ -188,7 +183,7 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
         for name, half in zip(("first half, fitted", "second half, held out"), halves, strict=True)
     ]
     svg = inline_svg(
-        draw_pull(*thinned(time, force, MOST), halves, excerpts),
+        draw_pull(*thinned(time, force), halves, excerpts),
         alt="Spring force over load against time: the whole record, and some cycles of each half"
         " beside the fitted limit cycle",
         prefix="force-figure",
@@ -209,11 +204,11 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
 def _excerpt(fit: FeatureFit, time: Array, force: Array, name: str, middle: float) -> Excerpt:
     """Return some cycles about a time, with the limit cycle shifted to lie nearest."""
     period = 1.0 / fit.observed.frequency
-    kept = np.abs(time - middle) <= 0.5 * CYCLES * period
+    kept = np.abs(time - middle) <= 0.5 * WATCHED * period
     t, measured = time[kept] - time[kept][0], force[kept]
-    fine = np.linspace(0.0, float(t[-1]) + period, 40 * (CYCLES + 1) + 1)
+    fine = np.linspace(0.0, float(t[-1]) + period, 40 * (WATCHED + 1) + 1)
     cycle = fit.limit_cycle(fine) / fit.mechanism.steady_load
-    shifts = np.linspace(0.0, period, SHIFTS, endpoint=False)
+    shifts = np.linspace(0.0, period, SAMPLES, endpoint=False)
     misfit = [float(np.sum((np.interp(t + s, fine, cycle) - measured) ** 2)) for s in shifts]
     shift = float(shifts[int(np.argmin(misfit))])
     inside = (fine >= shift) & (fine - shift <= t[-1])
@@ -291,7 +286,7 @@ def _features(fit: FeatureFit) -> Table:
 def _observed(fit: FeatureFit, index: int) -> Number:
     name = COMPARED[index]
     value = float(getattr(fit.observed, name))
-    half = QUANTILE * math.sqrt(float(fit.observed.covariance[index, index])) * abs(value)
+    half = half_width(math.sqrt(float(fit.observed.covariance[index, index]))) * abs(value)
     shown, doubt = estimate_text(value, half)
     return Number(value=shown, doubt=doubt, unit=UNITS.get(name, ""))
 

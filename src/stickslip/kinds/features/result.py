@@ -12,22 +12,24 @@ from typing_extensions import override
 from stickslip.experiments import LawEstimates, Measurement, levels_at
 from stickslip.formatting import joined, number, percent, signed_percent
 from stickslip.identification import (
+    BLOCKS,
     Estimate,
     Fit,
     FreeParameters,
     Law_co,
     ResidualJacobian,
     estimates_for,
+    quantile_of,
 )
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.features.features import (
     COMPARED,
-    DRIFTS,
     FEATURES,
     StickSlipFeatures,
     features_of,
     findings_of,
 )
-from stickslip.kinds.features.problem import SETTLING
+from stickslip.kinds.features.problem import NUDGE, SETTLING
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
 
@@ -35,21 +37,6 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
 Array: TypeAlias = NDArray[np.float64]
-
-QUANTILE = 2.36
-"""Factor of standard errors for 95 %, of seven degrees of freedom: eight stretches."""
-FLAT = 0.1
-"""A parameter takes part in a change that no feature shows if its share is above this."""
-TOLD = 0.01
-"""Singular values below this share of the largest are such changes."""
-EDGE = 1e-6
-"""Logarithms closer than that to an end of their range are at it."""
-MISSED = 0.05
-"""A feature that the best fit misses by more than this is not described by the law."""
-SHARE = 0.5
-"""Share of what the features themselves change that decides nothing between two laws."""
-LEAST = 0.01
-"""Nor does a difference below this."""
 
 
 @final
@@ -180,6 +167,17 @@ class FeatureFit(Fit[Law_co]):
         }
 
 
+def half_width(error: float) -> float:
+    """Return that of the 95 % interval of a standard error from a bootstrap of blocks.
+
+    Examples
+    --------
+    >>> round(half_width(1.0), 2)
+    2.36
+    """
+    return float(quantile_of(np.array(BLOCKS - 1))) * error
+
+
 def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]:
     """Return the relative errors of predicted features (3,) by name."""
     return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
@@ -196,25 +194,25 @@ def estimates_of(
     to_values = free_parameters.slopes(at)
     table = best.slopes @ to_values
     _, singular, right = np.linalg.svd(table)
-    rank = int(np.sum(singular > TOLD * singular[0])) if len(singular) else 0
-    # the share of each coordinate in changes that leave every feature as it is
-    hidden = np.sqrt(np.sum(right[rank:] ** 2, axis=0))
-    inverse = to_values @ np.linalg.pinv(table, rcond=TOLD)
+    # slopes are known to about the step of their difference quotients
+    rank = int(np.sum(singular > NUDGE * singular[0])) if len(singular) else 0
+    inverse = to_values @ np.linalg.pinv(table, rcond=NUDGE)
     spread = inverse @ covariance @ inverse.T
     errors = np.sqrt(np.diag(spread))
     sizes = np.where(errors > 0.0, errors, 1.0)
     correlation = spread / np.outer(sizes, sizes)
     np.fill_diagonal(correlation, 1.0)
-    loose = hidden > FLAT
-    found = []
+    # by the share of each coordinate, squared, in changes that leave every feature as it is
+    loose = np.sum(right[rank:] ** 2, axis=0) > NUDGE
+    found, edge = [], THRESHOLDS.rounding
     for i, (item, value) in enumerate(zip(free_parameters.items, best.values, strict=True)):
         tied = item.above in free_parameters.paths and bool(
             loose[free_parameters.paths.index(item.above)]
         )
         reason = "other values give the same features" if loose[i] or tied else ""
-        if not low[i] + EDGE < at[i] < high[i] - EDGE and not reason:
+        if not low[i] + edge < at[i] < high[i] - edge and not reason:
             reason = "it reached the end of the search range"
-        width = math.inf if reason else QUANTILE * float(errors[i])
+        width = math.inf if reason else half_width(float(errors[i]))
         least = -math.inf if reason else 0.0  # all that is looked for is a size
         found.append(
             Estimate(
@@ -239,7 +237,7 @@ def sentences_of(
     """Return what can be said of a fit, in words."""
     part = "fitted part of the record" if held else "record"
     said = [str(one) for one in findings_of(observed, part)]
-    if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
+    if held is not None and _has_drifted(observed, held):
         said.append(
             f"The record drifts: the mean F/N is {number(observed.mean)} in the fitted part and"
             f" {number(held.mean)} in the held-out part; no fixed parameters reproduce both."
@@ -251,7 +249,7 @@ def sentences_of(
     missed = [
         f"{name.replace('_', ' ')} by {signed_percent(error)}"
         for name, error in errors.items()
-        if abs(error) > MISSED
+        if is_missed(error)
     ]
     if missed:
         said.append(f"The best limit cycle misses the observed {joined(missed)}.")
@@ -263,15 +261,36 @@ def sentences_of(
     return tuple(said)
 
 
+def is_missed(error: float) -> bool:
+    """Whether a law does not have a feature that it was fitted to, by its relative error.
+
+    Examples
+    --------
+    >>> is_missed(-0.02), is_missed(0.1), is_missed(float("nan"))
+    (False, True, True)
+    """
+    return not abs(error) <= THRESHOLDS.material
+
+
+def _has_drifted(observed: StickSlipFeatures, held: StickSlipFeatures) -> bool:
+    """Whether the mean changes from part to part by more than its interval."""
+    doubt = math.sqrt(observed.covariance[1, 1] + held.covariance[1, 1])
+    return abs(math.log(held.mean / observed.mean)) > half_width(doubt)
+
+
 def room_of(fit: FeatureFit) -> float:
     """Return the root mean square change of the features from the fitted part to the other.
 
     It is 0 where nothing was held out.
     """
+    return float(np.sqrt(np.mean(_change(fit) ** 2)))
+
+
+def _change(fit: FeatureFit) -> Array:
+    """Return the logarithms of features of the other part over those of the fitted one (3,)."""
     if fit.held_out is None:
-        return 0.0
-    change = np.log(fit.held_out.compared / fit.observed.compared)
-    return float(np.sqrt(np.mean(change**2)))
+        return np.zeros(len(COMPARED))
+    return np.log(fit.held_out.compared / fit.observed.compared)
 
 
 def error_of_score(fit: FeatureFit) -> float:
@@ -286,22 +305,23 @@ def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
     """Return by how much another score is larger, and the standard error of this difference.
 
     Both are judged by the same features, so what is in doubt of these cancels as far as the laws
-    err alike.
+    err alike. What the features change by themselves from part to part is in doubt, too: a law that
+    misses the fitted part may come nearer to the other by chance.
     """
     slope = _slope(other.held_out_errors) - _slope(best.held_out_errors)
-    return other.score - best.score, _doubt(best, slope)
+    error = math.hypot(_doubt(best, slope), float(slope @ _change(best)))
+    return other.score - best.score, error
 
 
 def as_good(other: FeatureFit, best: FeatureFit) -> bool:
     """Whether a record does not tell another law from the best.
 
-    The difference must exceed one paired standard error, and half of what the features change by
-    themselves: a law that misses the fitted part may come nearer to the other by chance.
+    The difference must exceed one paired standard error, and what matters of features.
     """
     if best.held_out is None:
-        return other.rms <= best.rms + LEAST
+        return other.rms <= best.rms + THRESHOLDS.pattern
     difference, error = paired(other, best)
-    return difference <= max(error, SHARE * room_of(best) + LEAST)
+    return difference <= max(error, THRESHOLDS.pattern)
 
 
 def _slope(errors: Mapping[str, float]) -> Array:

@@ -15,18 +15,18 @@ from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Strib
 from stickslip.identification import LAW, Estimate, Parameters, RecordSettings
 from stickslip.kinds.features.features import (
     COMPARED,
-    STEADY,
     StickSlipFeatures,
     features_of,
+    is_steady,
     refuse_uncertainties,
 )
 from stickslip.kinds.features.fit import fit_features, free_of
 from stickslip.kinds.features.problem import cycle_features
-from stickslip.kinds.features.result import MISSED, FeatureFit, as_good, error_of_score, room_of
+from stickslip.kinds.features.result import FeatureFit, as_good, error_of_score, is_missed, room_of
 from stickslip.kinds.features.verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
 from stickslip.kinds.features.wording import feature_wording, outcomes
 from stickslip.mechanisms import Mechanism
-from stickslip.selection import LEFT_OUT, Watch, checked, fitted_side_by_side, specifications
+from stickslip.selection import LEFT_OUT, MOST, Watch, checked, fitted_side_by_side, specifications
 
 USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, Stribeck, LuGre)
 """Laws with a step above sliding: without one, a towed block comes to slide steadily."""
@@ -192,7 +192,7 @@ def _missed(fit: FeatureFit) -> str:
     missed = [
         f"{name.replace('_', ' ')} by {signed_percent(error)}"
         for name, error in fit.errors.items()
-        if not abs(error) <= MISSED
+        if is_missed(error)
     ]
     return f"its fit misses the {joined(missed)}" if missed else ""
 
@@ -268,8 +268,6 @@ def _told(one: Estimate, candidate: FeatureCandidate, usual: Collection[str]) ->
 
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0)
 """Speeds that are tried, over that of the record."""
-SHOWN = 3
-"""Of these the most telling are kept."""
 
 
 def other_speeds(
@@ -292,7 +290,7 @@ def other_speeds(
                 speed=factor * best.fit.mechanism.speed, predicted=predicted, separation=apart
             )
         )
-    return tuple(sorted(found, key=lambda one: -one.separation)[:SHOWN])
+    return tuple(sorted(found, key=lambda one: -one.separation)[:MOST])
 
 
 def _at(fit: FeatureFit, factor: float) -> dict[str, float]:
@@ -311,7 +309,7 @@ def _at(fit: FeatureFit, factor: float) -> dict[str, float]:
         level=fit.observed.mean,
     )
     found = dict(zip(COMPARED, map(float, row), strict=True))
-    if found["standard_deviation"] < STEADY * abs(found["mean"]):
+    if is_steady(found["mean"], found["standard_deviation"]):
         found["frequency"] = 0.0
     return found
 

@@ -6,10 +6,12 @@ from dataclasses import replace
 from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import joined, number, percent, quantity, ratio, signed_percent, with_unit
 from stickslip.identification import far_above_dry
-from stickslip.kinds.features.features import FASTER, StickSlipFeatures
+from stickslip.identify import THRESHOLDS
+from stickslip.kinds.features.features import StickSlipFeatures
 from stickslip.kinds.features.result import FeatureFit, as_good, room_of
 from stickslip.kinds.features.verdict import PERCENT, FeatureCandidate, OtherSpeed, share_parts
 from stickslip.selection import (
+    MOST,
     NOT_DISTINGUISHED,
     ONE_LAW,
     UNMEASURED,
@@ -27,10 +29,6 @@ BIASED = (
     "An offset of the force sensor adds to the level at rest and in motion alike: the force does"
     " not reverse."
 )
-MOST = 3
-"""Items of a list at most."""
-CLEAR = 0.05
-"""A speed is worth a measurement if laws part there by more than this, and than by drift."""
 MASS = "mechanism.mass"
 
 
@@ -189,7 +187,7 @@ def _cannot_tell(
             "Why the effective mass differs: a spring stiffer than stated, or a rocking body, has"
             " the same effect."
         )
-    elif features.frequency > FASTER * features.natural_frequency:
+    elif features.too_fast:
         lines += sentences_of(features.findings, "frequency")
     lines += [BIASED, UNMEASURED]
     return tuple(lines[:MOST])
@@ -203,11 +201,13 @@ def _measure_next(
 ) -> tuple[str, ...]:
     lines, fit = [], alike[0].fit
     assert fit is not None
-    telling = [one for one in speeds if one.separation > max(2.0 * room_of(fit), CLEAR)]
+    # laws must part there by more than drift, and by what matters
+    least = max(2.0 * room_of(fit), THRESHOLDS.material)
+    telling = [one for one in speeds if one.separation > least]
     if len(alike) > 1 and telling:
         lines.append(_speed_line(telling[0], alike))
     free = any(one.path == MASS for one in fit.estimates)
-    if not free and features.frequency > FASTER * features.natural_frequency:
+    if not free and features.too_fast:
         lines.append(
             "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
             " 'friction.*,mass'. The nominal mass cannot oscillate as fast as measured."

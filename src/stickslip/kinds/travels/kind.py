@@ -14,14 +14,11 @@ from stickslip.identify import USUAL_LAWS
 from stickslip.kinds.columns import terminal_table
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Law, Request
 from stickslip.kinds.travels.fit import fit_travels
-from stickslip.kinds.travels.result import TravelFit
+from stickslip.kinds.travels.result import T_END, TravelFit
 from stickslip.kinds.travels.selection import select_travels
 from stickslip.kinds.travels.verdict import TravelVerdict, columns_of
 from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of
-
-T_END = 10.0
-"""Time after which a body counts as stopped [s]."""
 
 
 @final

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import LawEstimates, levels_at
+from stickslip.experiments import LawEstimates, Rig, levels_at
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, Law_co, Trial, estimates_for, is_rig
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 
-LONG = 10.0
-"""Time in which a body that comes to rest has had its largest speed [s]."""
+T_END = Rig.t_end
+"""Time after which a body counts as stopped [s]."""
 SAMPLES = 2001
 
 
@@ -30,7 +30,7 @@ def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
     """Return the largest slip speed of a run that a travel was measured of [m/s]."""
     mechanism = trial.mechanism
     slip = slip_of(mechanism)
-    run = simulate(mechanism, law, t_end=LONG, y0=trial.start(law), throw=False)
+    run = simulate(mechanism, law, t_end=T_END, y0=trial.start(law), throw=False)
     seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
     return float(np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip)]]).max())
 

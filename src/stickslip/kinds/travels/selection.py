@@ -16,6 +16,7 @@ from stickslip.identification import (
     Laws,
     Parameters,
     Trial,
+    quantile_of,
     starting_law,
     trials_of,
 )
@@ -23,7 +24,7 @@ from stickslip.identify import THRESHOLDS, TravelJudgement, band_of, judged_trav
 from stickslip.kinds.travels.fit import travel_fit
 from stickslip.kinds.travels.settings import rounded_setting
 from stickslip.kinds.travels.verdict import TravelCandidate, TravelVerdict
-from stickslip.kinds.travels.wording import WORTH, wording
+from stickslip.kinds.travels.wording import wording
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection import (
@@ -94,7 +95,8 @@ def select_travels(
         half = 0.5 * (band.high - band.low) / judgement.noise(settings)
         unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}
         widest = int(np.argmax(half))
-        if half[widest] > WORTH and judgement.knob is not None:
+        # another reading is worth it where the band is wider than its 95 % interval
+        if half[widest] > quantile_of(np.array(np.inf)) and judgement.knob is not None:
             places = (rounded_setting(float(settings[widest]), unit[judgement.knob[0]]),)
     checks = check(measurement, mechanism=mechanism)
     ranked = len(np.unique(judgement.blocks)) > 1

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
     from stickslip.identify import BandDrawing
 
-NORMAL: Final = 0.6745
-"""Median size of a normal error of standard deviation 1."""
 MM: Final = Scale(1e3, "mm")
 """What a terminal shows held-out errors in."""
 
@@ -260,7 +258,10 @@ class TravelVerdict(Verdict[TravelCandidate]):
         """
         held_out = self.judgement.best_of(self.judgement.named).held_out
         off = np.abs(held_out / durations(self.trials, self.t_end))
-        return float(np.median(off)) / NORMAL
+        from scipy.special import ndtri
+
+        # over the median size of a normal error of standard deviation 1
+        return float(np.median(off) / ndtri(0.75))
 
     def compared(self) -> "pd.DataFrame":
         """Return what was measured in each trial, and what the named law predicts.

@@ -20,8 +20,6 @@ from stickslip.selection import Wording, friction_of, in_sentence, limits_of, no
 
 Array: TypeAlias = NDArray[np.float64]
 
-WORTH = 2.0
-"""Half-width of the band over the error of a reading from which another reading is worth it."""
 UNKNOWN = "Travels beyond the settings of the band, and friction at other loads, are not known."
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Literal, TypeAlias, final
 
 import numpy as np
@@ -13,6 +14,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, quantity
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification import (
+    BLOCKS,
     LAW,
     FreeParameters,
     OptimizeResult,
@@ -25,6 +27,7 @@ from stickslip.identification import (
     effective_size,
     search,
 )
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.velocity_steps.problem import (
     DRIFT,
     EVOLVED,
@@ -37,6 +40,7 @@ from stickslip.kinds.velocity_steps.problem import (
     unknowns_for,
 )
 from stickslip.kinds.velocity_steps.result import (
+    ROOM,
     Profile,
     RateStateFit,
     Window,
@@ -53,22 +57,15 @@ STIFFNESS = "mechanism.stiffness"
 CONVENTION = "friction.reference_velocity"
 """The speed at which mu_0 holds: any will do, and none can be fitted."""
 STARTS = RecordSettings().starts
-FEWEST = 50
-"""Samples that a fit needs."""
-WORTH = 0.05
-"""A drift is kept if it lowers the root mean square by this share, and its interval leaves 0."""
+FEWEST = round(BLOCKS * ROOM)
+"""Samples that a fit needs, of which blocks are left out in turn."""
 DISTANCES = (2e-3, 0.05, 0.3)
-"""Critical distances that are tried too, over the way after the first step."""
-SECOND_DISTANCES = (2e-2, 0.3, 0.02)
-"""Those of a second state, with each of them."""
+"""Critical distances that are tried too, over the way after the first step; at the first, evolution
+is as good as instantaneous."""
 LARGER = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Evolution effects at which everything else is fitted again, over a, beyond the best."""
-SMALLER = (0.5, 0.0)
-"""The same below the best, over the best."""
 FRACTIONS = (0.125, 0.25, 0.5)
 """Shares of the way after the last step to which the fit is repeated."""
-MINUTE = 5e-4
-"""The same for a critical distance at which the evolution is as good as instantaneous."""
 
 
 def fit_rate_state(
@@ -337,12 +334,14 @@ def _used(
 def _tried(slider: Slider) -> Sequence[Array]:
     """Return starts with other critical distances; the first one has 0.01 of the way.
 
+    Two states have each two of them, as both are alike.
     Those of a law with an effect of stress have none, and are starts of the ageing law.
     """
     items, slid = slider.free_parameters.items, slider.record.slid
     free = [item.low < item.high for item in items]
     tried = []
-    for share, second in zip(DISTANCES, SECOND_DISTANCES, strict=True):
+    pairs = combinations(DISTANCES, 2) if free[7] else ((share, share) for share in DISTANCES)
+    for share, second in pairs:
         start = slider.free_parameters.start
         if free[2]:
             start[2] = share * slid
@@ -387,8 +386,9 @@ def _drifting(
         width = inference_of(drifting, best.best).half_widths[
             drifting.free_parameters.paths.index(DRIFT)
         ]
+        # a drift is kept if its interval leaves 0, and it saves what a parameter must
         sure = abs(best.best.values[-1]) > width
-        if not sure or best.best.rms > (1.0 - WORTH) * found.best.rms:
+        if not sure or best.best.rms > (1.0 - THRESHOLDS.material) * found.best.rms:
             return slider, found
     return drifting, best
 
@@ -401,12 +401,12 @@ def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     values = best.values
     a, b = values[:2]
     room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
-    lowest = items[1].low
+    least = max(items[1].low, 0.0)
     kept: list[ResidualJacobian] = []
     unbounded = True
     for tried in (
         [b + share * a for share in LARGER],
-        [max(share * b, lowest) for share in SMALLER if b > max(lowest, 0.0) + 1e-3 * a],
+        [0.5 * (b + least), least] if b > least + THRESHOLDS.negligible * a else [],
     ):
         for held in tried:
             end = _holding(slider, values, held)
@@ -425,7 +425,7 @@ def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None
     items = list(slider.free_parameters.starting_at(start).items)
     items[1] = replace(items[1], low=b, high=b)
     minute = start.copy()
-    minute[2] = MINUTE * slider.record.slid
+    minute[2] = DISTANCES[0] * slider.record.slid
     held = slider.with_free_parameters(replace(slider.free_parameters, items=tuple(items)))
     try:
         return search(held, starts=2, start_values=[minute]).best

@@ -7,31 +7,27 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identify import THRESHOLDS
+
 Array: TypeAlias = NDArray[np.float64]
 
-SAMPLES = 1000
-"""As many samples are looked at."""
+STRETCHES = 1000
+"""Samples, or means over stretches, that a record is looked at by."""
 CANDIDATES = 30
 """Places of a change that are tried, and tried again around the best."""
 CHANGE = math.log(1.1)
 """Speeds that differ by less are one speed; friction depends on their logarithm."""
-JERK, JERK_WAY = 0.1, 0.25
+JERK = 0.1
 """A piece is a jerk if it lasts less than this share of both pieces beside it, and moves the load
 point by less than this share of the longer one."""
-STILL = 1e-4
-"""Speeds below this share of the largest are those of a load point that stands."""
 STRAIGHT = 3e-4
-"""A piece is straight if it is left by less than this share of the whole path, in the mean."""
-NOISE = 1.5
-"""Or by less than this many times the scatter of neighbouring samples."""
-SURE = 20.0
-"""A change takes at least this many squared scatters off the sum of squares."""
+"""A path is followed to this share of it, in the mean; speeds below this share of the largest are
+those of a load point that stands."""
 SHORTEST = 10
-"""Samples a piece has at least."""
-ROUNDS = 30
-"""Steps at most in which all changes are moved at once."""
+"""Samples that show a piece, or how friction settles, at least."""
 DEEPEST = 5
-"""At most 2^DEEPEST pieces."""
+"""At most 2^DEEPEST pieces: a path that swings is searched for half a minute instead of a second
+without this limit."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,7 +73,7 @@ class Path:
             at = kept.index(piece)
             beside = [kept[i] for i in (at - 1, at + 1) if 0 <= i < len(kept)]
             brief = beside and lengths[piece] < JERK * lengths[beside].min()
-            if brief and ways[piece] < JERK_WAY * ways[beside].max():
+            if brief and ways[piece] < JERK * ways[beside].max():
                 del kept[at]
         found: list[tuple[int, int]] = []
         for piece in kept:
@@ -98,13 +94,17 @@ def path_of(time: Array, pull: Array) -> Path:
     >>> path.time.round(3), path.speeds.round(3)
     (array([ 0.,  8., 20.]), array([ 1., 10.]))
     """
-    every = max(1, len(time) // SAMPLES)
+    from scipy.stats import chi2
+
+    every = max(1, len(time) // STRETCHES)
     t, x = time[::every], pull[::every]
     scatter = float(np.std(np.diff(x, 2)) / math.sqrt(6.0)) if len(x) > 10 else 0.0
-    changes = _changes(t, x, max(STRAIGHT * float(np.ptp(x)), NOISE * scatter), DEEPEST)
+    # what a bend takes off the squares of noise by chance, wherever it is best: place and slope
+    sure = float(chi2.isf(THRESHOLDS.pattern_chance / len(t), 2))
+    changes = _changes(t, x, max(STRAIGHT * float(np.ptp(x)), scatter), sure, DEEPEST)
     while changes:
         changes = _together(t, x, _sharpened(t, x, changes))
-        weakest = _weakest(t, x, changes, SURE * scatter**2)
+        weakest = _weakest(t, x, changes, sure * scatter**2)
         if weakest is None:
             break
         del changes[weakest]
@@ -126,7 +126,7 @@ def _weakest(t: Array, x: Array, changes: list[float], least: float) -> int | No
         ends = [i for i in (short - 1, short) if 0 <= i < len(changes)]
         return min(ends, key=gains.__getitem__)
     speeds = np.abs(np.diff(_positions(t, x, changes)) / lengths)
-    speeds = np.maximum(speeds, STILL * max(float(speeds.max()), 1e-300))
+    speeds = np.maximum(speeds, STRAIGHT * max(float(speeds.max()), 1e-300))
     ratios = np.abs(np.diff(np.log(speeds)))
     if ratios.min() < CHANGE:
         return int(ratios.argmin())
@@ -190,7 +190,6 @@ def _together(t: Array, x: Array, changes: list[float]) -> list[float]:
         bounds=(t[0], t[-1]),
         x_scale=float(np.ptp(t)) / len(t),
         diff_step=1e-6,
-        max_nfev=ROUNDS,
     )
     moved = np.sort(found.x).tolist()
     return moved if _squares(t, x, moved) < _squares(t, x, changes) else changes
@@ -198,18 +197,20 @@ def _together(t: Array, x: Array, changes: list[float]) -> list[float]:
 
 def _differ(one: float, other: float) -> bool:
     """Whether two speeds count as two; one far below the other is that of a load point at rest."""
-    least = max(STILL * max(one, other), 1e-300)
+    least = max(STRAIGHT * max(one, other), 1e-300)
     return bool(abs(math.log(max(one, least) / max(other, least))) >= CHANGE)
 
 
-def _changes(t: Array, x: Array, straight: float, depth: int) -> list[float]:
+def _changes(t: Array, x: Array, scatter: float, sure: float, depth: int) -> list[float]:
     """Return the times in a stretch at which it has to bend to be straight between them."""
-    if depth == 0 or len(t) <= 2 * SHORTEST or _squares(t, x, []) <= len(t) * straight**2:
+    if depth == 0 or len(t) <= 2 * SHORTEST:
+        return []
+    if _squares(t, x, []) <= (len(t) + sure) * scatter**2:
         return []
     best = _best(t, x, float(t[SHORTEST]), float(t[-SHORTEST]), [])
     early = t <= best
     return [
-        *_changes(t[early], x[early], straight, depth - 1),
+        *_changes(t[early], x[early], scatter, sure, depth - 1),
         best,
-        *_changes(t[~early], x[~early], straight, depth - 1),
+        *_changes(t[~early], x[~early], scatter, sure, depth - 1),
     ]

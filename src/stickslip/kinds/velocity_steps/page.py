@@ -20,7 +20,7 @@ from stickslip.formatting import (
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import Estimate
 from stickslip.kinds.columns import page_table
-from stickslip.kinds.velocity_steps.result import RateStateFit
+from stickslip.kinds.velocity_steps.result import SETTLED, RateStateFit
 from stickslip.kinds.velocity_steps.verdict import (
     COEFFICIENT,
     COLUMNS,
@@ -71,8 +71,6 @@ MILLI: Final = Scale(1e3, "10⁻³")
 """Errors of coefficients in figures."""
 SHOWN: Final = ("reference_coefficient", "direct_effect", "evolution_effect")
 """Parameters that the code of a law names even where they are 0."""
-BEFORE, AFTER = 0.5, 8.0
-"""Way of the load point about a step that the close view shows, in that over which it settles."""
 
 
 def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
@@ -216,7 +214,7 @@ def _about(fit: RateStateFit, step: float) -> "np.ndarray[tuple[int, ...], np.dt
     path, t = slider.record.path, slider.mean_time
     way = fit.law.critical_distance or abs(fit.law.direct_effect) / fit.stiffness
     place = np.interp(t, path.time, path.position) - np.interp(step, path.time, path.position)
-    near = (place > -BEFORE * AFTER * way) & (place < AFTER * way)
+    near = np.abs(place) < SETTLED * way
     few = np.argsort(np.abs(t - step))[: len(t) // 10]  # a way that settles within no samples
     near[few] = True
     return np.asarray(near)

@@ -1,5 +1,6 @@
 """A record of a spring slider as residuals of rate-and-state friction."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias, final
@@ -12,8 +13,15 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
 from stickslip.friction import RateState, RateStateForm
-from stickslip.identification import FreeParameter, FreeParameters, Problem, ResidualJacobian
-from stickslip.kinds.velocity_steps.load_point import Path, path_of
+from stickslip.identification import (
+    BLOCKS,
+    FreeParameter,
+    FreeParameters,
+    Problem,
+    ResidualJacobian,
+)
+from stickslip.identify import THRESHOLDS
+from stickslip.kinds.velocity_steps.load_point import STRETCHES, Path, path_of
 from stickslip.kinds.velocity_steps.slider import coefficients, logarithms
 from stickslip.quantities import Quantity, fields_of
 
@@ -30,29 +38,22 @@ PATHS = (
     "friction.second_critical_distance",
 )
 DRIFT = "drift"
-DIRECT, EVOLVED, STRESS, SECOND = 0, 1, 5, 6
+DIRECT, EVOLVED, STRESS, SECOND = (
+    PATHS.index(f"friction.{effect}")
+    for effect in ("direct_effect", "evolution_effect", "stress_effect", "second_evolution_effect")
+)
 """Places in `PATHS` of effects on friction; the distance of a state is next to its effect."""
 MEASURED = ("pull", "friction")
 """What a load point and a load cell measure."""
 MOTION = ("position", "velocity")
 """Where the motion of the slider itself was measured, friction is a function of that motion."""
-PARTS = 6
-"""Parts of a record with one step, each of which is predicted by a fit to the others."""
 PLAIN = 4000
-"""Up to so many samples are taken as they are, and means of longer records."""
-EVEN, CLOSE = 1000, 300
-"""Means over so many even stretches of time, and over so many that widen away from each step."""
-COARSE = 500
-"""Stretches of the pull over which the first guess of the stiffness is read."""
+"""Up to so many samples are taken as they are: means over time are poor where records with samples
+at uneven times have most of these at steps."""
 TOLERANCE = 1e-9
 """Six digits below the noise of any record."""
-LEAST = 1e-4
-"""Effects on friction below which difference quotients take no smaller steps; the least evolution
-effect that an effect of stress is divided by."""
-MOST_STRESS = 20.0
-"""Largest effect of stress that is looked at; rocks have 2."""
-NUDGE = 1e-4
-"""Step of difference quotients, relative; half the digits of the tolerance."""
+NUDGE = math.sqrt(TOLERANCE)
+"""Step of difference quotients, relative."""
 
 
 @final
@@ -210,7 +211,11 @@ class Slider(Problem):
         *,
         regularised: bool = False,
     ) -> "Slider":
-        """Return the problem of a record; sums of squares differ by scatter within stretches."""
+        """Return the problem of a record; sums of squares differ by scatter within stretches.
+
+        Of long records these are as many even ones of time, and as many that widen away from each
+        step.
+        """
         bins = np.arange(len(record.time))
         if len(bins) > PLAIN:
             bins = np.searchsorted(_edges(record), record.time, side="right")
@@ -254,7 +259,7 @@ class Slider(Problem):
         """
         if self.by_steps:
             return self.record.path.segments
-        inner = np.quantile(self.mean_time, np.arange(1, PARTS) / PARTS)
+        inner = np.quantile(self.mean_time, np.arange(1, BLOCKS) / BLOCKS)
         return np.array([self.record.time[0], *inner, self.record.time[-1]])
 
     @property
@@ -337,7 +342,8 @@ class Slider(Problem):
                 continue
             size = values[i]
             if i in (DIRECT, EVOLVED, SECOND):
-                size = max(abs(values[DIRECT]), abs(values[EVOLVED]), LEAST)
+                effects = values[[DIRECT, EVOLVED]]
+                size = max(*np.abs(effects), THRESHOLDS.negligible * abs(values[4]))
             elif i == STRESS:
                 size = 1.0 + values[STRESS]
             step = NUDGE * size
@@ -352,11 +358,11 @@ class Slider(Problem):
 
 def _edges(record: Record) -> Array:
     first, last = record.time[0], record.time[-1]
-    edges = [np.linspace(first, last, EVEN + 1)]
+    edges = [np.linspace(first, last, STRETCHES + 1)]
     shortest = float(np.median(np.diff(record.time)))
     for step in record.path.steps:
         if last - step > 2.0 * shortest:
-            edges.append(step + np.geomspace(shortest, last - step, CLOSE))
+            edges.append(step + np.geomspace(shortest, last - step, STRETCHES))
     return np.unique(np.concatenate([*edges, record.path.steps]))
 
 
@@ -378,7 +384,9 @@ def unknowns_for(
     mu_0 = first - rate * float(np.log(record.speed / reference_velocity))
     start_a = (max(rate, 0.0) + 0.005) * (1.0 + stressed)  # a step shows a / (1 + c) at once
     start_b = start_a - rate
-    lowest = max(lowest_evolution_effect, LEAST) if stressed else lowest_evolution_effect
+    lowest = lowest_evolution_effect
+    if stressed:  # an effect of stress is divided by that of evolution
+        lowest = max(lowest, THRESHOLDS.negligible * abs(mu_0))
     k = given.get(PATHS[3], held.get(PATHS[3], _steepest(record)))
     names = [path.rpartition(".")[2] for path in PATHS]
     numbers = [
@@ -387,7 +395,7 @@ def unknowns_for(
         (declared[names[2]], 0.01 * slid, 1e-4 * slid, 10.0 * slid, True),
         (Quantity("k", "1/m", above=0), k, 1e-2 * k, 1e2 * k, True),
         (declared[names[4]], mu_0, -np.inf, np.inf, False),
-        (declared[names[5]], 1.0, 0.0, MOST_STRESS, False),
+        (declared[names[5]], 1.0, 0.0, np.inf, False),
         (declared[names[6]], 0.0, lowest_evolution_effect, 1.0, False),
         (declared[names[7]], 0.1 * slid, 1e-4 * slid, 10.0 * slid, True),
     ]
@@ -432,13 +440,13 @@ def _levels(record: Record) -> tuple[float, float]:
 
 def _steepest(record: Record) -> float:
     """Return a guess of the stiffness: friction rises by no more than that with the pull."""
-    edges = np.linspace(record.pull.min(), record.pull.max(), COARSE)
+    edges = np.linspace(record.pull.min(), record.pull.max(), STRETCHES)
     bins = np.searchsorted(edges, record.pull, side="right")
     count = np.bincount(bins)
     kept = count > 0
     total = (np.bincount(bins, values)[kept] for values in (record.coefficient, record.pull))
     mu, x = (sums / count[kept] for sums in total)
-    way = 2.0 * np.ptp(record.pull) / COARSE
+    way = 2.0 * np.ptp(record.pull) / STRETCHES
     rise = [
         abs(np.interp(place + way, x, mu) - np.interp(place, x, mu)) / way
         for place in record.path.places

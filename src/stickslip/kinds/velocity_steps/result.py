@@ -25,6 +25,7 @@ from stickslip.identification import (
     estimates_for,
     infer,
 )
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.velocity_steps.problem import (
     DIRECT,
     EVOLVED,
@@ -44,12 +45,8 @@ if TYPE_CHECKING:
 Array: TypeAlias = NDArray[np.float64]
 
 VELOCITY_STEPS = "rate-state"
-SAME = 0.05
-"""a - b is one number for all windows if it differs by less than this share."""
 TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
-INERTIA = 0.1
-"""Time sqrt(m/k) over D_c/V above which the mass could matter."""
 HELD = "given"
 """Reason of what was not looked for."""
 ROOM = 3.0
@@ -59,8 +56,10 @@ The variance of a block's sum is a sixth short then, as neighbouring blocks go t
 held in 28 to 30 of 30 records (decision 0032).
 """
 MOST_BLOCKS = 100
-UNSPENT = 1e-3
-"""Share of a below which b is none, and D_c has no effect."""
+REMEMBERED = 0.25
+"""Effective over actual sample size of the residuals below which they are no noise of samples."""
+SETTLED = 8.0
+"""Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
 
 
 @final
@@ -176,6 +175,20 @@ class RateStateFit(Fit[RateState]):
         scatter = float(np.std(np.diff(self.measured)) / math.sqrt(2.0))
         return self.rmse / scatter if scatter > 0.0 else 0.0
 
+    @property
+    def far_above_scatter(self) -> bool:
+        """Whether residuals are many times the scatter of neighbouring samples."""
+        return self.over_scatter > THRESHOLDS.misfit
+
+    @property
+    def misses(self) -> bool:
+        """Whether what the fit leaves is not noise alone, as far as neighbouring samples tell.
+
+        The law misses something then, or the noise remembers more than a few samples.
+        """
+        remembered = self.inference.effective < REMEMBERED * len(self.best.residual)
+        return remembered or self.far_above_scatter
+
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
         return simulate_velocity_steps(
@@ -288,7 +301,7 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
     for effect in (EVOLVED, SECOND):
-        if abs(values[effect]) < UNSPENT * abs(values[DIRECT]):
+        if abs(values[effect]) < THRESHOLDS.negligible * abs(values[DIRECT]):
             free[[effect, effect + 1]] = False
     return np.asarray(free)
 
@@ -383,7 +396,7 @@ def _correlation(slider: Slider, best: ResidualJacobian, profile: Profile) -> fl
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
     """
-    if abs(best.values[1]) < UNSPENT * abs(best.values[0]) and profile.ends:
+    if abs(best.values[1]) < THRESHOLDS.negligible * abs(best.values[0]) and profile.ends:
         best = slider.linearise(profile.ends[0].values)
     others = np.delete(best.slopes, [0, 1], axis=1)
     others = others / np.maximum(np.linalg.norm(others, axis=0), 1e-300)
@@ -524,7 +537,7 @@ def _about_windows(windows: Sequence[Window], rate: str) -> list[str]:
     for w in windows[:-1]:
         # the whole has the part in it: of their difference, variances subtract (Hausman)
         width = math.sqrt(max(w.half_width**2 - last.half_width**2, 0.0))
-        apart.append(abs(w.rate - last.rate) > max(width, SAME * abs(last.rate)))
+        apart.append(abs(w.rate - last.rate) > max(width, THRESHOLDS.material * abs(last.rate)))
     if not any(apart):
         return []
     told = ", ".join(
@@ -543,7 +556,9 @@ def _remarks(fit: RateStateFit) -> tuple[str, ...]:
     swing = math.sqrt(block.mass / block.stiffness)
     # without a state, friction follows the load point over the way a/k
     way = abs(law.direct_effect) / fit.stiffness
-    spent = [distance for b, distance in law.states if b > UNSPENT * law.direct_effect]
+    spent = [
+        distance for b, distance in law.states if b > THRESHOLDS.negligible * law.direct_effect
+    ]
     if spent:
         way = min(spent)
     if not way > 0.0:
@@ -553,6 +568,6 @@ def _remarks(fit: RateStateFit) -> tuple[str, ...]:
         f" {quantity(way / fastest, 's', 2)} that the slider takes for"
         f" {quantity(way, 'm', 2)} at the highest speed"
     )
-    if swing * fastest > INERTIA * way:
+    if 2.0 * math.pi * swing * fastest > way:  # a period of the block
         return (f"The fit neglects the mass, which could matter: {told}.",)
     return (f"The fit neglects the mass, which does not matter: {told}.",)

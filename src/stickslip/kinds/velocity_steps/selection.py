@@ -14,8 +14,10 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification import LAW, Parameters, RecordSettings
+from stickslip.identify import THRESHOLDS
 from stickslip.kinds.velocity_steps.fit import STARTS, Drift, fit_rate_state, form_of, with_profile
-from stickslip.kinds.velocity_steps.result import UNSPENT, RateStateFit, bounds_met
+from stickslip.kinds.velocity_steps.load_point import STRETCHES
+from stickslip.kinds.velocity_steps.result import SETTLED, RateStateFit, bounds_met
 from stickslip.kinds.velocity_steps.slider import simulate_velocity_steps
 from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.kinds.velocity_steps.wording import outcomes, rate_state_wording
@@ -37,21 +39,10 @@ Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str
 RateStateLaws: TypeAlias = Mapping[str, RateStateLaw] | Sequence[RateStateLaw]
 
-DECISIVE = 10.0
-"""Difference of AIC (effective sample size) from which two laws are told apart by it alone."""
-NOTHING = 0.5
-"""Held-out error over the variation of friction from which a law explains next to nothing."""
-NOISY = 1.5
-"""Residuals over the scatter of neighbouring samples up to which they may be noise alone."""
 FACTORS = (100.0, 10.0, 0.1, 0.01)
 """Steps of the speed that are looked at for what to measure next."""
-SETTLED = 20.0
-"""Way of the load point after such a step, in critical distances."""
-POINTS = 200
 USUAL = ("constant-coefficient", "logarithmic", "rate-and-state", "rate-and-state-slip")
 """Forms that are tried where none is named."""
-ALIKE = 1e-3
-"""Relative difference of two critical distances below which they are one."""
 
 
 @final
@@ -208,10 +199,10 @@ def _acting(law: RateState) -> frozenset[str]:
     """Return the parameters that have an effect at the values of a law, named as in its forms."""
     if law.evolution == "none":
         return frozenset(RATE_STATE_FORMS[law.name].fit_order)
-    acting = [one for one in law.states if abs(one[0]) >= UNSPENT * law.direct_effect]
+    acting = [one for one in law.states if abs(one[0]) >= THRESHOLDS.negligible * law.direct_effect]
     distances = [distance for _, distance in acting]
     count = len(acting)
-    if count > 1 and max(distances) <= (1.0 + ALIKE) * min(distances):
+    if count > 1 and max(distances) <= (1.0 + THRESHOLDS.negligible) * min(distances):
         count = 1  # they evolve alike
     effects = (
         ("evolution_effect", "critical_distance"),
@@ -220,7 +211,7 @@ def _acting(law: RateState) -> frozenset[str]:
             "second_critical_distance",
         ),
     )
-    stress = {"stress_effect"} if law.stress_effect >= UNSPENT else set()
+    stress = {"stress_effect"} if law.stress_effect >= THRESHOLDS.negligible else set()
     return frozenset({"reference_coefficient", "direct_effect", *stress}.union(*effects[:count]))
 
 
@@ -330,9 +321,10 @@ def _rival(
 ) -> RateStateCandidate | None:
     """Return the nearest law that neither contains the closest, nor is contained, nor is worse."""
     criteria = effective_aic([closest, *others])
+    decisive = 2.0 * math.log(THRESHOLDS.odds)
     for one in others:
         nested = one.name in closest.simpler or closest.name in one.simpler
-        worse = criteria[one.name] - criteria[closest.name] > DECISIVE
+        worse = criteria[one.name] - criteria[closest.name] > decisive
         if as_good(one, closest) and not (nested or worse or one.dropped):
             return one
     return None
@@ -344,7 +336,7 @@ def _unexplained(closest: RateStateCandidate) -> str:
     variation = float(np.std(closest.fit.problem.mean))
     # a constant coefficient predicts no variation, which may be noise alone; so may be most of it
     constant = closest.fit.law.name == "constant-coefficient"
-    if constant or closest.score <= NOTHING * variation or closest.fit.over_scatter <= NOISY:
+    if constant or closest.score <= THRESHOLDS.explained * variation or not closest.fit.misses:
         return ""
     return "its held-out error is more than half of the variation of friction itself"
 
@@ -362,7 +354,7 @@ def _other_steps(closest: RateStateCandidate, rival: RateStateCandidate) -> tupl
             break
         after = factor * first
         lead, last = way / first, way / after
-        at = np.linspace(lead, lead + last, POINTS)
+        at = np.linspace(lead, lead + last, STRETCHES)
         try:
             one, other = (
                 simulate_velocity_steps(

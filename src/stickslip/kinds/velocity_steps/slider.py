@@ -1,6 +1,7 @@
 """A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
 import math
+import sys
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,14 +22,12 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = NDArray[np.float64]
 Rates: TypeAlias = Callable[[Array, float, float], tuple[float, ...]]
-STEEPEST = 300.0
+STEEPEST = 0.5 * math.log(sys.float_info.max)
 """Logarithms of speeds beyond this are held there: the run has failed long before."""
 STEPS = 20_000
-"""Steps between two asked times after which a run counts as failed."""
-SHOWN = (4000, 20)
-"""Evaluations of the rates, for a piece of the pull and for each time asked for in it, after which
-a fit gives up: the motion is stick-slip that the record does not show, or runs away. A smooth piece
-takes some 500."""
+"""Steps between two asked times after which a run counts as failed; of a fit, evaluations of the
+rates in a piece of the pull: the motion is stick-slip that the record does not show, or runs away.
+A smooth piece takes some 500."""
 
 UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s", "second_state": "s"}
 """Columns of a history, and their units; the last only where there is a second state."""
@@ -262,7 +261,7 @@ def logarithms(
             logs[here] = state
             continue
         moving = True
-        followed = _at_most(SHOWN[0] + SHOWN[1] * int(here.sum()), rates) if shown else rates
+        followed = _at_most(STEPS, rates) if shown else rates
         with warnings.catch_warnings():  # what it says is in `told`, too
             warnings.simplefilter("ignore", ODEintWarning)
             try:

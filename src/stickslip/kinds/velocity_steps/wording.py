@@ -8,10 +8,13 @@ import numpy as np
 from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import Scale, capital, joined, quantity, ratio, significant, span
 from stickslip.friction import RATE_STATE_FORMS
+from stickslip.identify import THRESHOLDS
+from stickslip.kinds.velocity_steps.load_point import SHORTEST
 from stickslip.kinds.velocity_steps.result import RateStateFit
 from stickslip.kinds.velocity_steps.verdict import OtherStep, RateStateCandidate
 from stickslip.selection import (
     LEFT_OUT,
+    MOST,
     ONE_LAW,
     Wording,
     corrections,
@@ -19,17 +22,6 @@ from stickslip.selection import (
     score_text,
 )
 
-MOST = 3
-"""Items of a list at most."""
-TELLING = 3.0
-"""A step is worth a measurement if laws part there by more than so many residuals."""
-SLOW = 5.0
-"""Samples in the time D_c/V below which sampling hides how friction settles."""
-STRUCTURE = 5.0
-"""Residuals over the scatter of neighbouring samples from which the law misses something."""
-ALIKE = 0.25
-"""Effective over actual sample size of the residuals below which the law misses something, or the
-noise remembers more than a few samples."""
 PLAIN = Scale(1.0, "")
 DISTANCES = ("friction.critical_distance", "friction.second_critical_distance")
 OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
@@ -87,12 +79,6 @@ def rate_state_wording(
     )
 
 
-def _misses(fit: RateStateFit) -> bool:
-    """Whether what a fit leaves is not noise alone, as far as neighbouring samples tell."""
-    remembered = fit.inference.effective < ALIKE * len(fit.best.residual)
-    return remembered or fit.over_scatter > STRUCTURE
-
-
 def _unfitted(
     ordered: Sequence[RateStateCandidate], fit: RateStateFit
 ) -> tuple[list[str], list[str]]:
@@ -103,7 +89,7 @@ def _unfitted(
     forms = [name for name, form in RATE_STATE_FORMS.items() if form.evolution != "none"]
     fitted = {one.law.name for one in ordered if one.law is not None}
     failed = {one.name for one in ordered if one.law is None and one.dropped != LEFT_OUT}
-    if not _misses(fit):
+    if not fit.misses:
         return [], []
     rest = [name for name in forms if name not in fitted]
     return [one for one in rest if one not in failed], [one for one in rest if one in failed]
@@ -143,12 +129,12 @@ def _verdict(
             f"{capital(name)} predicts best, but not all of its parameters are identified:"
             f" {closest.dropped}"
         )
-    elif fit.over_scatter > STRUCTURE:
+    elif fit.far_above_scatter:
         told = (
             f"{capital(name)} predicts best, but its residuals are {ratio(fit.over_scatter)} the"
             " scatter of neighbouring samples"
         )
-    elif _misses(fit):
+    elif fit.misses:
         told = (
             f"{capital(name)} predicts best, but its residuals are not noise of single samples"
             f" (effective sample size {_effective(fit)})"
@@ -244,7 +230,7 @@ def _cannot_tell(
     ]
     lines += sentences_of(fit.findings, "length")
     lines += sentences_of(fit.findings, "drift")
-    if _misses(fit):
+    if fit.misses:
         lines.append(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"
             f" {_effective(fit)}."
@@ -270,7 +256,7 @@ def _measure_next(
     by_steps: bool,
 ) -> tuple[str, ...]:
     lines, law = [], fit.law
-    telling = [one for one in steps if one.separation > TELLING * fit.rms]
+    telling = [one for one in steps if one.separation > THRESHOLDS.outlier * fit.rms]
     if rival is not None and telling:
         one = telling[0]
         lines.append(
@@ -293,12 +279,12 @@ def _measure_next(
             " before the slider follows, which hides how friction settles over less than that."
         )
     shortest = min((distance for _, distance in law.states), default=0.0)
-    if law.states and interval * fastest * SLOW > shortest:
-        wanted = shortest / fastest / (2.0 * SLOW)
+    if law.states and interval * fastest * SHORTEST > shortest:
+        wanted = shortest / fastest / SHORTEST
         name = "D_c" if shortest == law.critical_distance else "D_2"
         lines.append(
             f"Samples every {quantity(wanted, 's', 2)} or less after a step to"
-            f" {quantity(fastest, 'm/s')}: {name} is slid in {quantity(2 * SLOW * wanted, 's', 2)}."
+            f" {quantity(fastest, 'm/s')}: {name} is slid in {quantity(SHORTEST * wanted, 's', 2)}."
         )
     if fit.drift:
         lines.append("A longer way before the first step, until friction no longer drifts.")

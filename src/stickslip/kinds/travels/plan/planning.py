@@ -51,7 +51,7 @@ from stickslip.identify import (
 from stickslip.kinds.travels.fit import travel_fit
 from stickslip.kinds.travels.plan.preparing import how_to, otherwise
 from stickslip.kinds.travels.plan.sheet import Expectation, Plan, Preparation, Separation, Telling
-from stickslip.kinds.travels.selection import named_laws
+from stickslip.kinds.travels.selection import ALONE, named_laws
 from stickslip.kinds.travels.settings import rounded_setting, setting_text, unit_of, words_of
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
@@ -61,40 +61,27 @@ Array: TypeAlias = NDArray[np.float64]
 
 USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
 """Laws that travels of a block may tell apart."""
-RANGE = (0.4, 1.0)
-"""Settings planned, over the present one, where no range is given and no trial has another."""
-NARROW = 0.9
-"""Least setting of trials over the largest, above which they are one setting."""
 COUNT = Quantity("settings", low=2, high=12)
 READING = Quantity("u_s", "m", above=0)
 SCATTER = 0.02
 """Standard deviation of a travel over the longest one where nothing was stated: repeats of dry
 friction scatter by a few per cent."""
-FREEDOM = 2
-"""Readings beyond the first at their setting from which on their scatter is counted on."""
 ROUGH = 0.01
 """Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
 of this is said."""
-LEAST, MOST = 3, 10
-"""Runs at each setting: fewer do not show their scatter, more are not asked for."""
+LEAST = THRESHOLDS.fewest
+"""Runs at each setting: fewer do not show their scatter ..."""
+MOST = 10
+"""... and more are not asked for."""
 SURE = 23.0
 """Evidence of readings without errors with which a law leaves the set in nine of ten sets with
 errors, which leave a third to a half of it (of 30 sets each, 24 at 19, 26 at 21 and 29 at 25)."""
-RESOLVED = 1e-3
-"""Uncertainty of the travel that is assumed where none was measured, over itself."""
-ALIKE = 1e-4
-"""Share of the longest travel up to which laws predict the same."""
+RESOLVED = THRESHOLDS.negligible
+"""Share of a travel that no reading resolves: uncertainty of the one that is assumed where none was
+measured, difference of travels that are alike, step of a level for the slope of travels."""
 HALF = 0.5
 """Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
 large widen the interval by a third."""
-TINY = 1e-6
-"""Share of a parameter that stands for its uncertainty where only the slope is asked for."""
-STEP = 1e-4
-"""Share of a level by which it is moved for the slope of travels."""
-NEAR_STOP = 1e-9
-"""Distance from a hard stop at which the body is at it [m]."""
-MOVES = 0.05
-"""Share of the longest travel below which a setting is not worth a run."""
 
 ADVICE = {
     "static_coefficient": (
@@ -311,14 +298,20 @@ class _Bench:
         That of the readings, and that of a parameter of the rig by its uncertainty, to first order.
         """
         known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
-        units = {p: TINY * (abs(v) or 1.0) for p, v in known.items() if v or p in self.stated}
+        units = {
+            p: THRESHOLDS.rounding * (abs(v) or 1.0)
+            for p, v in known.items()
+            if v or p in self.stated
+        }
         law = self.typical[self.named]
         path = self.now.law_of(self.named).model.free[0]
         level = {p: value for p, _, value in parameters(law, "friction")}[path]
         model = TravelModel(law, [path], self.now.t_end)
         trials = self.trials(self.named, 1, units)
-        ends = [model.travels(trials, [factor * level]) for factor in (1.0 - STEP, 1.0 + STEP)]
-        slope = (ends[1] - ends[0]) / (2.0 * STEP)
+        ends = [
+            model.travels(trials, [factor * level]) for factor in (1.0 - RESOLVED, 1.0 + RESOLVED)
+        ]
+        slope = (ends[1] - ends[0]) / (2.0 * RESOLVED)
         gain = slope / float(slope @ slope)
         alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
         found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
@@ -346,7 +339,9 @@ class _Bench:
             if path != READINGS and known[path] and not path.endswith(".gravity")
         }
         half = HALF * self._part(READINGS, 1.0, repeats)
-        return {p: half / one for p, one in parts.items() if one * abs(known[p]) > TINY}
+        return {
+            p: half / one for p, one in parts.items() if one * abs(known[p]) > THRESHOLDS.rounding
+        }
 
     def share(self, repeats: int, **changed: float) -> float:
         """Return the standard uncertainty of the level over itself, with other parts of the rig."""
@@ -502,10 +497,11 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
         return str(reason)
     run = simulate(mechanism, law, t_end=t_end)
     slip = slip_of(mechanism)
+    near = LEAST_ERROR * float(np.ptp(run[slip]))
     for stop in stops_of(mechanism):
         beyond = run[slip] - stop.position
         if stop.coordinate == slip and bool(
-            np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
+            np.any((beyond if stop.side == "upper" else -beyond) > -near)
         ):
             at = quantity(float(stop.position), mechanism.units[0])
             return f"the body hits the stop at {at}. Lower the setting of the rig."
@@ -545,14 +541,14 @@ def _range(
         for trial in done
     ]
     sizes = sorted({abs(value) for value in (*made, present) if sign * value > 0.0})
-    if sizes[0] <= NARROW * sizes[-1]:
+    if sizes[0] <= (1.0 - THRESHOLDS.material) * sizes[-1]:
         low, high = sizes[0], sizes[-1]
         source = f"The settings span the {word} of the trials and of the rig"
     else:
-        low, high = RANGE[0] * sizes[-1], RANGE[1] * sizes[-1]
+        low, high = ALONE[0] * sizes[-1], sizes[-1]
         source = (
             f"{'The trials and the rig have' if done else 'The rig has'} one {word}: the settings"
-            f" span {number(RANGE[0])} to {number(RANGE[1])} times that value"
+            f" span {number(ALONE[0])} to 1 times that value"
         )
     low, high = (min(max(sign * one, asked.low), asked.high) for one in (low, high))
     shown = f"{number(factor * low)} to {number(factor * high)} {unit}".replace(" °", "°")
@@ -601,7 +597,7 @@ def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Arra
     path, _ = now.knob
     unit = {p: q.unit for p, q, _ in parameters(now.mechanism, "mechanism")}[path]
     travels = np.abs(_travels(law, now.at(places), now.t_end))
-    moves = travels > MOVES * np.max(travels)
+    moves = travels > THRESHOLDS.material * np.max(travels)
     if moves.sum() < 2:
         ends = " to ".join(quantity(one, unit, degrees=True) for one in (places[0], places[-1]))
         raise InputError(
@@ -641,7 +637,7 @@ def _error(given: float | None, done: Sequence[Trial]) -> tuple[float | None, in
         settings.setdefault(trial.run, []).append(trial.travel)
     squares = sum(float(np.var(one)) * len(one) for one in settings.values())
     freedom = len(done) - len(settings)
-    scatter = math.sqrt(squares / freedom) if freedom >= FREEDOM else 0.0
+    scatter = math.sqrt(squares / freedom) if freedom >= LEAST - 1 else 0.0
     if scatter > float(errors.max()):
         return scatter, freedom
     return (float(errors.max()) if stated else None), 0
@@ -716,7 +712,7 @@ def _telling(
     return Telling(
         holds=holds, rival=rival, gap=float(left[worst]), setting=rows[worst], repeats=repeats,
         most=MOST,
-        alike=float(left[worst]) <= ALIKE * float(np.max(np.abs(travels[holds]))),
+        alike=float(left[worst]) <= RESOLVED * float(np.max(np.abs(travels[holds]))),
     )  # fmt: skip
 
 
