@@ -170,12 +170,10 @@ class DynamicsOfContacts:
         import numpy as np
 
         from stickslip.kernels import state_layout as at
-        from stickslip.kernels.contacts.assembly import prepare, put_mass, react
-        from stickslip.kernels.contacts.factors import factorise
+        from stickslip.kernels.contacts.assembly import factorise, prepare, put_mass, react
         from stickslip.kernels.contacts.transitions import set_own_flags
-        from stickslip.kernels.coordinates import turn_states
-        from stickslip.kernels.enums import FORWARD
-        from stickslip.kernels.equations import FORCES, LOADS, evaluate
+        from stickslip.kernels.equations import FORCES, LOADS, evaluate, turn_states
+        from stickslip.kernels.state_layout import FORWARD
 
         equations, w, whole = self.equations, self.equations.w, self.equations.whole
         n, count, first = whole[at.N_COORDINATES], whole[at.N_CONTACTS], whole[at.Y]
@@ -207,7 +205,7 @@ class DynamicsOfContacts:
         import numpy as np
 
         from stickslip.kernels import state_layout as at
-        from stickslip.kernels.directions import factor_of
+        from stickslip.kernels.equations import factor_of
 
         h, loads = self.at(t, state)
         w, whole = self.equations.w, self.equations.whole

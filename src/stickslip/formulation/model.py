@@ -15,8 +15,8 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.trace import Switchboard, Symbols, Traced, symbols_of
 from stickslip.friction import FrictionLaw, Laws, bound
-from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
+from stickslip.kernels.state_layout import LIFT_OFF, SWITCH
 from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
 from stickslip.quantities import parameters, shadow, structure
 

@@ -11,7 +11,7 @@ from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.prescribed_motion import own_limits
 from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
+from stickslip.kernels.state_layout import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
 PAINLEVE = "painleve"
 """What a limit is called that every mechanism has whose normal force depends on friction."""

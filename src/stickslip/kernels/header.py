@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing_extensions import override
 
 from stickslip.kernels import state_layout as at
-from stickslip.kernels.enums import SWITCH
+from stickslip.kernels.state_layout import SWITCH
 
 LAW_NUMBERS = 7
 """Numbers that a law writes before the rates of its bristles."""
