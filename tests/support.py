@@ -598,7 +598,7 @@ def wide_only() -> Iterator[None]:
 
     Animations have one picture a second.
     """
-    from stickslip.plots.core import svg
+    from stickslip.plots import svg
 
     drawn = inspect.unwrap(svg._drawn)
 
@@ -623,7 +623,7 @@ def sketched() -> Iterator[None]:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    from stickslip.plots.core import svg, theme
+    from stickslip.plots import svg, theme
 
     drawn = inspect.unwrap(svg._drawn)
 

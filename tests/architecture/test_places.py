@@ -196,8 +196,8 @@ def test_a_plot_touches_three_places(tree: Tree) -> None:
     places = contributed(
         tree,
         "toy_plot.py",
-        "plots/runs/toy_plot.py",
-        ("plots/__init__.py", line, '    "plot_toy": "runs.toy_plot",'),
+        "plots/toy_plot.py",
+        ("plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
     )
     use = """
 from stickslip import Coulomb, SpringBlock, simulate

@@ -1,23 +1,31 @@
-"""The scenes of our mechanisms; each of several contacts has the colour of its own mode.
+"""What mechanisms look like: shapes in metres, and where they are at a moment of a run.
 
-Lengths that a mechanism has are drawn to scale; bodies it gives no size of are as large as suits
-the motion. Heights above the ground are for the eye where the equations do not know them.
+A scene is a function of a run that gives the shapes of one moment; how they are painted is another
+matter. A mechanism has the scene that an installed package registers for it, one of ours, or bars
+that show its coordinates.
 """
 
+import functools
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from typing_extensions import TypeVar
 
+from stickslip.described import Described
+from stickslip.errors import StickslipError
 from stickslip.mechanisms import (
     Axis,
     BlockChain,
     Capsule,
     ClutchTrain,
     DiscBrake,
+    Mechanism,
     Motor,
     Pendulum,
     PendulumCart,
@@ -33,25 +41,288 @@ from stickslip.mechanisms import (
     TwoMassCapsule,
     joint_places,
 )
-from stickslip.plots.animation.scenes.shapes import (
-    TALL,
-    Arrow,
-    Ball,
-    Box,
-    Coil,
-    Ground,
-    Moment,
-    Picture,
-    Point,
-    Rod,
-    Scene,
-    Shape,
-    Turn,
-    Wall,
-    Word,
-    standing_forces,
-)
 from stickslip.trajectory import Trajectory
+
+# The shapes that scenes are made of, in metres; how they are painted is another matter.
+
+Point: TypeAlias = tuple[float, float]
+Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
+"""``"mode"``: the colour of stick or slip, for the body that rubs."""
+Role: TypeAlias = Literal["friction", "normal", "drive"]
+Moment: TypeAlias = Mapping[str, float]
+"""Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
+TALL: Final = 0.6
+"""Height of a block over its length."""
+Drawn = TypeVar("Drawn", bound=Mechanism, default=Any)
+"""The mechanism that a scene is of."""
+LONGEST: Final = 0.32
+"""Length of the largest force of a run over the size of the mechanism."""
+WALL: Final = 0.03
+"""Depth of the hatching behind a wall over its length."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box(metaclass=Described):
+    """A body with straight sides."""
+
+    left: float
+    """Smallest x [m]."""
+    bottom: float
+    """Smallest y [m]."""
+    width: float
+    """Its extent in x [m]."""
+    height: float
+    """Its extent in y [m]."""
+    fill: Fill = "body"
+    """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(metaclass=Described):
+    """A ball, a wheel or a pivot."""
+
+    centre: Point
+    """x and y of its centre [m]."""
+    radius: float
+    """Its radius [m]."""
+    fill: Fill = "body"
+    """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rod(metaclass=Described):
+    """A rod, a string, a rail: straight lines from point to point."""
+
+    points: tuple[Point, ...]
+    """x and y of each point [m], in order."""
+    width: float = 1.6
+    """Line width [CSS px]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coil(metaclass=Described):
+    """A spring from one point to another."""
+
+    start: Point
+    """x and y of one end [m]."""
+    end: Point
+    """x and y of the other end [m]."""
+    radius: float
+    """Radius of the turns [m]."""
+    turns: int = 6
+    """Number of turns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground(metaclass=Described):
+    """Hatched ground from side to side of the view, with the part that is rubbed at the moment."""
+
+    height: float = 0.0
+    """y of the surface [m]."""
+    touched: tuple[tuple[float, float], ...] = ()
+    """Left and right ends of what rubs: coloured by stick and slip."""
+    contacts: tuple[str, ...] = ()
+    """Contact of each of these, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall(metaclass=Described):
+    """A face that does not move, hatched behind: a support or a hard stop."""
+
+    start: Point
+    """x and y of one end [m]."""
+    end: Point
+    """The hatching is on the left of the way from start to end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrow(metaclass=Described):
+    """A force on a body; all arrows of an animation have one scale, which is stated."""
+
+    at: Point
+    """x and y of the point where the force acts [m]."""
+    along: Point
+    """Direction of a positive value, of length 1."""
+    value: float
+    """Force [N]."""
+    role: Role
+    """What the force is, which sets the colour of the arrow."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turn(metaclass=Described):
+    """A torque about a point, as an arc from the top, a quarter of a turn for the largest one.
+
+    So the arc stays above its centre, where it hides nothing of a cart.
+    """
+
+    centre: Point
+    """x and y of the point that the torque turns about [m]."""
+    radius: float
+    """Radius of the arc [m]."""
+    value: float
+    """Torque, anticlockwise positive [N m]."""
+    role: Role
+    """What the torque is, which sets the colour of the arc."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Word(metaclass=Described):
+    """A text."""
+
+    at: Point
+    """x and y of the anchor of the text [m]."""
+    text: str
+    """The text."""
+    align: Literal["left", "center", "right"] = "left"
+    """Which part of the text stands at the anchor."""
+
+
+Shape: TypeAlias = Box | Ball | Rod | Coil | Ground | Wall | Arrow | Turn | Word
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture(metaclass=Described):
+    """How a run is drawn."""
+
+    shapes: Callable[[Moment], Sequence[Shape]]
+    """What is to be seen at a moment, from back to front."""
+    metric: bool = True
+    """Whether places are metres, and a scale is shown below."""
+    names: Mapping[Role, str] | None = None
+    """What the arrows are called; friction, normal force and drive if not given."""
+
+
+Scene: TypeAlias = Callable[[Drawn, Trajectory], Picture]
+"""Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
+not have follow from the run.
+"""
+
+
+def standing_forces(
+    now: Moment, x: float, width: float, *, normal: bool, contact: str = ""
+) -> list[Shape]:
+    """Return friction and normal force where a body stands on the ground at y = 0."""
+    of = f":{contact}" if contact else ""
+    friction, load = now.get(f"friction{of}", 0.0), now.get(f"normal_force{of}", 0.0)
+    found: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]
+    if normal:
+        foot = (x + 0.25 * width, 0.0)
+        found.append(Arrow(at=foot, along=(0.0, 1.0), value=load, role="normal"))
+    return found
+
+
+class Extent(NamedTuple):
+    """A box around shapes [m]."""
+
+    left: float
+    """Smallest x [m]."""
+    right: float
+    """Largest x [m]."""
+    bottom: float
+    """Smallest y [m]."""
+    top: float
+    """Largest y [m]."""
+
+    @property
+    def width(self) -> float:
+        """Its width [m]."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """Its height [m]."""
+        return self.top - self.bottom
+
+
+class Scales(NamedTuple):
+    """What the arrows of an animation mean."""
+
+    metres: float
+    """Length of an arrow of 1 N [m]."""
+    torque: float
+    """Torque of a quarter of a turn [N m]; 0 if there is none."""
+
+
+def extent_of(shapes: Iterable[Shape], scales: Scales | None = None) -> Extent:
+    """Return the box around shapes; around their arrows too if there are scales.
+
+    Examples
+    --------
+    >>> extent_of([Ball(centre=(0.0, 1.0), radius=0.1)])
+    Extent(left=-0.1, right=0.1, bottom=0.9, top=1.1)
+    """
+    points = [point for shape in shapes for point in _corners(shape, scales)]
+    xs, ys = [x for x, _ in points] or [0.0], [y for _, y in points] or [0.0]
+    return Extent(min(xs), max(xs), min(ys), max(ys))
+
+
+def joined(extents: Sequence[Extent]) -> Extent:
+    """Return the box around boxes."""
+    lefts, rights, bottoms, tops = zip(*extents, strict=True)
+    return Extent(min(lefts), max(rights), min(bottoms), max(tops))
+
+
+def scales_of(moments: Sequence[Sequence[Shape]], size: float) -> Scales:
+    """Return scales with which the largest force is about a third of the mechanism.
+
+    Examples
+    --------
+    >>> push = Arrow(at=(0.0, 0.0), along=(1.0, 0.0), value=16.0, role="drive")
+    >>> scales_of([[push]], 1.0)
+    Scales(metres=0.02, torque=0.0)
+    """
+    forces = [abs(s.value) for m in moments for s in m if isinstance(s, Arrow)]
+    torques = [abs(s.value) for m in moments for s in m if isinstance(s, Turn)]
+    largest = max(forces, default=0.0)
+    return Scales(LONGEST * size / largest if largest else 0.0, max(torques, default=0.0))
+
+
+def nice(value: float) -> float:
+    """Return the largest of 1, 2, 5, 10, ... that is not above a value.
+
+    Examples
+    --------
+    >>> nice(0.37), nice(4.9), nice(5.0)
+    (0.2, 2.0, 5.0)
+    """
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(f"{max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)) * power:.1g}")
+
+
+def _corners(shape: Shape, scales: Scales | None) -> Sequence[Point]:
+    match shape:
+        case Box():
+            right, top = shape.left + shape.width, shape.bottom + shape.height
+            return [(shape.left, shape.bottom), (right, top)]
+        case Ball(centre=(x, y), radius=r) | Turn(centre=(x, y), radius=r):
+            return [(x - r, y - r), (x + r, y + r)]
+        case Rod():
+            return shape.points
+        case Coil(start=start, end=end, radius=r):
+            return [(start[0], start[1] - r), (end[0], end[1] + r), start, end]
+        case Ground(height=y):
+            return [(x, y) for touched in shape.touched for x in touched]
+        case Wall(start=start, end=end):
+            depth = WALL * math.dist(start, end)
+            return [(x + s * depth, y) for x, y in (start, end) for s in (-1.0, 1.0)]
+        case Arrow(at=(x, y), along=(dx, dy), value=value) if scales is not None:
+            length = scales.metres * value
+            return [(x, y), (x + length * dx, y + length * dy)]
+        case Word(at=at):
+            return [at]
+        case _:
+            return []
+
+
+# The scenes of our mechanisms; each of several contacts has the colour of its own mode.
+#
+# Lengths that a mechanism has are drawn to scale; bodies it gives no size of are as large as suits
+# the motion. Heights above the ground are for the eye where the equations do not know them.
 
 SIDEWAYS: Final = (0.87, 0.5, 0.0)
 """Where the axes of the ground point to the right in pictures of robots, seen from the front."""
@@ -643,3 +914,98 @@ SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
     }
 )
 """The scenes of our mechanisms, by the names of these."""
+
+
+# Which scene a mechanism has: ours, that of an installed package, or bars.
+
+HALF = 1.0
+"""Length of the bar of the largest value."""
+
+
+def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
+    """Return bars for the states, each over its largest value in the run.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, simulate
+    >>> from stickslip.drives import Pulse
+    >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0).sampled(50)
+    >>> picture = bars(axis, run)
+    >>> bar, *_ = [s for s in picture.shapes({"x": 5.0, "v": 0.0}) if isinstance(s, Box)]
+    >>> round(bar.left, 6), round(bar.width, 6), bar.fill
+    (0.0, 1.0, 'mode')
+    """
+    contacts = mechanism.contacts()
+    slips = {name: one.name for one in contacts for name in one.slips}
+    names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
+    largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
+
+    def shapes(now: Moment) -> list[Shape]:
+        found: list[Shape] = []
+        for row, name in enumerate(names):
+            base = -0.45 * row
+            length = HALF * now[name] / largest[name]
+            fill: Fill = "mode" if name in slips else "body"
+            contact = slips.get(name, "") if len(contacts) > 1 else ""
+            left, width = min(0.0, length), abs(length)
+            found += [
+                Rod(points=((-HALF, base), (HALF, base)), width=0.6),
+                Box(
+                    left=left,
+                    bottom=base,
+                    width=width,
+                    height=0.16,
+                    fill=fill,
+                    contact=contact,
+                ),
+                Rod(points=((0.0, base - 0.03), (0.0, base + 0.19)), width=1.2),
+                Word(at=(-HALF, base + 0.25), text=name),
+                Word(
+                    at=(HALF, base + 0.25),
+                    text=f"{now[name] + 0.0:.3g} {run.units.get(name, '1')}",
+                    align="right",
+                ),
+            ]
+        return found
+
+    return Picture(shapes=shapes, metric=False)
+
+
+GROUP = "stickslip.scenes"
+
+
+@functools.cache
+def _scenes() -> Mapping[str, Scene]:
+    found = dict(SCENES)
+    for entry in entry_points(group=GROUP):
+        scene = entry.load()
+        if not callable(scene):
+            raise StickslipError(f"entry point {entry.value} of {GROUP} is not a function.")
+        found[entry.name] = scene
+    return MappingProxyType(found)
+
+
+def scene_of(mechanism: Mechanism) -> Scene:
+    """Return the scene of a mechanism, by the name of its type.
+
+    Packages add scenes under the entry point ``stickslip.scenes``, by the name of the mechanism. A
+    mechanism without one is shown by bars for its states.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+
+    Returns
+    -------
+    callable
+        Called with mechanism and run, gives a `Picture`.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> scene_of(Pendulum(mass=0.2, length=0.5)).__name__
+    'pendulum'
+    """
+    return _scenes().get(mechanism.name, bars)

@@ -2,7 +2,7 @@
 
 An inline figure is drawn twice, wide and narrow, because a scaled-down figure has unreadable
 text; the style sheet of the page shows one of them. Text stays text: selectable, and small. Write
-units in plain Unicode and symbols by `stickslip.plots.core.theme.symbol_label`.
+units in plain Unicode and symbols by `stickslip.plots.theme.symbol_label`.
 """
 
 import io
@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.formatting import printable
-from stickslip.plots.core import theme
+from stickslip.plots import theme
 
 Draw: TypeAlias = Callable[[Figure, bool], None]
 """Draws into an empty figure; the flag says that it is the narrow one."""
