@@ -21,10 +21,17 @@ import numpy as np
 from stickslip.documents import write_file
 from stickslip.drives import Sum
 from stickslip.errors import CompilationError, InputError
-from stickslip.exports.fmu.description import Fmi, Heading, model_description
-from stickslip.exports.fmu.inputs import label_of, told_from_outside, with_inputs
-from stickslip.exports.fmu.variables import Variable, variables_of
-from stickslip.exports.identifiers import identifier
+from stickslip.exports.fmu.description import (
+    Fmi,
+    Heading,
+    Variable,
+    label_of,
+    model_description,
+    told_from_outside,
+    variables_of,
+    with_inputs,
+)
+from stickslip.exports.program import identifier
 from stickslip.formatting import printable
 from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
