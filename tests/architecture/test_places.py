@@ -246,7 +246,7 @@ assert set(verdict.to_dataframe()["law"]) == {"coulomb", "viscous", "coulomb-vis
 assert next(c for c in verdict.candidates if c.name == "viscous").score > 5.0 * verdict.best.score
 page = write_report(verdict, "report").read_text()
 assert "Use Coulomb friction." in page
-from stickslip.cli.select import show_verdict
+from stickslip.cli.judge import show_verdict
 show_verdict(verdict)
 assert found.plot().get_xlabel() == "fitted way, m"
 assert verdict.plot().get_xlabel().startswith("held-out error, "), verdict.plot().get_xlabel()

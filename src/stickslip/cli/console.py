@@ -1,4 +1,4 @@
-"""What commands share: consoles, JSON documents, folders that are written whole or not at all."""
+"""What commands share: consoles, JSON documents, folders written whole, numbers of options."""
 
 import contextlib
 import shlex
@@ -16,8 +16,12 @@ from rich.text import Text
 from typing_extensions import override
 
 from stickslip.documents import check_replaceable, json_text, unwritable
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import read_number
 from stickslip.formatting import NO_VALUE, printable
+from stickslip.quantities import Quantity
+
+# What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
 GAP = 2
 """Spaces between columns."""
@@ -197,3 +201,38 @@ def refuse_overwriting(
         for part in new:
             with contextlib.suppress(OSError):
                 part.rmdir()
+
+
+# Numbers of options.
+
+
+def number_of(text: str, quantity: Quantity) -> float:
+    """Return a number in SI, given plainly or with a unit.
+
+    Examples
+    --------
+    >>> number_of("2 mm", Quantity("x", "m")), number_of("0.002", Quantity("x", "m"))
+    (0.002, 0.002)
+    """
+    try:
+        plain: str | float = float(text)
+    except ValueError:
+        plain = text
+    return read_number(plain, quantity)
+
+
+def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
+    """Return both ends of ``LOW..HIGH`` in SI.
+
+    Examples
+    --------
+    >>> range_of("--between", "40 mm..0.1 m", Quantity("x_0", "m"))
+    (0.04, 0.1)
+    """
+    low, dots, high = text.partition("..")
+    if not (dots and low.strip() and high.strip()):
+        raise InputError(f"{option} takes LOW..HIGH such as 40mm..100mm, got {text!r}.")
+    try:
+        return number_of(low.strip(), quantity), number_of(high.strip(), quantity)
+    except ParameterError as error:
+        raise ParameterError(f"{option} {error}") from None

@@ -1,12 +1,20 @@
-"""``stickslip paper``."""
+"""``stickslip paper`` and ``stickslip benchmark``: published results, computed again."""
 
+import csv
+import io
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Final
 
+import typer
+
+from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 from stickslip.cli.console import (
     command_line,
     folder_of,
+    note,
+    number_of,
     overrides,
     plain,
     print_json,
@@ -15,11 +23,10 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.numbers import number_of
 from stickslip.cli.pages import draw_page, leave_unless_drawn
-from stickslip.cli.progress import Watching
-from stickslip.documents import document, json_text, write_folder
-from stickslip.errors import ParameterError
+from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
+from stickslip.documents import document, json_text, write_files, write_folder
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import load_rig
 from stickslip.formatting import fixed, number, significant
 from stickslip.kinds import PAGE
@@ -31,11 +38,14 @@ from stickslip.paper.sections.table import RULES
 from stickslip.paper.sections.unpublished import step_cells
 from stickslip.paper.values import check_form
 from stickslip.quantities import full_path, parameters, vary
+from stickslip.report import render
+
+# ``stickslip paper``.
 
 DOCUMENT = "paper.json"
 
 
-def run(
+def run_paper(
     path: Path | None, changes: Sequence[str], output: Path | None, *, force: bool, as_json: bool
 ) -> None:
     """Recompute the paper, write the page, print Table II."""
@@ -235,3 +245,106 @@ def _need(need: Requirement) -> list[str]:
         value,
         f"{significant(need.low, 3)} to {significant(need.high, 3)}",
     ]
+
+
+# ``stickslip benchmark``.
+
+BENCHMARK_PAGE: Final = "index.html"
+SUMMARY: Final = "summary.csv"
+CANCELLED: Final = 130
+
+
+def run_benchmark(
+    names: Sequence[str],
+    folder: Path,
+    *,
+    peers: str | None,
+    count: int | None,
+    executor: str | None,
+    listed: bool,
+    as_json: bool,
+) -> None:
+    """Run the tasks that are missing, write page and tables, show the overview."""
+    known = tasks()
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("task of the benchmark", name, known)
+    chosen = [known[name] for name in names] or list(known.values())
+    if listed:
+        _list(chosen, as_json=as_json)
+        return
+    chosen = _with_data(chosen)
+    asked = None if peers is None else [one.strip() for one in peers.split(",") if one.strip()]
+    with (
+        Interrupts() as interrupts,
+        Drawing("Running", "fits") as bar,
+        workers(count or 1, executor) as pool,
+    ):
+        interrupts.promise = "Stopping after the fits in work; press Ctrl-C again to cancel."
+
+        def progress(done: int, total: int) -> bool:
+            bar(done, total)
+            return not interrupts.stopped
+
+        found = run(
+            [one.name for one in chosen], folder, peers=asked, executor=pool, progress=progress
+        )
+    if not found.rows:
+        note("No fit is there yet: the same command begins again.")
+        raise typer.Exit(CANCELLED)
+    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
+    lines = io.StringIO()
+    csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
+    page = render(benchmark_page(found, reproduce=[command_line()]))
+    write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
+    if as_json:
+        content = {"folder": str(folder), "made": found.made, "complete": found.complete}
+        print_json(document("benchmark-run", content))
+    else:
+        show_table("", heads, cells, whole=["task"])
+        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}", markup=False)
+    if not found.complete:
+        note("Not all fits are there: the same command goes on.")
+        raise typer.Exit(CANCELLED)
+
+
+def _with_data(chosen: Sequence[Task]) -> list[Task]:
+    """Return the tasks whose records are there, or could be got; say licences, and what is not."""
+    found = []
+    for one in chosen:
+        record = one.dataset
+
+        def told(text: str, licence: str = record.licence) -> None:
+            note(f"{text} (licence: {licence})")
+
+        try:
+            for file in one.files:
+                record.path(file, report=told)
+        except InputError as error:
+            note(f"{one.name}: left out: {error}")
+        else:
+            found.append(one)
+    if not found:
+        raise InputError("there is no record for any of the tasks: stickslip data list")
+    return found
+
+
+def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
+    if as_json:
+        rows = [
+            {
+                "name": one.name,
+                "title": one.title,
+                "record": one.record,
+                "licence": one.dataset.licence,
+                "fitted": one.fitted,
+                "judged": one.judged,
+                "metric": one.metric.text,
+                "unit": one.metric.unit,
+            }
+            for one in chosen
+        ]
+        print_json(document("benchmark-tasks", {"tasks": rows}))
+        return
+    cells = [[one.name, one.title, one.fitted, one.judged, one.metric.text] for one in chosen]
+    show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])
