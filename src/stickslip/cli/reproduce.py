@@ -33,9 +33,9 @@ from stickslip.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CART, CYCLES
+from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
-from stickslip.paper.sections.unpublished import step_cells
 from stickslip.paper.values import check_form
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.report import render

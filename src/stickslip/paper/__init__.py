@@ -1,21 +1,20 @@
 """The source paper, audited: every table and figure again, beside what was printed."""
 
 from stickslip.paper.audit import PaperAudit, TableRow, TrialTravels, audit
-from stickslip.paper.cart import CartRun, CartStudy, Share, study_cart
-from stickslip.paper.excitations import Excitation, excitations
-from stickslip.paper.misprints import Consequence, Outcome, consequences
+from stickslip.paper.cart import CartRun, CartStudy, RestRule, Share, rest_rules, study_cart
 from stickslip.paper.pages import Beside, beside, paper_report
-from stickslip.paper.rest_rules import RestRule, rest_rules
-from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import (
+from stickslip.paper.printed import (
+    Consequence,
     Creep,
+    Outcome,
     Requirement,
     Springback,
+    consequences,
     requirements,
     springbacks,
     stribeck_creeps,
 )
-from stickslip.paper.values import PaperValues
+from stickslip.paper.values import Excitation, PaperValues, StickSlip, excitations, stick_slip
 
 __all__ = [
     "Beside",

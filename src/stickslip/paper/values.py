@@ -1,15 +1,22 @@
-"""The numbers of the paper's rig: Table I, and what is assumed where it prints nothing."""
+"""The paper's rig: its numbers, how it is set in motion, and its first phenomenon, stick-slip."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Self
 
+from stickslip.drives import Pulse
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, Rig, load_rig
 from stickslip.friction import Coulomb, CoulombViscous, FrictionLaw, LuGre
 from stickslip.identification import Estimate
 from stickslip.kinds import TravelVerdict
-from stickslip.mechanisms import SpringBlock
+from stickslip.mechanisms import SpringBlock, TowedBlock
 from stickslip.quantities import vary
+from stickslip.selection import Criteria, criteria_of
+from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
+
+# The numbers of the paper's rig: Table I, and what is assumed where it prints nothing.
 
 OWN = (
     "give a rig file with a spring-block on the level that a compressed spring sets in motion, and"
@@ -146,3 +153,165 @@ def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
             paths = {each.path for each in estimates if each.bounded}
             return estimates if "friction.viscous_coefficient" in paths else ()
     return ()
+
+
+# Two readings of how the rig sets the block in motion, and a control.
+
+PUSH_DURATION = 0.1
+"""The paper: "applied time 0.1 s"."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """One reading and what a law makes of it."""
+
+    key: str
+    """A, B or C."""
+    title: str
+    """Words that name the reading."""
+    text: str
+    """What the reading assumes, in one sentence."""
+    mechanism: SpringBlock
+    """The block in that reading."""
+    run: Trajectory
+    """The trajectory."""
+    criteria: Criteria
+    """The paper's criteria of that run."""
+    closed_form: float | None
+    """Travel of Coulomb friction by formula [m], where there is one."""
+
+
+def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
+    """Return title, description and mechanism of the three readings of a released spring."""
+    force = rig.stiffness * rig.compression
+    push = SpringBlock(
+        mass=rig.mass,
+        gravity=rig.gravity,
+        drive=Pulse(level=force, duration=PUSH_DURATION),
+    )
+    return {
+        "A": (
+            "Push",
+            f"{force:g} N for {PUSH_DURATION:g} s, then coasting.",
+            push,
+        ),
+        "B": (
+            "Released spring",
+            f"Compressed {rig.compression:g} m; the block leaves it at its natural length.",
+            replace(rig, attached=False),
+        ),
+        "C": (
+            "Fixed spring",
+            "A control, not in the paper: as B, but the block stays fastened.",
+            replace(rig, attached=True),
+        ),
+    }
+
+
+def excitations(
+    rig: SpringBlock, law: FrictionLaw, *, measured: float, t_end: float
+) -> tuple[Excitation, ...]:
+    """Run a law in the three readings of the rig.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    >>> [f"{e.criteria.travel:.4f}" for e in excitations(rig, law, measured=0.2, t_end=10.0)]
+    ['0.1539', '0.2039', '0.0981']
+    """
+    found = []
+    for key, (title, text, mechanism) in rigs(rig).items():
+        run = simulate(mechanism, law, t_end=t_end)
+        found.append(
+            Excitation(
+                key=key,
+                title=title,
+                text=text,
+                mechanism=mechanism,
+                run=run,
+                criteria=criteria_of(run, mechanism, measured),
+                closed_form=_closed_form(key, rig, law),
+            )
+        )
+    return tuple(found)
+
+
+def _closed_form(key: str, rig: SpringBlock, law: FrictionLaw) -> float | None:
+    """Return the travel of Coulomb friction: A by momentum, B by energy.
+
+    A holds if the push starts the block, B if the block gets as far as to leave the spring.
+    """
+    mu_k = getattr(law, "kinetic_coefficient", None)
+    if law.name != "coulomb" or mu_k is None:
+        return None
+    f = mu_k * rig.mass * rig.gravity
+    force = rig.stiffness * rig.compression
+    held = law.break_away(rig.mass * rig.gravity)
+    if f == 0.0 or held >= force:
+        return None
+    if key == "A":
+        return float((force - f) * PUSH_DURATION**2 * force / (2.0 * rig.mass * f))
+    energy = 0.5 * force * rig.compression
+    if key == "B" and f * rig.compression < energy:
+        return float(energy / f)
+    return None
+
+
+# Stick-slip, the first phenomenon of the paper (its III.B.1), on the block of Table I.
+
+SPEED = 0.02
+"""Of the far end of the spring [m/s]; ours: the paper gives no numbers for its example."""
+PERIODS = 4.5
+"""How long the block is pulled, after its first break-away."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickSlip:
+    """The block of Table I, pulled slowly by its spring."""
+
+    mechanism: TowedBlock
+    """The block with the spring that pulls it."""
+    run: Trajectory
+    """The trajectory."""
+    stick_time: float
+    """Of a period, from the run [s]."""
+    slip_time: float
+    """Of a period, from the run [s]."""
+    stick_formula: float
+    """2 D / V with D = (F_s - F_c) / k [s]."""
+    slip_formula: float
+    """(2 / w)(pi - atan(w D / V)) with w = sqrt(k / m) [s]."""
+
+
+def stick_slip(values: PaperValues) -> StickSlip:
+    """Pull the block of Table I through its spring, and time a period of stick-slip.
+
+    Examples
+    --------
+    >>> from stickslip import load_rig
+    >>> from stickslip.paper import PaperValues, stick_slip
+    >>> found = stick_slip(PaperValues.of(load_rig()))
+    >>> abs(found.slip_time - found.slip_formula) < 1e-9
+    True
+    """
+    rig = values.rig
+    towed = TowedBlock(mass=rig.mass, stiffness=rig.stiffness, speed=SPEED, gravity=rig.gravity)
+    law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
+    surplus = (values.mu_s - values.mu_k) * values.load / rig.stiffness
+    w = math.sqrt(rig.stiffness / rig.mass)
+    stick = 2.0 * surplus / SPEED
+    slip = (2.0 / w) * (math.pi - math.atan(w * surplus / SPEED))
+    first = values.mu_s * values.load / (rig.stiffness * SPEED)
+    run = simulate(towed, law, t_end=first + PERIODS * (stick + slip))
+    starts = [event.t for event in run.events if event.from_mode == 0]
+    stops = [event.t for event in run.events if event.to_mode == 0]
+    return StickSlip(
+        mechanism=towed,
+        run=run,
+        stick_time=starts[2] - stops[1],
+        slip_time=stops[1] - starts[1],
+        stick_formula=stick,
+        slip_formula=slip,
+    )
