@@ -187,9 +187,10 @@ def misprint_section(found: PaperAudit) -> Section:
                 text=(
                     f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
                     f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
-                    " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of the"
-                    " corrected law, solved exactly. For a block, (4) equals (3). Viscous friction"
-                    " has no entry in the last column. As text: `stickslip models --published`."
+                    " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
+                    " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
+                    " friction has no entry in the last column. As text: `stickslip models"
+                    " --published`."
                 )
             ),
             Paragraph(text=_rule_text(found)),

@@ -18,7 +18,7 @@ from stickslip.formatting import (
 )
 from stickslip.friction import CITATIONS, FrictionLaw, RateState
 from stickslip.identification import Estimate
-from stickslip.report.core.blocks import (
+from stickslip.report.blocks import (
     MOST,
     Block,
     Caption,
@@ -26,14 +26,17 @@ from stickslip.report.core.blocks import (
     Fact,
     KeyValue,
     KeyValues,
+    LawLine,
     Math,
+    Opening,
+    Origin,
     Reference,
     References,
+    Section,
     Subheading,
 )
-from stickslip.report.core.documents import LawLine, Opening, Origin, Section
-from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.core.tables import Column, Name, Number, Row, Table
+from stickslip.report.markup import label_of, typeset
+from stickslip.report.tables import Column, Name, Number, Row, Table
 from stickslip.selection import Wording
 from stickslip.trajectory import Trajectory
 

@@ -17,13 +17,23 @@ from stickslip.plots import (
     inline_svg,
 )
 from stickslip.quantities import parameters
-from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
-from stickslip.report.core.documents import Opening, Origin, Page, Section, colophon, made_sections
-from stickslip.report.core.page import render
-from stickslip.report.core.shared_sections import ended_early, reproduce
-from stickslip.report.core.tables import Column, Row, Table
-from stickslip.report.runs.appendix import certificate_of, drawn, how_known
-from stickslip.report.runs.motion import event_table
+from stickslip.report.blocks import (
+    Block,
+    Caption,
+    Fact,
+    Figure,
+    Math,
+    Opening,
+    Origin,
+    Page,
+    Section,
+    colophon,
+    made_sections,
+    render,
+)
+from stickslip.report.runs import certificate_of, drawn, event_table, how_known
+from stickslip.report.shared_sections import ended_early, reproduce
+from stickslip.report.tables import Column, Row, Table
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
