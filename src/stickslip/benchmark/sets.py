@@ -21,9 +21,9 @@ def tasks() -> Mapping[str, Task]:
     >>> list(tasks())[:2]
     ['emps', 'pendulum']
     """
-    from stickslip.benchmark.sets import axes, contacts, references, robots, servo
+    from stickslip.benchmark.records import TASKS
 
-    found = [one for module in (axes, contacts, robots, servo, references) for one in module.TASKS]
+    found = list(TASKS)
     for entry in entry_points(group=GROUP):
         own = entry.load()
         found += [own] if isinstance(own, Task) else own

@@ -1,4 +1,9 @@
-"""Where a body that a spring pulls sticks and slips, over belt speed and stiffness."""
+"""Tests of motion with friction: stick-slip over speed and stiffness, hunting, cost of a run.
+
+The boundary of stick-slip is found in three ways: by runs on a grid of speeds and stiffnesses and
+bisection between them, by the eigenvalues of steady sliding, and in closed form where the law has a
+static level above a constant sliding level.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,23 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.characterization.base import Characteristic
-from stickslip.characterization.bench import Array, Bench
-from stickslip.characterization.presliding import presliding_length
-from stickslip.formatting import quantity
+from stickslip.characterization.bench import Array, Bench, Characteristic, presliding_length
+from stickslip.control import PID, closed_loop, limit_cycle
+from stickslip.drives import Sine
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.maths import Latches
-from stickslip.mechanisms import TowedBlock
-from stickslip.simulation import ensemble
+from stickslip.mechanisms import Axis, TowedBlock
+from stickslip.simulation import ensemble, simulate
 from stickslip.solver import Max, Min
+
+# Where a body that a spring pulls sticks and slips, over belt speed and stiffness.
 
 GRID = (12, 5)
 """Speeds and stiffnesses of the map."""
-SPEEDS = (0.3, 300.0)
+MAP_SPEEDS = (0.3, 300.0)
 """Speeds of the map over the one at which friction changes."""
-STIFFNESSES = (0.1, 10.0)
+MAP_STIFFNESSES = (0.1, 10.0)
 """Stiffnesses of the map over that of the bench."""
-PERIODS = 40.0
+RUN_PERIODS = 40.0
 """Free periods that a run lasts, beside what the spring takes to be stretched."""
 STRETCHES = 4.0
 """Times that the spring could be stretched from 0 to break-away in a run."""
@@ -40,7 +47,7 @@ HALVINGS = 8
 """Bisections of the boundary: to 1/256 of a grid step."""
 DOUBLINGS = 60
 """Times that a formula for constant velocity is asked, each for twice as long."""
-STEP = 1e-6
+SLOPE_STEP = 1e-6
 """Share of their sizes by which states are moved for slopes."""
 
 
@@ -126,9 +133,13 @@ def stick_slip_map(
     progress: Callable[[int, int], object] | None = None,
 ) -> StickSlipMap:
     """Pull a body by a spring, stretched at first, at many speeds and stiffnesses."""
-    v = bench.speed * np.geomspace(*SPEEDS, GRID[0]) if speeds is None else np.array(speeds, float)
+    v = (
+        bench.speed * np.geomspace(*MAP_SPEEDS, GRID[0])
+        if speeds is None
+        else np.array(speeds, float)
+    )
     k = (
-        bench.stiffness * np.geomspace(*STIFFNESSES, GRID[1])
+        bench.stiffness * np.geomspace(*MAP_STIFFNESSES, GRID[1])
         if stiffnesses is None
         else np.array(stiffnesses, float)
     )
@@ -171,7 +182,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     low, high = bench.levels
     rig = TowedBlock(mass=bench.mass, stiffness=1.0, speed=1.0, damping=1.0, load=bench.load)
     stretched = high / (stiffness * np.abs(speed))
-    needed = STRETCHES * stretched + PERIODS * 2.0 * np.pi * np.sqrt(bench.mass / stiffness)
+    needed = STRETCHES * stretched + RUN_PERIODS * 2.0 * np.pi * np.sqrt(bench.mass / stiffness)
     amplitude, sticks = np.zeros(len(speed)), np.zeros(len(speed), dtype=bool)
     bad = 0
     group = np.floor(np.log(needed) / np.log(RATIO)).astype(int)
@@ -263,7 +274,7 @@ def slopes_at(bench: Bench, speed: float) -> Array:
     columns = []
     for i, size in enumerate([speed, *([bench.reach] * len(law.states))]):
         step = np.zeros(len(at))
-        step[i] = STEP * size
+        step[i] = SLOPE_STEP * size
         sides = []
         # states have slipped: what is before that may be another side of a switch
         behind = at - step if i == 0 else at
@@ -308,3 +319,183 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
 
     found = root(rates, np.full(len(law.states), 0.9))
     return tuple(round(float(one) * length, 17) for one in found.x)
+
+
+# An axis under PID control: whether it hunts about its target.
+
+FASTER = 10.0
+"""How much faster the loop is than that of the paper LuGre is from, whose cycles take 25 s."""
+GAINS = (3.0 * FASTER**2, 4.0 * FASTER**3, 6.0 * FASTER)
+"""Proportional, integral and derivative gain over the mass."""
+SAMPLE_PERIOD, HUNTING_TIME, HUNTING_SETTLED = 0.002, 30.0, 0.3
+"""Time between samples and duration of the run [s]; share of it that is left out."""
+FAR = 2.0
+"""Distance of the target, over that at which the proportional part equals break-away."""
+HUNTING_SAMPLES = 2001
+LEAST_HUNTING = 1e-3
+"""Amplitude over the distance of the target that counts as none."""
+TOLERANCE = 0.1
+"""Spread of cycles that are alike: they are long, and few in a run."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Hunting(Characteristic):
+    """The motion of an axis that a PID controller moves to a target."""
+
+    test: ClassVar[str] = "limit-cycle"
+    title: ClassVar[str] = "Hunting under PID control"
+    columns: ClassVar[Mapping[str, str]] = {"t": "s", "position": "m"}
+    over: ClassVar[str] = "t"
+
+    t: Array
+    """Times (n,) [s]."""
+    position: Array
+    """Position (n,) [m]."""
+    target: float
+    """Where the controller wants it to be [m]."""
+    kind: str
+    """What `stickslip.control.limit_cycle` says of the run after its beginning."""
+    amplitude: float
+    """Half of the range of the position in a cycle [m]; NaN without cycles."""
+    period: float
+    """Time of a cycle [s]; NaN without cycles."""
+    error: float
+    """Distance from the target at the end [m]."""
+
+    @property
+    @override
+    def sentence(self) -> str:
+        if self.kind in ("limit cycle", "growing", "irregular") and np.isfinite(self.amplitude):
+            how = {"growing": ", and more from cycle to cycle", "irregular": " irregularly"}
+            return (
+                f"It hunts{how.get(self.kind, '')}: {quantity(self.amplitude, 'm')} to either side"
+                f" of {quantity(self.target, 'm')} every {quantity(self.period, 's')}."
+                " Less integral action, a dead band or compensation of friction ends it."
+            )
+        left = abs(self.error)
+        if left <= LEAST_HUNTING * abs(self.target):
+            return "It does not hunt: the integral part brings it to its target."
+        ends = f"{quantity(left, 'm')} from its target of {quantity(self.target, 'm')}"
+        what = "Its swing dies out" if self.kind == "decaying" else "No limit cycle is seen"
+        return f"{what}: after {quantity(float(self.t[-1]), 's')} it is {ends}."
+
+
+def hunting(bench: Bench, *, t_end: float = HUNTING_TIME) -> Hunting:
+    """Move an axis to a target by a PID controller, and look for a limit cycle."""
+    proportional, integral, derivative = (bench.mass * one for one in GAINS)
+    target = FAR * bench.force / proportional
+    loop = closed_loop(
+        bench.on(Axis(inertia=bench.mass, load=bench.load)),
+        bench.law,
+        PID(proportional=proportional, integral=integral, derivative=derivative, reference=target),
+        period=SAMPLE_PERIOD,
+        t_end=t_end,
+        y0=bench.deflected(),
+    )
+    cycle = limit_cycle(
+        loop, since=HUNTING_SETTLED * t_end, tolerance=TOLERANCE, least=LEAST_HUNTING * target
+    )
+    t = np.linspace(0.0, t_end, HUNTING_SAMPLES)
+    position = loop.run.at(np.minimum(t, loop.run.span[1]))["x"]
+    return Hunting(
+        t=t,
+        position=position,
+        target=target,
+        kind=cycle.kind,
+        amplitude=cycle.amplitude,
+        period=cycle.period,
+        error=float(position[-1] - target),
+        conditions=(
+            f"{quantity(bench.mass, 'kg')}, K_p = {proportional:g}, K_i = {integral:g},"
+            f" K_d = {derivative:g}, sampled every {quantity(SAMPLE_PERIOD, 's')}, for"
+            f" {quantity(t_end, 's')}."
+        ),
+    )
+
+
+# What a law costs a solver: steps of a run, and the fastest rate of its equations.
+
+COST_FORCE, COST_FREQUENCY, COST_TIME = 2.0, 1.0, 5.0
+"""Amplitude of the force over break-away, its frequency [Hz] and the time of the run [s]."""
+RATE_DECADES, RATE_SPEEDS = 3, 61
+"""Speeds at which rates are looked at: so many decades about the one at which friction changes."""
+EXPLICIT = 2.0
+"""Rate times step up to which Euler's explicit method is stable."""
+EASY = 1e3
+"""Rate that fixed steps of milliseconds follow [1/s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Cost(Characteristic):
+    """Steps of a run to and fro, and the fastest rates of the equations."""
+
+    test: ClassVar[str] = "cost"
+    title: ClassVar[str] = "Stiffness and cost"
+    columns: ClassVar[Mapping[str, str]] = {"speed": "m/s", "rate": "1/s"}
+    over: ClassVar[str] = "speed"
+
+    steps: int
+    """Steps of the event-driven solver."""
+    events: int
+    """Events that it located."""
+    speed: Array
+    """Slip speeds (n,) [m/s]."""
+    rate: Array
+    """Largest rate of the equations at each (n,) [1/s]."""
+
+    @property
+    def largest_rate(self) -> float:
+        """Largest rate at any speed [1/s]; NaN if none is known."""
+        return float(self.rate.max()) if len(self.rate) else np.nan
+
+    @property
+    @override
+    def sentence(self) -> str:
+        fast = self.largest_rate
+        run = (
+            f"{number(self.steps)} steps and {self.events} events for {quantity(COST_TIME, 's')} to"
+            " and fro"
+        )
+        if np.isnan(fast):
+            return f"{run}."
+        step = EXPLICIT / fast if fast > 0.0 else np.inf
+        if fast < EASY:
+            need = "fixed steps of a millisecond follow it between its events"
+        else:
+            need = f"explicit fixed steps must be shorter than {quantity(step, 's')}"
+        rate = f"the fastest rate is {number(fast)} per second" if fast else "no rate is fast"
+        return f"{run}; {rate}, so that {need}."
+
+
+def cost(bench: Bench) -> Cost:
+    """Count the steps of a run to and fro, and find the fastest rate of the equations.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> cost(Bench(law=Coulomb(kinetic_coefficient=0.5))).largest_rate
+    0.0
+    """
+    force = COST_FORCE * bench.force
+    axis = Axis(
+        inertia=bench.mass, drive=Sine(amplitude=force, frequency=COST_FREQUENCY), load=bench.load
+    )
+    run = simulate(bench.on(axis), bench.law, t_end=COST_TIME, y0=bench.deflected())
+    speeds = bench.speed * np.geomspace(10.0**-RATE_DECADES, 10.0**RATE_DECADES, RATE_SPEEDS)
+    between = f"from {quantity(speeds[0], 'm/s')} to {quantity(speeds[-1], 'm/s')}"
+    if bench.latched:
+        speeds = speeds[:0]
+    rates = [float(np.abs(np.linalg.eigvals(slopes_at(bench, float(v)))).max()) for v in speeds]
+    return Cost(
+        steps=run.certificate.steps,
+        events=len(run.events),
+        speed=speeds,
+        rate=np.array(rates),
+        conditions=(
+            f"{quantity(bench.mass, 'kg')} under a force of {quantity(force, 'N')} at"
+            f" {quantity(COST_FREQUENCY, 'Hz')}; rates about steady sliding"
+            f" {between if len(speeds) else 'are not known with latched switches'}."
+        ),
+    )
