@@ -15,7 +15,9 @@ import typer
 from stickslip.cli.console import (
     check_rig_file,
     command_line,
+    draw_page,
     folder_of,
+    leave_unless_drawn,
     note,
     number_of,
     overrides,
@@ -38,7 +40,6 @@ from stickslip.cli.inputs import (
     show_warnings,
     watching,
 )
-from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import workers
 from stickslip.documents import (
     document,

@@ -12,7 +12,9 @@ import typer
 from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 from stickslip.cli.console import (
     command_line,
+    draw_page,
     folder_of,
+    leave_unless_drawn,
     note,
     number_of,
     overrides,
@@ -23,7 +25,6 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
 from stickslip.documents import document, json_text, write_files, write_folder
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -32,11 +33,10 @@ from stickslip.formatting import fixed, number, significant
 from stickslip.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
-from stickslip.paper.cart import CART, CYCLES
+from stickslip.paper.rigs import CART, CYCLES, check_form
 from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
-from stickslip.paper.values import check_form
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.report import render
 

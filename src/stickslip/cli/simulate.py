@@ -13,6 +13,8 @@ import typer
 
 from stickslip.cli.console import (
     command_line,
+    draw_page,
+    leave_unless_drawn,
     note,
     number_of,
     plain,
@@ -33,7 +35,6 @@ from stickslip.cli.inputs import (
     rig_and_friction,
 )
 from stickslip.cli.options import LawOptions, RunOptions
-from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_file, write_folder
 from stickslip.errors import InputError, ParameterError, StickslipError

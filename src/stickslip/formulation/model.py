@@ -41,8 +41,7 @@ from stickslip.formulation.trace import (
     waves_of,
 )
 from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
-from stickslip.kernels.header import ContactSizes, ModeSizes, law_rows
-from stickslip.kernels.state_layout import LIFT_OFF, SWITCH
+from stickslip.kernels.state_layout import LIFT_OFF, SWITCH, ContactSizes, ModeSizes, law_rows
 from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
 from stickslip.quantities import parameters, shadow, structure
 

@@ -27,8 +27,14 @@ from stickslip.formulation.trace import (
     own_limits,
 )
 from stickslip.friction import FrictionLaw, bound
-from stickslip.kernels.header import LAW_NUMBERS
-from stickslip.kernels.state_layout import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
+from stickslip.kernels.state_layout import (
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    LAW_NUMBERS,
+    LIFT_OFF,
+    STOP,
+    SWITCH,
+)
 from stickslip.maths import Scalar
 from stickslip.mechanisms import Contact, Mechanism, of_contact
 from stickslip.quantities import parameters, shadow

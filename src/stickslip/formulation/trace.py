@@ -20,7 +20,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, TracingError, not_finite
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.header import Sizes
+from stickslip.kernels.state_layout import Sizes
 from stickslip.maths import NO_COMPARISON
 from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 

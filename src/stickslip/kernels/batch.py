@@ -9,7 +9,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.motion import first_contact_guard, first_own_switch
-from stickslip.kernels.driver import run
+from stickslip.kernels.driver import restore, restore_start, row_at, run
 from stickslip.kernels.equations import energy, state_seen
 from stickslip.kernels.mode_transitions import wall_coordinate
 from stickslip.kernels.numerics import NODES, WEIGHTS, interpolate
@@ -76,7 +76,6 @@ from stickslip.kernels.state_layout import (
     WHOLES,
     Y,
 )
-from stickslip.kernels.step_log import restore, restore_start, row_at
 
 # What is kept of a run in an ensemble: one number for each output.
 

@@ -5,7 +5,15 @@ instant between two steps they change by the same functions as in a run of one's
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.driver import advance, begin, change, settle_all, turns_switch
+from stickslip.kernels.driver import (
+    advance,
+    begin,
+    change,
+    piece_at,
+    restore,
+    settle_all,
+    turns_switch,
+)
 from stickslip.kernels.equations import (
     MOTION,
     PREPARE,
@@ -57,7 +65,6 @@ from stickslip.kernels.state_layout import (
     VALUES,
     Y,
 )
-from stickslip.kernels.step_log import piece_at, restore
 from stickslip.kernels.steppers import choose_stepper
 
 ENTER = 0

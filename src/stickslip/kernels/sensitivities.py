@@ -16,6 +16,7 @@ those of the functions of these names.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.driver import restore, restore_modes
 from stickslip.kernels.equations import (
     IMPACT,
     PREPARE,
@@ -75,7 +76,6 @@ from stickslip.kernels.state_layout import (
     Y1,
     Y,
 )
-from stickslip.kernels.step_log import restore, restore_modes
 from stickslip.kernels.steppers import series_fill
 
 RADAU_STAGES = 5

@@ -1,7 +1,6 @@
 """The source paper, audited: every table and figure again, beside what was printed."""
 
 from stickslip.paper.audit import PaperAudit, TableRow, TrialTravels, audit
-from stickslip.paper.cart import CartRun, CartStudy, RestRule, Share, rest_rules, study_cart
 from stickslip.paper.pages import Beside, beside, paper_report
 from stickslip.paper.printed import (
     Consequence,
@@ -14,7 +13,19 @@ from stickslip.paper.printed import (
     springbacks,
     stribeck_creeps,
 )
-from stickslip.paper.values import Excitation, PaperValues, StickSlip, excitations, stick_slip
+from stickslip.paper.rigs import (
+    CartRun,
+    CartStudy,
+    Excitation,
+    PaperValues,
+    RestRule,
+    Share,
+    StickSlip,
+    excitations,
+    rest_rules,
+    stick_slip,
+    study_cart,
+)
 
 __all__ = [
     "Beside",

@@ -9,7 +9,6 @@ from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
-from stickslip.paper.cart import CART, CartStudy, RestRule, rest_rules, study_cart
 from stickslip.paper.printed import (
     BREAK_AWAY_RULES,
     CART_STEP,
@@ -29,15 +28,20 @@ from stickslip.paper.printed import (
     step_travels,
     stribeck_creeps,
 )
-from stickslip.paper.values import (
+from stickslip.paper.rigs import (
+    CART,
+    CartStudy,
     Excitation,
     PaperValues,
+    RestRule,
     StickSlip,
     adopted,
     check_form,
     excitations,
+    rest_rules,
     rigs,
     stick_slip,
+    study_cart,
 )
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.report import published_dict

@@ -10,6 +10,7 @@ from stickslip.formatting import fixed, joined, percent, quantity
 from stickslip.friction import SOURCES
 from stickslip.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
+from stickslip.paper.rigs import PUSH_DURATION
 from stickslip.paper.sections import (
     assumption_section,
     break_away_section,
@@ -28,7 +29,6 @@ from stickslip.paper.sections import (
     trial_section,
     unpublished_section,
 )
-from stickslip.paper.values import PUSH_DURATION
 from stickslip.report import (
     Code,
     Fact,

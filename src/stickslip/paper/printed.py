@@ -27,7 +27,7 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.mechanisms import SpringBlock
-from stickslip.paper.values import PUSH_DURATION, PaperValues, rigs
+from stickslip.paper.rigs import PUSH_DURATION, PaperValues, rigs
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import BreakAway, FixedStep

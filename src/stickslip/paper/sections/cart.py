@@ -17,7 +17,7 @@ from stickslip.formatting import (
     with_unit,
 )
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
+from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
 from stickslip.paper.sections.common import (
     BACK_SLIP,
     FIRST_CYCLE,

@@ -16,11 +16,10 @@ from stickslip.formatting import (
 )
 from stickslip.friction import LuGre
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.cart import CYCLES, KINETIC
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
+from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
 from stickslip.paper.sections.common import values_of
-from stickslip.paper.values import PUSH_DURATION
 from stickslip.report import Column, Name, Paragraph, Row, Section, Subheading, Table
 from stickslip.trajectory import Trajectory
 

@@ -17,7 +17,6 @@ from stickslip.formatting import (
 )
 from stickslip.friction import PRINTED_EQUATIONS, LuGre, PrintedForm, RightEquation
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.cart import CYCLES, KINETIC
 from stickslip.paper.printed import (
     BACKWARD,
     BRISTLE_STEP,
@@ -33,6 +32,7 @@ from stickslip.paper.printed import (
     lugre_row,
 )
 from stickslip.paper.printed import FINE_STEP as FINE
+from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION, SPEED, Excitation
 from stickslip.paper.sections.common import (
     COLOURS,
     fitted_text,
@@ -40,7 +40,6 @@ from stickslip.paper.sections.common import (
     travel_axis,
     values_of,
 )
-from stickslip.paper.values import PUSH_DURATION, SPEED, Excitation
 from stickslip.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
 from stickslip.quantities import fields_of
 from stickslip.report import (

@@ -17,8 +17,8 @@ from stickslip.formatting import (
 from stickslip.friction import Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.printed import Requirement
+from stickslip.paper.rigs import PUSH_DURATION, SPEED
 from stickslip.paper.sections.common import fitted_text, travel_axis
-from stickslip.paper.values import PUSH_DURATION, SPEED
 from stickslip.plots import (
     RUN_SIZES,
     Sizes,
