@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.reducers import happened
+from stickslip.kernels.batch import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip import fit
 from stickslip.benchmark.definition import Task
-from stickslip.benchmark.sets.robots import TASKS
+from stickslip.benchmark.records import ROBOT_TASKS
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, FrictionLaw, specification
 from stickslip.identification import RecordFit
@@ -102,7 +102,7 @@ def table(task: Task, rows: Sequence[Mapping[str, Any]]) -> str:
 
 def main() -> None:
     """Print the tables."""
-    known = {task.name: task for task in TASKS}
+    known = {task.name: task for task in ROBOT_TASKS}
     parser = argparse.ArgumentParser(prog="python -m benchmarks.robot_records")
     parser.add_argument("--records", nargs="+", choices=known, default=[*known])
     parser.add_argument("--laws", nargs="+", default=ASKED)

@@ -32,8 +32,18 @@ import numpy as np
 from benchmarks.rigs import Random, between
 from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
-from stickslip.benchmark.sets.axes import SWINGING, SWINGS, swing
-from stickslip.benchmark.sets.servo import DROOP, DUTIES, SUPPLY, UNKNOWN, Log, joined, logs
+from stickslip.benchmark.records import (
+    DROOP,
+    DUTIES,
+    SUPPLY,
+    SWINGING,
+    SWINGS,
+    UNKNOWN,
+    Log,
+    joined,
+    logs,
+    swing,
+)
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Sampled
 from stickslip.errors import StickslipError

@@ -27,7 +27,7 @@ from benchmarks import (
     travel_truth,
 )
 from benchmarks.axis_records import FAULTS, FURTHER, TRUTHS
-from stickslip.cli.process_pool import workers
+from stickslip.cli.progress import workers
 from stickslip.executors import spread
 
 Row = Mapping[str, Any]

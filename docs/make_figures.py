@@ -43,8 +43,8 @@ from stickslip.plots import (
     Size,
     standalone_svg,
 )
-from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
-from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps
+from stickslip.plots.runs import LOOP_SIZES, draw_closed_loop
+from stickslip.plots.studies import draw_fixed_steps
 from stickslip.plots.sweep_maps import draw_velocity_map
 from stickslip.sweep import average_velocity
 

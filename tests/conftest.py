@@ -54,16 +54,16 @@ def pytest_runtest_setup() -> None:
     Hooks of set-up and teardown hold for this folder alone: the examples in docstrings, which may
     run in the same process, see what users see.
     """
-    from stickslip.report.core import documents
+    from stickslip.report import blocks
 
-    documents.CAUGHT = ()
+    blocks.CAUGHT = ()
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown() -> None:
-    from stickslip.report.core import documents
+    from stickslip.report import blocks
 
-    documents.CAUGHT = (Exception,)
+    blocks.CAUGHT = (Exception,)
 
 
 @pytest.fixture

@@ -598,7 +598,7 @@ def wide_only() -> Iterator[None]:
 
     Animations have one picture a second.
     """
-    from stickslip.plots.core import svg
+    from stickslip.plots import svg
 
     drawn = inspect.unwrap(svg._drawn)
 
@@ -607,7 +607,7 @@ def wide_only() -> Iterator[None]:
         return EMPTY_FIGURE if narrow else drawn(draw, size, narrow, *style, **more)
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("report.runs.motion", "paper.sections.cart"):
+        for module in ("report.runs", "paper.sections.cart"):
             patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", wide)
         yield
@@ -623,7 +623,7 @@ def sketched() -> Iterator[None]:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    from stickslip.plots.core import svg, theme
+    from stickslip.plots import svg, theme
 
     drawn = inspect.unwrap(svg._drawn)
 
@@ -640,7 +640,7 @@ def sketched() -> Iterator[None]:
         return EMPTY_FIGURE
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("report.runs.motion", "paper.sections.cart"):
+        for module in ("report.runs", "paper.sections.cart"):
             patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", sketch)
         yield

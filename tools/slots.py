@@ -30,7 +30,7 @@ CALLS = {
 """What calls the equations, and what works them out for several contacts, with the arguments."""
 LEFT = {"call_contacts": {"ANSWER", "CHANGED"}}
 """What they leave beside their results."""
-PYTHON = {"backend", "entries", "header"}
+PYTHON = {"backend", "entries", "state_layout"}
 """Modules that only Python runs, or that differ between the tiers."""
 TABLES = (
     "MODES",

@@ -23,7 +23,7 @@ LOADED = (
     "scipy.stats",
     "stickslip",
     "stickslip.plots.dispatch",
-    *(f"stickslip.cli.{name}" for name in ("select", "fit", "check", "pages")),
+    *(f"stickslip.cli.{name}" for name in ("judge", "check", "console")),
 )
 """Modules that it leaves out, with all that they load when asked."""
 KERNEL = {

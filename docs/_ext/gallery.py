@@ -19,15 +19,15 @@ from stickslip.characterization.battery import law_with_values
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction import LAWS, FrictionLaw, said_of
 from stickslip.plots import draw_characteristic
-from stickslip.plots.core.svg import standalone_svg
+from stickslip.plots.svg import standalone_svg
 from stickslip.quantities import fields_of
 
 HERE = Path(__file__).parent
 FOLDER = HERE.parent / "gallery"
 KEPT = HERE.parent / "_build" / "gallery"
 PACKAGE = HERE.parents[1] / "src" / "stickslip"
-DECIDING = ("characterization", "formulation", "friction", "kernels", "plots/laws", "solver")
-"""Folders of the package whose files decide what a page shows."""
+DECIDING = ("characterization", "formulation", "friction", "kernels", "plots/laws.py", "solver")
+"""Folders and files of the package that decide what a page shows."""
 FIGURE, THUMBNAIL = (620, 270), (200, 130)
 """Sizes [CSS px]."""
 COLUMNS = 4
@@ -111,9 +111,10 @@ SYMPTOMS = (
 def code_digest() -> str:
     """Return a hash of the code that decides what pages show."""
     found = hashlib.sha256(Path(__file__).read_bytes())
-    for folder in DECIDING:
-        for path in sorted((PACKAGE / folder).rglob("*.py")):
-            found.update(path.read_bytes())
+    for place in DECIDING:
+        path = PACKAGE / place
+        for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
+            found.update(file.read_bytes())
     return found.hexdigest()
 
 

@@ -345,9 +345,9 @@ def test_kernels_touch_no_slot_but_those_that_they_list(
 
 
 def test_every_kernel_is_found() -> None:
-    from stickslip.kernels import driver, step
+    from stickslip.kernels import driver, steppers
 
-    for module in (driver, step):
+    for module in (driver, steppers):
         for name, function in inspect.getmembers(module, inspect.isfunction):
             if function.__module__ == module.__name__:
                 assert name in slots.kernels()

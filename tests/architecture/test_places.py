@@ -196,8 +196,8 @@ def test_a_plot_touches_three_places(tree: Tree) -> None:
     places = contributed(
         tree,
         "toy_plot.py",
-        "plots/runs/toy_plot.py",
-        ("plots/__init__.py", line, '    "plot_toy": "runs.toy_plot",'),
+        "plots/toy_plot.py",
+        ("plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
     )
     use = """
 from stickslip import Coulomb, SpringBlock, simulate
@@ -246,7 +246,7 @@ assert set(verdict.to_dataframe()["law"]) == {"coulomb", "viscous", "coulomb-vis
 assert next(c for c in verdict.candidates if c.name == "viscous").score > 5.0 * verdict.best.score
 page = write_report(verdict, "report").read_text()
 assert "Use Coulomb friction." in page
-from stickslip.cli.select import show_verdict
+from stickslip.cli.judge import show_verdict
 show_verdict(verdict)
 assert found.plot().get_xlabel() == "fitted way, m"
 assert verdict.plot().get_xlabel().startswith("held-out error, "), verdict.plot().get_xlabel()

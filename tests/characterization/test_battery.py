@@ -18,15 +18,9 @@ from stickslip import (
 )
 from stickslip.characterization import TESTS, Bench, battery, cycle_energy
 from stickslip.characterization.bench import there_and_back
-from stickslip.characterization.break_away import break_away
-from stickslip.characterization.cost import cost
-from stickslip.characterization.drift import creep, drift
-from stickslip.characterization.hunting import hunting
-from stickslip.characterization.hysteresis import presliding
-from stickslip.characterization.lag import lag
-from stickslip.characterization.passivity import passivity
-from stickslip.characterization.steady import steady_curve
-from stickslip.characterization.stick_slip import stick_slip_map
+from stickslip.characterization.presliding_tests import break_away, creep, drift, presliding
+from stickslip.characterization.sliding_tests import lag, passivity, steady_curve
+from stickslip.characterization.stick_slip_tests import cost, hunting, stick_slip_map
 from stickslip.cli.characterize import _show
 from stickslip.documents import document, json_text
 from stickslip.errors import InputError, SimulationError, UnknownNameError

@@ -60,7 +60,7 @@ def test_models_shows_a_mechanism_with_its_parameters(run):
 def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old").mkdir()
-    monkeypatch.setattr("stickslip.cli.paper.audit", lambda *_, **__: pytest.fail("work began"))
+    monkeypatch.setattr("stickslip.cli.reproduce.audit", lambda *_, **__: pytest.fail("work began"))
     code, _, err = run("paper", "-o", "old")
     assert (code, "old already exists; give --force" in err) == (2, True)
     with pytest.raises(pytest.fail.Exception, match="work began"):
@@ -457,7 +457,7 @@ def test_a_report_cannot_replace_a_file(run, tmp_path):
 
 
 def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
-    import stickslip.cli.select as command
+    import stickslip.cli.judge as command
 
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
@@ -605,14 +605,14 @@ UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() 
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     run, tmp_path, monkeypatch, command, output
 ):
-    import stickslip.cli.paper
-    import stickslip.cli.select
+    import stickslip.cli.judge
+    import stickslip.cli.reproduce
 
     def never(*_arguments, **_options):
         raise AssertionError("the work began")
 
-    monkeypatch.setattr(stickslip.cli.select, "_selected", never)
-    monkeypatch.setattr(stickslip.cli.paper, "audit", never)
+    monkeypatch.setattr(stickslip.cli.judge, "_selected", never)
+    monkeypatch.setattr(stickslip.cli.reproduce, "audit", never)
     (tmp_path / "taken").write_text("mine")
     assert "cannot be written" in complaint(run, command, "-o", output)
     assert "cannot be written" in complaint(run, "simulate", "demo", "-o", f"{output}/run.csv")
@@ -683,7 +683,7 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
     run, rig, tmp_path
 ):
     """Verdict, law and page of one report appear in one step."""
-    kill = "import os, stickslip.cli.select as s"
+    kill = "import os, stickslip.cli.judge as s"
     kill += "; s.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
     go = "from stickslip.cli import main"
     go += "; main(['select', 'rig.toml', '--laws', 'coulomb', '--force'])"

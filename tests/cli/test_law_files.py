@@ -26,7 +26,7 @@ from stickslip import (
 )
 from stickslip.cli import main
 from stickslip.cli.console import plain
-from stickslip.cli.select import show_verdict
+from stickslip.cli.judge import show_verdict
 from stickslip.cli.simulate import _cells, _event_rows
 from stickslip.documents import write_folder
 from stickslip.drives import Sine, Sum, ThreePhase

@@ -8,12 +8,12 @@ import time
 
 import pytest
 
-from stickslip.cli.process_pool import workers
+from stickslip.cli.progress import workers
 from stickslip.errors import SimulationError
 
 SCRIPT = """
 import os, signal, sys, time
-from stickslip.cli.process_pool import workers
+from stickslip.cli.progress import workers
 
 def work(seconds):
     print("printed by a worker", flush=True)

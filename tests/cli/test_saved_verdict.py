@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-import stickslip.cli.select as command
+import stickslip.cli.judge as command
 from stickslip import LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli.app import app
 from stickslip.documents import write_folder

@@ -8,7 +8,7 @@ import pytest
 from tests.support import BRISTLE, DECADES
 
 from stickslip.characterization.bench import Bench
-from stickslip.characterization.passivity import cycle_energy
+from stickslip.characterization.sliding_tests import cycle_energy
 from stickslip.quantities import fields_of, unchecked
 
 MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")

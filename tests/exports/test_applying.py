@@ -25,10 +25,10 @@ from stickslip import (
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
-from stickslip.exports.applying.mjcf import Mjcf
+from stickslip.exports.applying.models import Mjcf
 from stickslip.exports.applying.running import SHARE
-from stickslip.exports.simplification import PolynomialFriction, simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.joints import PolynomialFriction, simplified
+from stickslip.exports.program import Subject
 from stickslip.formatting import quantity
 from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
@@ -542,7 +542,7 @@ def test_what_no_rule_refuses_fails_by_its_memory_and_leaves_the_limit(arm, kind
 
 def test_a_motion_that_takes_too_long_is_given_up(arm, monkeypatch):
     mujoco_or_skip()
-    monkeypatch.setattr("stickslip.exports.applying.workload.LONGEST", 0.0)
+    monkeypatch.setattr("stickslip.exports.applying.running.MOST_PROCESSOR_TIME", 0.0)
     found = written(LAW, arm, "elbow", run=True)
     assert found.joints[0].motions == ()
     assert "of processor time" in found.remarks[0]

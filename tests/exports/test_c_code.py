@@ -11,7 +11,7 @@ from tests.exports.laws import LAWS_EXPORTED, LOADS, SPEEDS, Hostile, bristle_st
 from stickslip import Axis, Coulomb, LuGre, Stribeck, Viscous, export, simulate
 from stickslip.control import compensation
 from stickslip.drives import Sampled
-from stickslip.exports.equations import equations_of
+from stickslip.exports.program import equations_of
 
 LOAD, MASS = 9.81, 2.0
 RELATIVE = 1e-12

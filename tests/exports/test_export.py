@@ -25,7 +25,7 @@ from stickslip import (
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import KnownLaws, LawEstimates
 from stickslip.exports import TARGETS, Target
-from stickslip.exports.identifiers import identifier, identifiers
+from stickslip.exports.program import identifier, identifiers
 from stickslip.friction import RateState, SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity

@@ -46,8 +46,13 @@ from stickslip.cli import main
 from stickslip.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import export_fmu
-from stickslip.exports.fmu.inputs import with_inputs
-from stickslip.exports.fmu.variables import BASES, base_units, per_second, variables_of
+from stickslip.exports.fmu.description import (
+    BASES,
+    base_units,
+    per_second,
+    variables_of,
+    with_inputs,
+)
 from stickslip.formulation import formulate
 from stickslip.friction import LAWS
 from stickslip.maths import sqrt

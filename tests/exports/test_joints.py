@@ -27,8 +27,8 @@ from stickslip import (
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.experiments import KnownLaws, LawEstimates, levels_at
-from stickslip.exports.simplification import JointFriction, simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.joints import JointFriction, simplified
+from stickslip.exports.program import Subject
 from stickslip.formatting import quantity
 from stickslip.mechanisms import RobotJoint, read_urdf
 

@@ -40,7 +40,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import PiecewiseAffine, Sine, Square
-from stickslip.exports.fmu.variables import variables_of
+from stickslip.exports.fmu.description import variables_of
 from stickslip.formulation import formulate
 from stickslip.mechanisms import Mechanism, Torque
 from stickslip.simulation import check_pair

@@ -12,8 +12,8 @@ from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
-from stickslip.exports.simplification import simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.joints import simplified
+from stickslip.exports.program import Subject
 from stickslip.formulation import JointTorques
 from stickslip.mechanisms import DCMotor, PositionLoop, read_urdf
 

@@ -13,9 +13,8 @@ from stickslip.documents import json_text
 from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
-from stickslip.report.core.blocks import Fact, Facts
-from stickslip.report.core.page import render
-from stickslip.report.core.tables import Column, Number, Row
+from stickslip.report.blocks import Fact, Facts, render
+from stickslip.report.tables import Column, Number, Row
 from stickslip.results import Estimate
 from stickslip.selection.verdict import score_text
 

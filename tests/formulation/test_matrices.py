@@ -13,7 +13,7 @@ from tests.support import UNAIDED, Generated, each_of, example_of
 from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, ensemble, simulate
 from stickslip.drives import Drive, Sine
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.matrix_form import matrix_supply
+from stickslip.formulation.mechanics import matrix_supply
 from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism, Torque

@@ -18,7 +18,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
-from stickslip.paper.unpublished import positive_root
+from stickslip.paper.printed import positive_root
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")

@@ -9,11 +9,10 @@ from scipy.integrate import DOP853
 from tests.support import Generated
 
 from stickslip import Axis, LuGre
-from stickslip.kernels import dop853, rodas5p
-from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.rodas5p import rodas_dense, rodas_step
+from stickslip.kernels import steppers
+from stickslip.kernels.numerics import interpolate, lu_factor, lu_solve
 from stickslip.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y
+from stickslip.kernels.steppers import rodas_dense, rodas_step
 
 
 def solved(a, b):
@@ -51,16 +50,16 @@ def test_a_singular_matrix_is_recognised(a):
 def test_the_stages_of_dop853_are_those_of_scipy():
     row = 0
     for s in range(1, 12):
-        np.testing.assert_array_equal(dop853.A[row : row + s], DOP853.A[s, :s])
+        np.testing.assert_array_equal(steppers.A[row : row + s], DOP853.A[s, :s])
         row += s
-    np.testing.assert_array_equal(dop853.A[row : row + 12], DOP853.B)
-    np.testing.assert_array_equal(dop853.C[:12], DOP853.C[:12])
-    np.testing.assert_array_equal(dop853.ERROR_5[:13], DOP853.E5)
-    np.testing.assert_array_equal(dop853.ERROR_3[:13], DOP853.E3)
+    np.testing.assert_array_equal(steppers.A[row : row + 12], DOP853.B)
+    np.testing.assert_array_equal(steppers.C[:12], DOP853.C[:12])
+    np.testing.assert_array_equal(steppers.ERROR_5[:13], DOP853.E5)
+    np.testing.assert_array_equal(steppers.ERROR_3[:13], DOP853.E3)
 
 
 def test_the_last_stage_of_rodas5p_is_the_one_before_with_its_correction():
-    a = rodas5p.A_RODAS
+    a = steppers.A_RODAS
     rows = [a[s * (s - 1) // 2 : s * (s + 1) // 2] for s in range(1, 8)]
     assert rows[5] == (*rows[4], 1.0)
     assert rows[6] == (*rows[5], 1.0)

@@ -22,7 +22,7 @@ from stickslip import (
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Sampled, Sine
 from stickslip.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
-from stickslip.kernels.taylor_series import series_step
+from stickslip.kernels.steppers import series_step
 
 MANY = examples(100)
 ROUNDING = 3e-15

@@ -9,7 +9,7 @@ from stickslip.kinds.features.page import _excerpt
 from stickslip.kinds.features.problem import WATCHED
 from stickslip.kinds.report import verdict_page
 from stickslip.report import render
-from stickslip.report.core.documents import Origin
+from stickslip.report.blocks import Origin
 
 LAW = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)

@@ -23,8 +23,7 @@ from stickslip.kinds.velocity_steps.page import sections
 from stickslip.kinds.velocity_steps.selection import rate_state_laws, unseen_of
 from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
 from stickslip.kinds.velocity_steps.wording import _untried
-from stickslip.report.core.documents import Origin, Page, made_sections
-from stickslip.report.core.page import render
+from stickslip.report.blocks import Origin, Page, made_sections, render
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
 THREE = ([0.0, 20.0, 60.0, 100.0, 120.0], [0.0, 20.0, 420.0, 460.0, 660.0])

@@ -7,7 +7,7 @@ import pytest
 from stickslip import Coulomb, SpringBlock, plan
 from stickslip.kinds.travels.plan.page import plan_page
 from stickslip.kinds.travels.plan.tables import tables_of
-from stickslip.report.core.page import render
+from stickslip.report.blocks import render
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
 

@@ -12,8 +12,7 @@ from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
 from stickslip.kinds.report import verdict_page
-from stickslip.report.core.documents import Origin
-from stickslip.report.core.page import render
+from stickslip.report.blocks import Origin, render
 
 RIG = """
 title = "Gouge"

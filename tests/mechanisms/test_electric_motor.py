@@ -35,7 +35,7 @@ from stickslip.mechanisms import (
     SerialArm,
     VelocityLoop,
 )
-from stickslip.plots.animation.animation_frame import moments_of
+from stickslip.plots.animation.frame import moments_of
 
 MOTOR = DCMotor(
     resistance=3.0,

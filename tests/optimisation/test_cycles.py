@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, static_normal_force, static_normal_forces
 from stickslip.optimisation import GOALS, Limits, ScoredMotion, measure, units_of_limits
 from stickslip.optimisation.cycle_metrics import fitted
-from stickslip.plots.runs.profiles import _bounds
+from stickslip.plots.studies import _bounds
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
 

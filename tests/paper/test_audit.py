@@ -16,9 +16,10 @@ from tests.support import wide_only
 
 from stickslip import Coulomb, CoulombViscous, SpringBlock, Viscous, simulate
 from stickslip.friction import PRINTED_EQUATIONS
-from stickslip.paper import audit, consequences, misprints, paper_report
-from stickslip.paper.cart import CYCLES
-from stickslip.paper.unpublished import STIFFNESS
+from stickslip.paper import audit, consequences, paper_report
+from stickslip.paper import printed as misprints
+from stickslip.paper.printed import STIFFNESS
+from stickslip.paper.rigs import CYCLES
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from stickslip.exports import Karnopp, twin
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 from stickslip.paper import PaperValues, study_cart
-from stickslip.paper.cart import CART, CYCLES, KINETIC, STEP, SWING
+from stickslip.paper.rigs import CART, CYCLES, KINETIC, STEP, SWING
 from stickslip.paper.sections import cart_section, choice_section
 from stickslip.paper.sections.cart import STROKE
 from stickslip.report import Page, render

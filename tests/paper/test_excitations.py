@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from stickslip import Coulomb, SpringBlock
-from stickslip.paper.excitations import excitations
+from stickslip.paper.rigs import excitations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 

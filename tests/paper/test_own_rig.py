@@ -10,8 +10,8 @@ from stickslip import load_rig
 from stickslip.errors import InputError
 from stickslip.kinds import select_travels
 from stickslip.paper import PaperValues, audit, paper_report
-from stickslip.paper.sections.assumptions import assumption_section
-from stickslip.paper.values import adopted, viscous_fit
+from stickslip.paper.rigs import adopted, viscous_fit
+from stickslip.paper.sections.equations import assumption_section
 
 TEXT = """
 title = "Own block"
@@ -41,8 +41,8 @@ def found(tmp_path_factory):
     travel = 0.5 * K * 0.08**2 / (0.3 * M * G)
     with pytest.MonkeyPatch.context() as patch:
         # coarse steps: nothing here looks at what printed forms do, only that they stay finite
-        patch.setattr("stickslip.paper.misprints.STEP", 5e-3)
-        patch.setattr("stickslip.paper.misprints.BRISTLE_STEP", 5e-4)
+        patch.setattr("stickslip.paper.printed.FINE_STEP", 5e-3)
+        patch.setattr("stickslip.paper.printed.BRISTLE_STEP", 5e-4)
         return audit(rig_of(tmp_path_factory.mktemp("rig"), round(travel, 6)))
 
 

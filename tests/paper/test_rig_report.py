@@ -9,7 +9,7 @@ from stickslip import load_rig, select
 from stickslip.kinds.report import verdict_page
 from stickslip.paper import beside
 from stickslip.report import render
-from stickslip.report.core.documents import Origin
+from stickslip.report.blocks import Origin
 from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """

@@ -33,7 +33,8 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
 from stickslip.plots import animation_html, draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
-from stickslip.plots.animation.animation_frame import Stage, moments_of
+from stickslip.plots.animation.frame import _PAINTERS as PAINTERS
+from stickslip.plots.animation.frame import MODE_COLOURS, Stage, moments_of
 from stickslip.plots.animation.scenes import (
     Arrow,
     Ball,
@@ -42,14 +43,13 @@ from stickslip.plots.animation.scenes import (
     Ground,
     Picture,
     Rod,
+    Scales,
     Turn,
+    bars,
+    extent_of,
     scene_of,
 )
-from stickslip.plots.animation.scenes.registry import bars
-from stickslip.plots.animation.scenes.renderer import _PAINTERS as PAINTERS
-from stickslip.plots.animation.scenes.renderer import MODE_COLOURS
-from stickslip.plots.animation.scenes.shapes import Scales, extent_of
-from stickslip.plots.core.theme import SLIP_BACK, STICK, SURFACE, house_style
+from stickslip.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 SMALL = (440.0, 320.0)

@@ -288,7 +288,7 @@ def test_a_drawing_that_fails_leaves_no_figure_and_no_settings_behind(results):
         draw(figure, narrow)
         raise KeyboardInterrupt
 
-    from stickslip.plots.core.axes import on_panels
+    from stickslip.plots.axes import on_panels
 
     with pytest.raises(KeyboardInterrupt):
         on_panels(fail, None, (880, 300))

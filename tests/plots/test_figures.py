@@ -26,27 +26,33 @@ from stickslip import (
 from stickslip.control import PID, closed_loop
 from stickslip.drives import Pulse, Sine
 from stickslip.plots import inline_svg
-from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
-from stickslip.plots.core.label_placement import Curve, label_curves
-from stickslip.plots.core.theme import C1
-from stickslip.plots.data.rig_sketches import SKETCHES, sketch
-from stickslip.plots.laws.curves import (
+from stickslip.plots.axes import Curve, dense, grouped, horizon, label_curves, looks, wrapped
+from stickslip.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
     presliding_sizes,
 )
-from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
-from stickslip.plots.runs.excitations import EXCITATION_SIZES, draw_excitations, excitation_colours
-from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps, fixed_step_sizes
-from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.runs.run import (
+from stickslip.plots.measurements import SKETCHES, sketch
+from stickslip.plots.runs import (
     FRICTION_SIZES,
+    LOOP_SIZES,
     RUN_SIZES,
+    draw_closed_loop,
     draw_friction_velocity,
     draw_run,
     draw_runs,
 )
+from stickslip.plots.studies import (
+    CYCLE_SIZES,
+    EXCITATION_SIZES,
+    draw_cycles,
+    draw_excitations,
+    draw_fixed_steps,
+    excitation_colours,
+    fixed_step_sizes,
+)
+from stickslip.plots.theme import C1
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25)

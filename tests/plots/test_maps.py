@@ -15,7 +15,7 @@ from stickslip.plots import (
     draw_velocity_map,
     standalone_svg,
 )
-from stickslip.plots.core.theme import SLIP_BACK, house_style
+from stickslip.plots.theme import SLIP_BACK, house_style
 from stickslip.results import Status
 from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap, orbit_diagram
 

@@ -14,11 +14,9 @@ from stickslip import DiscBrake, EventDriven, simulate
 from stickslip.mechanisms import MECHANISMS, Lining, Link, Robot, RobotJoint, SerialArm
 from stickslip.plots import draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
-from stickslip.plots.animation.animation_frame import Stage, moments_of
-from stickslip.plots.animation.scenes import Ball, Box, Ground, scene_of
-from stickslip.plots.animation.scenes.registry import bars
-from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, artists_of
-from stickslip.plots.core.theme import SLIP_BACK, STICK, house_style
+from stickslip.plots.animation.frame import MODE_COLOURS, Stage, artists_of, moments_of
+from stickslip.plots.animation.scenes import Ball, Box, Ground, bars, scene_of
+from stickslip.plots.theme import SLIP_BACK, STICK, house_style
 
 PLAIN = EventDriven(tier="python")
 CASES = {**SEVERAL, "two-link-arm": SHOWN["two-link-arm"]}

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from stickslip.plots.core import svg, theme
-from stickslip.plots.data.rig_sketches import schematic
+from stickslip.plots import svg, theme
+from stickslip.plots.measurements import schematic
 
 
 def cloud(figure: Figure, narrow: bool) -> None:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from stickslip import Axis, CoulombViscous, Measurement, compare_trials
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.plots import draw_trials
-from stickslip.plots.core.theme import C1, C2, house_style
+from stickslip.plots.theme import C1, C2, house_style
 
 
 def comparison(*conditions):

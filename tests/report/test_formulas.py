@@ -10,8 +10,7 @@ from tests.support import for_all
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_EQUATIONS, law, laws
 from stickslip.report import Math, Page, Section, render
-from stickslip.report.core.formulas import branches, formula_text
-from stickslip.report.core.markup import symbol_text
+from stickslip.report.markup import branches, formula_text, symbol_text
 
 LATEX = [form.formula for form in (*PRINTED_EQUATIONS, *laws().values())]
 

@@ -10,7 +10,7 @@ import pytest
 from stickslip import report
 from stickslip.errors import InputError
 from stickslip.plots import C1, VARIABLES, inline_svg
-from stickslip.report.core.page import render, write
+from stickslip.report.blocks import render, write
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 LONG_NAME = "GeneralisedMaxwellSlipWithFortyElements1"

@@ -30,8 +30,8 @@ from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.mechanisms import Prescribed
-from stickslip.report.core import documents
-from stickslip.report.runs import RunReport, page, run_page
+from stickslip.report import blocks, runs
+from stickslip.report.runs import RunReport, run_page
 from stickslip.sweep import Spread, band_of
 
 EVERY = "test_every_section_can_be_made_of"
@@ -221,8 +221,8 @@ def test_a_section_that_fails_is_one_line(monkeypatch):
     def motion_section(_):
         raise ZeroDivisionError("no motion")
 
-    monkeypatch.setattr(documents, "CAUGHT", (Exception,))
-    monkeypatch.setattr(page, "SECTIONS", (motion_section, *page.SECTIONS[4:]))
+    monkeypatch.setattr(blocks, "CAUGHT", (Exception,))
+    monkeypatch.setattr(runs, "SECTIONS", (motion_section, *runs.SECTIONS[4:]))
     said = texts(run_page(about(BLOCK, COULOMB, 1.0)))
     assert "This section could not be produced. ZeroDivisionError: no motion." in said
     assert "The run is certified" in said

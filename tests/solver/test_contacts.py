@@ -38,7 +38,7 @@ from stickslip.drives import Drive, Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.friction import Laws, assigned
-from stickslip.kernels import driver, enums, step
+from stickslip.kernels import driver
 from stickslip.kernels import state_layout as layout
 from stickslip.kernels.contacts import decisions
 from stickslip.kernels.contacts.assembly import determinant, refresh
@@ -365,13 +365,13 @@ def test_laws_that_are_kept_within_a_decision_are_those_that_would_be_asked_agai
 def test_series_reach_a_few_events_ahead(monkeypatch):
     """Far beyond the next event their terms, and the search for guards, would be wasted."""
     mechanism, laws, start = decay(40)
-    lengths, attempt = [], step.attempt
+    lengths, attempt = [], driver.attempt
 
     def noted(h, *rest):
         lengths.append(h)
         return attempt(h, *rest)
 
-    monkeypatch.setattr(step, "attempt", noted)
+    monkeypatch.setattr(driver, "attempt", noted)
     run = simulate(mechanism, laws, t_end=1.0, y0=start, solver=PLAIN)
     assert len(run.events) > 50
     assert sum(lengths) < 10.0  # 7.3; 14.3 where the time between events is not followed
@@ -810,7 +810,7 @@ def test_a_cart_that_starts_off_the_ground_ends_there():
 def test_decisions_without_an_answer_have_a_status_in_any_mechanism():
     model = formulate(chain(2)(), assigned(("x1", "x2"), coulomb(0.5)))
     assert not model.limits
-    assert status_of(enums.LIMITED, model) is Status.PAINLEVE
+    assert status_of(layout.LIMITED, model) is Status.PAINLEVE
 
 
 def test_reactions_that_nothing_determines_have_no_determinant():

@@ -5,8 +5,7 @@ import pytest
 
 from stickslip import Coulomb, EventDriven, Stribeck, TowedBlock, ensemble, simulate
 from stickslip.kernels.driver import events_are_full, log_is_full
-from stickslip.kernels.enums import FULL, RUNNING
-from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, STATUS, STEPS
+from stickslip.kernels.state_layout import EVENT_COLUMNS, FULL, ROW_COLUMNS, RUNNING, STATUS, STEPS
 from stickslip.solver import Final, Sensitivity, ensembles, run
 
 BLOCK = TowedBlock(mass=1.0, stiffness=1.0, speed=0.1)

@@ -9,7 +9,7 @@ from stickslip.drives import Rotation
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.mechanisms import Prescribed
-from stickslip.report.runs.appendix import explained
+from stickslip.report.runs import explained
 from stickslip.sweep import band_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

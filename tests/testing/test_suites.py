@@ -14,13 +14,8 @@ from stickslip.maths import sqrt
 from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
 from stickslip.results import Trajectory
-from stickslip.testing import (
-    check_friction,
-    check_mechanism,
-    friction,
-    generated_equations,
-    mechanisms,
-)
+from stickslip.testing import check_friction, check_mechanism, friction, mechanisms
+from stickslip.testing import mechanisms as generated_equations
 
 Mass = Annotated[float, Quantity("m", "kg", above=0)]
 

@@ -13,8 +13,7 @@ from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, PrintedForm
-from stickslip.kernels.drive_segments import next_stop
-from stickslip.kernels.enums import RUNNING
+from stickslip.kernels.equations import next_stop
 from stickslip.kernels.exchange import (
     COLUMNS_AT,
     ENTER,
@@ -37,6 +36,7 @@ from stickslip.kernels.state_layout import (
     N_GUARDS,
     POINT,
     ROW_COLUMNS,
+    RUNNING,
     SAMPLED,
     STAGES,
     STATUS,

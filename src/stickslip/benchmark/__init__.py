@@ -4,18 +4,18 @@ A `Task` says which part of a record is fitted, which part judges, and by what. 
 to stickslip and to its peers.
 """
 
-from stickslip.benchmark.definition import Published, Task
-from stickslip.benchmark.metrics import (
+from stickslip.benchmark.definition import (
     ClosedLoop,
     CoefficientError,
     Error,
     FeatureError,
     ForceError,
     PositionError,
+    Published,
+    Task,
 )
-from stickslip.benchmark.page import benchmark_page, summary_rows
 from stickslip.benchmark.peers import PEERS, Peer
-from stickslip.benchmark.runs import OURS, Results, Row, run
+from stickslip.benchmark.runs import OURS, Results, Row, benchmark_page, run, summary_rows
 from stickslip.benchmark.sets import task, tasks
 
 __all__ = [

@@ -3,25 +3,25 @@ from dataclasses import dataclass
 from typing import final
 
 from collections.abc import Mapping as _Mapping
-from stickslip.characterization.base import Characteristic as Characteristic
 from stickslip.characterization.battery import Characterization as Characterization
 from stickslip.characterization.battery import TESTS as TESTS
 from stickslip.characterization.battery import characterize as characterize
 from stickslip.characterization.bench import Bench as _Bench
-from stickslip.characterization.break_away import BreakAway as BreakAway
-from stickslip.characterization.cost import Cost as Cost
-from stickslip.characterization.drift import Creep as Creep
-from stickslip.characterization.drift import Drift as Drift
-from stickslip.characterization.hunting import Hunting as Hunting
-from stickslip.characterization.hysteresis import Presliding as Presliding
-from stickslip.characterization.lag import Lag as Lag
-from stickslip.characterization.passivity import Passivity as Passivity
-from stickslip.characterization.passivity import cycle_energy as cycle_energy
-from stickslip.characterization.presliding import PreslidingLoop as PreslidingLoop
-from stickslip.characterization.presliding import presliding_length as presliding_length
-from stickslip.characterization.presliding import presliding_loop as presliding_loop
-from stickslip.characterization.steady import SteadyCurve as SteadyCurve
-from stickslip.characterization.stick_slip import StickSlipMap as StickSlipMap
+from stickslip.characterization.bench import Characteristic as Characteristic
+from stickslip.characterization.bench import PreslidingLoop as PreslidingLoop
+from stickslip.characterization.bench import presliding_length as presliding_length
+from stickslip.characterization.bench import presliding_loop as presliding_loop
+from stickslip.characterization.presliding_tests import BreakAway as BreakAway
+from stickslip.characterization.presliding_tests import Creep as Creep
+from stickslip.characterization.presliding_tests import Drift as Drift
+from stickslip.characterization.presliding_tests import Presliding as Presliding
+from stickslip.characterization.sliding_tests import Lag as Lag
+from stickslip.characterization.sliding_tests import Passivity as Passivity
+from stickslip.characterization.sliding_tests import SteadyCurve as SteadyCurve
+from stickslip.characterization.sliding_tests import cycle_energy as cycle_energy
+from stickslip.characterization.stick_slip_tests import Cost as Cost
+from stickslip.characterization.stick_slip_tests import Hunting as Hunting
+from stickslip.characterization.stick_slip_tests import StickSlipMap as StickSlipMap
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.quantities import Given as _Given
 

@@ -10,17 +10,33 @@ from typing import Any, Final, TypeAlias, final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.characterization.base import Characteristic
-from stickslip.characterization.bench import Bench
-from stickslip.characterization.break_away import BreakAway, break_away
-from stickslip.characterization.cost import Cost, cost
-from stickslip.characterization.drift import Creep, Drift, creep, drift
-from stickslip.characterization.hunting import Hunting, hunting
-from stickslip.characterization.hysteresis import Presliding, presliding
-from stickslip.characterization.lag import Lag, lag
-from stickslip.characterization.passivity import Passivity, passivity
-from stickslip.characterization.steady import SteadyCurve, steady_curve
-from stickslip.characterization.stick_slip import StickSlipMap, stick_slip_map
+from stickslip.characterization.bench import Bench, Characteristic
+from stickslip.characterization.presliding_tests import (
+    BreakAway,
+    Creep,
+    Drift,
+    Presliding,
+    break_away,
+    creep,
+    drift,
+    presliding,
+)
+from stickslip.characterization.sliding_tests import (
+    Lag,
+    Passivity,
+    SteadyCurve,
+    lag,
+    passivity,
+    steady_curve,
+)
+from stickslip.characterization.stick_slip_tests import (
+    Cost,
+    Hunting,
+    StickSlipMap,
+    cost,
+    hunting,
+    stick_slip_map,
+)
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, SimulationError, UnknownNameError

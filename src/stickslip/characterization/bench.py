@@ -1,16 +1,22 @@
-"""The bench on which laws are tried: their sizes, and a contact on a prescribed path."""
+"""The bench on which laws are tried: their sizes, a contact on a prescribed path, results.
 
+Settings of tests count in sizes of the law itself: break-away, the speed at which friction changes,
+and the presliding length, the displacement at which a contact that deflects reaches break-away.
+"""
+
+import dataclasses
 import functools
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, TypeVar, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.characterization.presliding import presliding_length
+from stickslip.display import OnAxes, Summary
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, bound
@@ -25,8 +31,193 @@ from stickslip.mechanisms import (
     given_inputs,
 )
 from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.tables import Tabular
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+# What the results of all tests have in common.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Characteristic(OnAxes, Tabular, ABC):
+    """What one test of the battery says of a law."""
+
+    test: ClassVar[str]
+    """Name of the test."""
+    title: ClassVar[str]
+    """What it shows, as a heading."""
+    columns: ClassVar[Mapping[str, str]]
+    """Fields that are columns of its table, with their SI units."""
+    over: ClassVar[str] = ""
+    """The column along which the rows stand; empty if they are numbered only."""
+
+    conditions: str
+    """Under which conditions, in words."""
+
+    @property
+    @abstractmethod
+    def sentence(self) -> str:
+        """What it says, in one sentence that a user can act on."""
+
+    @final
+    def to_dict(self) -> dict[str, Any]:
+        """Return sentence, conditions and numbers, as in JSON."""
+        found: dict[str, Any] = {"sentence": self.sentence, "conditions": self.conditions}
+        for one in dataclasses.fields(self):
+            if one.name != "conditions":
+                found[one.name] = _plain(getattr(self, one.name))
+        return found
+
+    @final
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(self._values())
+
+    def _values(self) -> Mapping[str, NDArray[Any]]:
+        """Return the columns (n,) by name."""
+        return {name: getattr(self, name) for name in self.columns}
+
+    @override
+    def _over(self) -> str:
+        return self.over
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return self.columns
+
+    @override
+    def _summary(self) -> Summary:
+        return Summary(sentence=self.sentence, notes=[self.conditions])
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(one) for key, one in value.items()}
+    return value
+
+
+# Presliding: friction against displacement where the contact deflects but hardly slips.
+
+Array: TypeAlias = NDArray[np.float64]
+
+SLOW = 1e-6
+"""Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
+LOOP_POINTS = 200
+"""Points of each straight piece of the path."""
+ACCURATE = 1e-11
+"""Error of a step of deflections, over their own size and over the presliding length."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class PreslidingLoop(OnAxes, Tabular):
+    """Friction along an imposed displacement that swings ever wider."""
+
+    displacement: Array
+    """Imposed displacement (n,) [m]."""
+    friction: Array
+    """Friction force (n,) [N]."""
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return displacement and friction as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame({"displacement": self.displacement, "friction": self.friction})
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"displacement": "m", "friction": "N"}
+
+    @override
+    def _summary(self) -> Summary:
+        rows = (
+            ("largest displacement", f"{np.abs(self.displacement).max():.4g} m"),
+            ("largest friction", f"{np.abs(self.friction).max():.4g} N"),
+        )
+        return Summary(sentence=f"Presliding loop of {len(self.friction)} points.", rows=rows)
+
+
+def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
+    """Return the displacement [m] at which the first stiffness would reach break-away.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> presliding_length(Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0))
+    0.00025
+    """
+    rest = tuple(0.0 for _ in law.states)
+    with Latches(off=True):  # where nothing has slipped yet
+        rates = law.rates(SLOW, load, rest)
+        moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+        # The laws are affine in their deflection at a given speed, so any step gives the slope.
+        stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
+    return float(law.break_away(load)) / stiffness
+
+
+def presliding_loop(
+    law: FrictionLaw, amplitude: float, load: float = 1.0, *, swings: int = 3
+) -> PreslidingLoop:
+    """Move a contact slowly to and fro, each time farther, and record its friction.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0)
+    >>> loop = presliding_loop(law, 0.001, load=10.0)
+    >>> bool(abs(loop.friction).max() < 2.5)
+    True
+    """
+    if not amplitude > 0 or swings < 1:
+        raise InputError(
+            "a presliding loop needs an amplitude above 0 m and at least one swing,"
+            f" got {amplitude:g} m and {swings}."
+        )
+    ends = [sign * amplitude * (n + 1) / swings for n in range(swings) for sign in (1.0, -1.0)]
+    x, friction = [np.zeros(1)], [np.zeros(1)]
+    z, latches = np.zeros(len(law.states)), Latches(off=True)
+    for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
+        x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
+        v = SLOW if end > start else -SLOW
+        states = _moved(law, v, z, load, np.abs(x[-1] - start) / SLOW, latches)
+        friction.append(np.array([law.force(v, load, tuple(map(float, one))) for one in states]))
+        z = states[-1]
+    return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
+
+
+def _moved(
+    law: FrictionLaw, v: float, z: Array, load: float, times: Array, latches: Latches
+) -> Array:
+    """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
+    found = []
+    for time in times:
+        with latches:
+            found.append(law.moved(v, load, tuple(map(float, z)), float(time)))
+    latches.turn()
+    if found[0] is not None:
+        return np.array(found, dtype=np.float64)
+
+    def rates(_time: float, state: Array) -> Array:
+        return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)
+
+    from scipy.integrate import solve_ivp
+
+    nothing = ACCURATE * presliding_length(law, load)
+    span = (0.0, times[-1])
+    run = solve_ivp(rates, span, z, "DOP853", times, rtol=ACCURATE, atol=nothing)
+    return np.asarray(run.y.T)
+
+
+# The bench on which laws are tried: their sizes, and a contact on a prescribed path.
+
 M = TypeVar("M", bound=Mechanism)
 
 USUAL_SPEED = 1e-3

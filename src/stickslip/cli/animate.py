@@ -8,7 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import print_json, refuse_overwriting, stdout
-from stickslip.cli.law_choice import (
+from stickslip.cli.inputs import (
     ChosenLaw,
     ChosenLaws,
     friction_content,

@@ -99,11 +99,13 @@ def select(
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import measured
-    from stickslip.cli.select import run
+    from stickslip.cli.judge import run_select
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
     ask = partial(ask, parameters=parameters, estimation=estimation)
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
+    start = partial(
+        run_select, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce
+    )
     start(rig, ask, changes or [], laws, output, count=count, executor=executor)
 
 
@@ -124,10 +126,10 @@ def demo(
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import measured
-    from stickslip.cli.select import run
+    from stickslip.cli.judge import run_select
 
     reading = reading_of(ReadingOptions())
-    start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
+    start = partial(run_select, allow_import=False, force=force, as_json=as_json, enforce=enforce)
     start(
         None, partial(measured, reading=reading), [], laws, output, count=count, executor=executor
     )
@@ -203,12 +205,12 @@ def fit(
     While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.fit import run
     from stickslip.cli.inputs import measured
+    from stickslip.cli.judge import run_fit
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
     ask = partial(ask, parameters=parameters, estimation=estimation)
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start = partial(run_fit, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, law, ask, changes or [], output)
 
 
@@ -304,9 +306,9 @@ def export(
     Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
     the solver inside and needs no Python; making one takes Linux and a C compiler.
     """
-    from stickslip.cli.export import run
+    from stickslip.cli.export import run_export
 
-    run(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+    run_export(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "apply")
@@ -343,9 +345,9 @@ def apply(
     Prints what the file cannot have of the laws and what that costs: the error of the friction
     force, of the motion in MuJoCo, and, with --record, on a measured record.
     """
-    from stickslip.cli.apply import run
+    from stickslip.cli.export import run_apply
 
-    run(file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+    run_apply(file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @command(app, "animate")
@@ -427,11 +429,11 @@ def sweep(
     on where a campaign was ended.
     """
     if vary:
-        from stickslip.cli.sweep import run
+        from stickslip.cli.studies import run_sweep
 
         if dry_run:
             raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
-        start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+        start = partial(run_sweep, allow_import=allow_import, force=force, as_json=as_json)
         start = partial(start, count=count, executor=executor)
         table = output or Path("stickslip-sweep.csv")
         start(rig, changes or [], law, vary, cycles, settle, coordinate, table)
@@ -488,9 +490,9 @@ def orbits(
     doublings, grazing contacts and changes of sticking are listed. Writes a table of the orbits and
     a figure: solid where stable, dashed where not.
     """
-    from stickslip.cli.orbits import run
+    from stickslip.cli.studies import run_orbits
 
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start = partial(run_orbits, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, changes or [], law, vary, cycles, values, settle, output)
 
 
@@ -533,9 +535,9 @@ def plan(
 
     Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
     """
-    from stickslip.cli.plan import run
+    from stickslip.cli.judge import run_plan
 
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start = partial(run_plan, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, changes or [], laws, between, settings, uncertainty, output)
 
 
@@ -643,9 +645,9 @@ def paper(
     Every table and figure is shown beside the printed values. With a rig file: the same models,
     excitations, criteria and rules for rest for your own block on a spring.
     """
-    from stickslip.cli.paper import run
+    from stickslip.cli.reproduce import run_paper
 
-    run(rig, changes or [], output, force=force, as_json=as_json)
+    run_paper(rig, changes or [], output, force=force, as_json=as_json)
 
 
 @command(app, "benchmark")
@@ -675,7 +677,7 @@ def benchmark(
     Each task fits one part of a record and predicts another. Records are downloaded where they are
     missing. The same command goes on where one was ended.
     """
-    from stickslip.cli.benchmark import run_benchmark
+    from stickslip.cli.reproduce import run_benchmark
 
     start = partial(run_benchmark, peers=peers, count=count, executor=executor, listed=listed)
     start(names or [], output, as_json=as_json)
@@ -792,9 +794,9 @@ def profile_optimise(
     Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
     search.
     """
-    from stickslip.cli.profile import run
+    from stickslip.cli.studies import run_profile
 
-    run(rig, settings, output, force=force, as_json=as_json)
+    run_profile(rig, settings, output, force=force, as_json=as_json)
 
 
 app.add_typer(data_commands, name="data")

@@ -10,10 +10,9 @@ from typing import Any, Final, cast
 import typer
 
 from stickslip.cli.console import note, print_json, show_table, stdout
-from stickslip.cli.law_choice import FILE, friction_of, friction_title, rig_and_friction
+from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import LawOptions
-from stickslip.cli.process_pool import workers
-from stickslip.cli.progress import Drawing, Interrupts
+from stickslip.cli.progress import Drawing, Interrupts, workers
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.executors import Inline

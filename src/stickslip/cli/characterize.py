@@ -6,13 +6,13 @@ from pathlib import Path
 from stickslip.characterization import TESTS, Characterization, characterize
 from stickslip.cli.console import (
     command_line,
+    number_of,
     plain,
     print_json,
     refuse_overwriting,
     show_table,
     stdout,
 )
-from stickslip.cli.numbers import number_of
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, ParameterError

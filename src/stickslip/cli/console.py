@@ -1,10 +1,10 @@
-"""What commands share: consoles, JSON documents, folders that are written whole or not at all."""
+"""What commands share: consoles, JSON documents, pages, folders written whole, numbers."""
 
 import contextlib
 import shlex
 import sys
 import tempfile
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,14 @@ from rich.table import Table
 from rich.text import Text
 from typing_extensions import override
 
+from stickslip.cli import CANCELLED, ToldExit
 from stickslip.documents import check_replaceable, json_text, unwritable
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import read_number
 from stickslip.formatting import NO_VALUE, printable
+from stickslip.quantities import Quantity
+
+# What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
 GAP = 2
 """Spaces between columns."""
@@ -197,3 +202,85 @@ def refuse_overwriting(
         for part in new:
             with contextlib.suppress(OSError):
                 part.rmdir()
+
+
+# Numbers of options.
+
+
+def number_of(text: str, quantity: Quantity) -> float:
+    """Return a number in SI, given plainly or with a unit.
+
+    Examples
+    --------
+    >>> number_of("2 mm", Quantity("x", "m")), number_of("0.002", Quantity("x", "m"))
+    (0.002, 0.002)
+    """
+    try:
+        plain: str | float = float(text)
+    except ValueError:
+        plain = text
+    return read_number(plain, quantity)
+
+
+def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
+    """Return both ends of ``LOW..HIGH`` in SI.
+
+    Examples
+    --------
+    >>> range_of("--between", "40 mm..0.1 m", Quantity("x_0", "m"))
+    (0.04, 0.1)
+    """
+    low, dots, high = text.partition("..")
+    if not (dots and low.strip() and high.strip()):
+        raise InputError(f"{option} takes LOW..HIGH such as 40mm..100mm, got {text!r}.")
+    try:
+        return number_of(low.strip(), quantity), number_of(high.strip(), quantity)
+    except ParameterError as error:
+        raise ParameterError(f"{option} {error}") from None
+
+
+# The page of a command: what was found stands, whether its page can be drawn or not.
+
+PAGE_FAILED = 1
+"""Exit code where the result stands and its page could not be drawn."""
+DRAWN = 0
+
+
+def draw_page(
+    folder: Path,
+    page: Callable[[], str],
+    write: Callable[[str | None], None],
+    *,
+    kept: str,
+    quiet: bool = False,
+) -> int:
+    """Draw a page and write it; return 0, or the exit code where it failed or was cancelled.
+
+    What goes with it is written in either case. An older page does not stay where a new one fails:
+    it would be read as that of this result. `kept` says where the result is.
+    """
+    note("Drawing the report ...")
+    code, text, failed = DRAWN, None, ""
+    try:
+        text = page()
+    except KeyboardInterrupt:
+        code, failed = CANCELLED, "Cancelled while the report was drawn."
+    except Exception as error:  # whatever a page fails with, the result stands
+        code, failed = (
+            PAGE_FAILED,
+            f"The report could not be drawn ({type(error).__name__}: {error}).",
+        )
+    write(text)
+    if failed:
+        note(f"{failed} {kept}")
+    elif not quiet:
+        from stickslip.kinds import PAGE
+
+        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
+    return code
+
+
+def leave_unless_drawn(code: int) -> None:
+    """Leave with the exit code of a page that was not drawn."""
+    if code != DRAWN:
+        raise ToldExit(code)

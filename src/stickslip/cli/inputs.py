@@ -1,20 +1,46 @@
-"""What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
+"""What commands are given: laws by file, option or rig, and what was measured."""
 
+import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Generic, TypeAlias, TypeVar, final
 
-from stickslip.cli.console import note, plain, show_table, stdout
-from stickslip.cli.numbers import number_of
-from stickslip.cli.options import EstimationOptions, ParameterOptions
+from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
+from stickslip.cli.options import EstimationOptions, LawOptions, ParameterOptions
 from stickslip.cli.progress import Interrupts, Searching, Watching
-from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Checks, Reading, Rig, condition_name, read_data
-from stickslip.formatting import number, significant, unit_text, within
-from stickslip.friction import FrictionLaw, specification
+from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.experiments import (
+    LOAD,
+    CarriedLaw,
+    CarriedLaws,
+    Checks,
+    KnownLaws,
+    LawEstimates,
+    Reading,
+    Rig,
+    carried,
+    carried_by_contact,
+    condition_name,
+    estimates_by_contact,
+    load_rig,
+    read_data,
+    read_number,
+)
+from stickslip.formatting import joined, number, significant, unit_text, within
+from stickslip.friction import (
+    PRINTED_FORMS,
+    FrictionLaw,
+    Laws,
+    PrintedForm,
+    assigned,
+    law_type,
+    listed,
+    specification,
+)
 from stickslip.identification import (
     LAW,
     AnyLaw,
@@ -24,14 +50,450 @@ from stickslip.identification import (
     covers,
     law_quantities,
     refuse_of_laws,
+    starting_law,
 )
 from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
-from stickslip.quantities import Quantity, all_paths, full_path
+from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
+from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters
 from stickslip.selection import Wording
+
+# Which law a command takes, where a rig file and an option may name one, or a file of its own.
+
+Carried = TypeVar("Carried", CarriedLaw, CarriedLaws)
+
+USUAL_LAW = "coulomb"
+FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
+"""A file, and after a colon which of its laws."""
+OTHER_FILES = (".json", ".html", ".csv")
+"""Of a report, none of which is a rig file."""
+FRICTION = "friction."
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Chosen(Generic[Carried]):
+    """What is to rub, and how well it is known."""
+
+    carried: Carried
+    """The law, or laws by contact, with estimates, as transferred to this mechanism."""
+    source: Rig | None = None
+    """Where it was fitted, if that is another file than the rig's."""
+
+    @property
+    def estimates(self) -> LawEstimates | None:
+        """Intervals and covariance of the parameters, if their file has them."""
+        return self.carried.estimates
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What does not carry over from where it was fitted."""
+        return self.carried.remarks
+
+
+@final
+class ChosenLaw(_Chosen[CarriedLaw]):
+    """A law and how well it is known."""
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law, as it is on this mechanism."""
+        return self.carried.law
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return its name, and what is to be known of it if it is from another file."""
+        return {"law": self.law.name, **_file_content(self.source, self.remarks)}
+
+
+@final
+class ChosenLaws(_Chosen[CarriedLaws]):
+    """Laws by contact and how well they are known."""
+
+    @property
+    def laws(self) -> Laws:
+        """The laws by contact."""
+        return self.carried.laws
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenForm:
+    """An equation as printed in the paper."""
+
+    form: PrintedForm
+    """The equation, with its values."""
+    corrected: FrictionLaw
+    """Its corrected law, with the values of the rig."""
+    estimates: None = None
+    """Nothing is fitted to it."""
+    remarks: tuple[str, ...] = ()
+    """Nothing carries over."""
+    source: None = None
+    """It is from no file."""
+
+
+def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
+    """Return what is to be known of a law that is from another file."""
+    if source is None:
+        return {}
+    file = {"file": source.path, "digest": source.digest}
+    return {"law_file": file, "remarks": list(map(plain, remarks))}
+
+
+def rig_and_form(
+    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
+) -> tuple[Rig, ChosenForm]:
+    """Return the rig and an equation as printed, with the values that the rig has for its law."""
+    assert asked.law is not None
+    if asked.load is not None:
+        raise InputError("--law-load applies to a law from a file: leave it out.")
+    kind = PRINTED_FORMS[asked.law]
+    given = overrides(changes)
+    own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
+    others = {key: value for key, value in given.items() if key not in own}
+    rig = rig_with(path, others, law=kind.corrected.name, allow_import=allow_import)
+    slip_of(rig.mechanism)
+    law = _own(rig, kind.corrected.name).law
+    load = static_normal_force(rig.mechanism) or 1.0
+    values: dict[str, Any] = {}
+    for name in fields_of(kind):
+        value = load if name == "weight" else getattr(law, name, None)
+        if value is not None:
+            values[name] = value * load if name in PER_LOAD else value
+    known = [field.name for field in dataclasses.fields(kind)]
+    for key, text in own.items():
+        name = key.removeprefix(FRICTION).removeprefix(f"{kind.name}.")
+        if name not in known:
+            raise InputError(
+                f"--set {key} names no parameter of {kind.name}, which has {', '.join(known)}."
+            )
+        values[name] = _value_of(kind, name, text)
+    return rig, ChosenForm(form=kind(**values), corrected=law)
+
+
+PER_LOAD = ("bristle_stiffness", "bristle_damping")
+"""Parameters that a law has over the load, and a printed equation as forces."""
+
+
+def _value_of(kind: type[PrintedForm], name: str, text: str) -> float | bool:
+    """Read a value of a printed equation, which may be a switch."""
+    quantity = fields_of(kind).get(name)
+    if quantity is not None:
+        try:
+            return read_number(text, quantity)
+        except ParameterError as error:
+            raise ParameterError(f"--set {FRICTION}{name}: {error}") from None
+    if text.lower() not in ("true", "false"):
+        raise ParameterError(f"--set {FRICTION}{name} must be true or false, got {text!r}.")
+    return text.lower() == "true"
+
+
+def friction_of(chosen: ChosenLaw | ChosenLaws) -> FrictionLaw | Laws:
+    """Return the law, or the laws by contact."""
+    return chosen.laws if isinstance(chosen, ChosenLaws) else chosen.law
+
+
+def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
+    """Return the law in words, or those of the contacts."""
+    if isinstance(chosen, ChosenForm):
+        return f"eq. {chosen.form.equation} as printed: {chosen.form.title}"
+    if isinstance(chosen, ChosenLaw):
+        return chosen.law.title
+    return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
+
+
+def friction_content(
+    chosen: ChosenLaw | ChosenLaws | ChosenForm, mechanism: Mechanism
+) -> dict[str, Any]:
+    """Return the name of the law, or those of the contacts, null where nothing rubs."""
+    if isinstance(chosen, ChosenLaw):
+        return chosen.to_dict()
+    if isinstance(chosen, ChosenForm):
+        values = {path: value for path, _, value in parameters(chosen.form, "friction")}
+        return {"law": chosen.form.name, "values": values}
+    laws = {one.name: chosen.laws.names.get(one.name) for one in mechanism.contacts()}
+    return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
+
+
+def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
+    """Return the law to fit, or its name: as asked, the rig's only one, or that of the kind."""
+    by_contact = name is not None and "=" in name
+    if by_contact and not kind.by_contact:
+        raise InputError(
+            f"--law {name} names laws by contact, which only records of several joints take: give"
+            " one name."
+        )
+    if kind.by_contact and (by_contact or rig.contacts):
+        return _laws_to_fit(rig, name, kind)
+    if name is None:
+        name = rig.named[0] if len(rig.named) == 1 else kind.usual_law
+    _refuse_printed(name)
+    if name not in rig.tables and nearest(name, rig.tables) and not nearest(name, listed()):
+        raise UnknownNameError(f"law of {rig.path}:", name, rig.tables)
+    name = rig.name_of(name)
+    return rig.laws.get(name) or name
+
+
+def _laws_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> dict[str, Law]:
+    """Return the law of each contact to fit, or its name, None where nothing rubs."""
+    contacts = tuple(contact.name for contact in rig.mechanism.contacts())
+    names = names_by_contact(name) if name is not None and "=" in name else {}
+    for contact in names:
+        if contact not in contacts:
+            raise UnknownNameError("contact in --law", contact, contacts)
+    found: dict[str, Law] = {}
+    for contact in contacts:
+        known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
+        only = known.named[0] if len(known.named) == 1 else kind.usual_law
+        one = known.name_of(names.get(contact) or (only if names or name is None else name))
+        found[contact] = None if one == "none" else known.laws.get(one) or one
+    return found
+
+
+def names_by_contact(text: str) -> dict[str, str]:
+    """Return names of laws by contact, as in ``front=coulomb,rear=dahl``.
+
+    Examples
+    --------
+    >>> names_by_contact("front=coulomb, rear=dahl")
+    {'front': 'coulomb', 'rear': 'dahl'}
+    """
+    pairs = [tuple(map(str.strip, part.partition("="))) for part in text.split(",")]
+    found = {contact: law for contact, _, law in pairs if law}
+    if len(found) < len(pairs):
+        raise InputError(f"--law takes one law of each contact, as in front=coulomb, got {text!r}.")
+    return found
+
+
+def rig_with(
+    path: Path | None, given: Mapping[str, str], *, law: str | None = None, allow_import: bool
+) -> Rig:
+    """Return the rig of a file under overrides; an unknown one is told what the law at hand has."""
+    try:
+        return load_rig(path, overrides=given, allow_import=allow_import)
+    except UnknownNameError as error:
+        key = next((one for one in given if one in (error.name, f"{FRICTION}{error.name}")), None)
+        if key is None or not error.kind.startswith("key"):
+            raise
+        rig = load_rig(path, allow_import=allow_import)
+        known = {} if key.startswith(FRICTION) else all_paths(rig.mechanism, "mechanism")
+        names = [*rig.named] if law is None else [law] if law in listed() else []
+        for name in names:
+            known |= {f"{FRICTION}{one}": x for one, x in fields_of(law_type(name)).items()}
+        # as the last names that --set takes, of which an earlier path has the symbol
+        symbols = {full.rpartition(".")[2]: x.symbol for full, x in reversed(known.items())}
+        of = f" of {joined(names)}" if key.startswith(FRICTION) and names else ""
+        own = UnknownNameError(f"parameter{of} in --set:", error.name, symbols, symbols)
+        if "Did you mean" in str(error) and "Did you mean" not in str(own):
+            raise
+        raise own from None
+
+
+def rig_and_friction(
+    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
+) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+    """Return the rig and its friction: laws of its contacts, or one."""
+    given = overrides(changes)
+    if asked.law is None or not FILE.fullmatch(asked.law):
+        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
+        if rig.contacts:
+            laws = _by_contact(rig, asked)
+            known = estimates_by_contact(rig, laws)
+            own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
+            return rig, ChosenLaws(carried=own)
+        if asked.law is not None and "=" in asked.law:
+            raise InputError(
+                f"--law {asked.law} names laws by contact, but {rig.path} has no tables of"
+                " contacts: give one name."
+            )
+    return _rig_and_law(path, changes, asked, allow_import=allow_import)
+
+
+def _by_contact(rig: Rig, asked: LawOptions) -> Laws:
+    """Return the laws of a rig whose contacts have tables of their own."""
+    text = asked.law
+    if asked.load is not None:
+        raise InputError("--law-load applies only to a law from a file, such as --law law.toml.")
+    names: str | dict[str, str] | None = text
+    if text is not None and "=" in text:
+        names = names_by_contact(text)
+    laws = assigned(tuple(rig.contacts), rig.law_by_contact(names))
+    assert isinstance(laws, Laws)  # of several contacts
+    _check_all_used(rig.overridden, laws)
+    return laws
+
+
+def _check_all_used(given: Collection[str], laws: Laws) -> None:
+    """Refuse overrides of friction that the law of a contact does not have."""
+    for contact, law in laws.members:
+        prefix = f"{FRICTION}{contact}."
+        own = [path for path in given if path.startswith(prefix)]
+        _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
+
+
+def _rig_and_law(
+    path: Path | None,
+    changes: Sequence[str],
+    asked: LawOptions,
+    *,
+    allow_import: bool,
+) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+    """Return the rig and its law; where that is from another file, so are overrides of friction."""
+    given = overrides(changes)
+    file = None if asked.law is None else FILE.fullmatch(asked.law)
+    if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
+        beside = Path(asked.law).with_name("law.toml")
+        raise InputError(
+            f"--law takes the name of a law or a .toml file with a law, got {asked.law}: give the"
+            f" law.toml that `stickslip select` writes beside its verdict.json, as --law {beside}."
+        )
+    if file is None:
+        if asked.load is not None:
+            raise InputError(
+                "--law-load applies only to a law from a file, such as --law law.toml, whose"
+                " levels are forces: leave it out."
+            )
+        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
+        chosen = _own(rig, asked.law)
+        _check_used(rig.overridden, chosen.law)
+        return rig, chosen
+    own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
+    others = {key: value for key, value in given.items() if key not in own}
+    rig = rig_with(path, others, allow_import=allow_import)
+    check_named(Path(file["path"]))
+    if len(rig.mechanism.contacts()) > 1:
+        source = load_rig(file["path"], overrides=own, allow_import=allow_import)
+        laws = carried_by_contact(source, rig.mechanism, names=file["law"])
+        _check_all_used(source.overridden, laws.laws)
+        if asked.load is not None:
+            raise InputError("--law-load applies to the law of one contact: leave it out.")
+        for remark in laws.remarks:
+            note(plain(remark))
+        return rig, ChosenLaws(carried=laws, source=source)
+    source = load_rig(file["path"], allow_import=allow_import)
+    load = _load(asked.load)
+    found = carried(source, rig.mechanism, law=file["law"], load=load)
+    if own:
+        name = found.law.name
+        changed = {_of(name, key): value for key, value in own.items()}
+        source = load_rig(file["path"], overrides=changed, allow_import=allow_import)
+        found = carried(source, rig.mechanism, law=name, load=load)
+    for remark in found.remarks:
+        note(plain(remark))
+    return rig, ChosenLaw(carried=found, source=source)
+
+
+def _of(law: str, key: str) -> str:
+    """Return an override of the law's own table, where it names a value alone."""
+    rest = key.removeprefix(FRICTION)
+    return key if "." in rest else f"{FRICTION}{law}.{rest}"
+
+
+def check_named(file: Path) -> None:
+    """Refuse the law of a selection that named none, with what to do next."""
+    if file.name == "law.toml" and not file.exists() and file.with_name("verdict.json").exists():
+        raise InputError(
+            f"{file} does not exist: select recommended no law for those data. Follow 'Measure"
+            " next' of its report, or fit a law of your own choice with `stickslip fit FILE --law"
+            " NAME -o law.toml` and give that file."
+        )
+
+
+def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> None:
+    """Refuse overrides of friction that the law of the run, or of a contact, does not have."""
+    prefix = f"{FRICTION}{contact}." if contact else FRICTION
+    choice = f"{contact}=" if contact else ""
+    run = f"the contact {contact!r}" if contact else "the run"
+    known = [one.name for one in dataclasses.fields(law)]
+    for path in given:
+        if not path.startswith(FRICTION):
+            continue
+        table, dot, _ = path.removeprefix(FRICTION).partition(".")
+        if dot and table != law.name:
+            raise InputError(
+                f"--set {prefix}{path.removeprefix(FRICTION)} sets a parameter of {table}, but"
+                f" {run} uses {law.name}: add --law {choice}{table}, or leave it out."
+            )
+        if not dot and table not in known:
+            raise InputError(
+                f"--set {prefix}{table} names no parameter of {law.name}, the law of"
+                f" {run if contact else 'this run'}, which has {', '.join(known)}. Name another law"
+                " with --law, or leave it out."
+            )
+
+
+def _load(text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        return read_number(text, LOAD)
+    except ParameterError as error:
+        raise ParameterError(f"--law-load {error}") from None
+
+
+def _own(rig: Rig, name: str | None) -> ChosenLaw:
+    """Return a law of the rig, or one with plain values where the rig does not have it."""
+    name = _name(rig) if name is None else rig.name_of(name)
+    _refuse_printed(name)
+    if name in rig.laws:
+        return _of_rig(rig, rig.laws[name], rig.estimates_of(name))
+    given = rig.given.get(name, {})
+    try:
+        kind = law_type(name)
+    except UnknownNameError as error:
+        raise UnknownNameError(
+            f"{error.kind}, of the package or of {rig.path}:", name, {*error.known, *rig.tables}
+        ) from None
+    try:
+        law = dataclasses.replace(starting_law(kind), **given)
+    except ParameterError as error:
+        raise ParameterError(
+            f"{rig.path} gives only some parameters of {name}, and they are inconsistent with the"
+            f" default values of the others: {error} Give all of them."
+        ) from None
+    lacks = "only some values" if given else "no values"
+    note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
+    return _of_rig(rig, law, rig.estimates_of(name, law))
+
+
+def _refuse_printed(name: str) -> None:
+    """Refuse an equation as printed where only laws can be taken."""
+    if name in PRINTED_FORMS:
+        raise InputError(
+            f"{name} is an equation as printed, which has no exact solution and is not fitted: only"
+            f" `stickslip simulate --law {name} --fixed-step SECONDS` runs it. Its corrected law is"
+            f" {PRINTED_FORMS[name].corrected.name}."
+        )
+
+
+def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:
+    """Return a law on the mechanism of its own file."""
+    return ChosenLaw(
+        carried=CarriedLaw(
+            law=law, estimates=estimates, remarks=(), source=rig.path, fitted_on=rig.mechanism
+        )
+    )
+
+
+def _name(rig: Rig) -> str:
+    """Return the law that a rig means: the only one it has, or the usual one of several."""
+    for known in (rig.named, tuple(rig.laws)):
+        if len(known) == 1:
+            return known[0]
+    if rig.laws and USUAL_LAW not in rig.laws:
+        raise InputError(
+            f"{rig.path} has values for several laws, {', '.join(rig.laws)}: choose one with --law."
+        )
+    if rig.laws:
+        others = ", ".join(name for name in rig.laws if name != USUAL_LAW)
+        note(
+            f"{rig.path} has values for several laws; {USUAL_LAW} is used. --law chooses {others}."
+        )
+    return USUAL_LAW
+
+
+# What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it.
 
 ALL_PARAMETERS: Final = ParameterOptions()
 """Without a word of options."""
-USUAL: Final = EstimationOptions()
+USUAL_OPTIONS: Final = EstimationOptions()
 Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
 """`measured` with what the options say."""
 
@@ -42,7 +504,7 @@ def measured(
     reading: Reading,
     data: Sequence[Path] = (),
     parameters: ParameterOptions = ALL_PARAMETERS,
-    estimation: EstimationOptions = USUAL,
+    estimation: EstimationOptions = USUAL_OPTIONS,
     given: bool,
     law: Callable[[AnyKind], Law] | None = None,
 ) -> tuple[AnyKind, Request, list[Path]]:

@@ -13,7 +13,10 @@ import typer
 
 from stickslip.cli.console import (
     command_line,
+    draw_page,
+    leave_unless_drawn,
     note,
+    number_of,
     plain,
     print_json,
     refuse_inputs,
@@ -21,7 +24,7 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.law_choice import (
+from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
     ChosenLaws,
@@ -31,9 +34,7 @@ from stickslip.cli.law_choice import (
     rig_and_form,
     rig_and_friction,
 )
-from stickslip.cli.numbers import number_of
 from stickslip.cli.options import LawOptions, RunOptions
-from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.documents import document, write_file, write_folder
 from stickslip.errors import InputError, ParameterError, StickslipError

@@ -6,19 +6,19 @@ HOMES = {
     "ClosedLoop": "feedback_loop",
     "Controller": "feedback_loop",
     "Dynamics": "equations_of_motion",
-    "FrictionCompensation": "friction_compensation",
-    "LimitCycle": "limit_cycles",
-    "PID": "pid",
-    "PartialLinearisation": "partial_feedback_linearisation",
+    "FrictionCompensation": "controllers",
+    "LimitCycle": "feedback_loop",
+    "PID": "controllers",
+    "PartialLinearisation": "controllers",
     "closed_loop": "feedback_loop",
-    "compensation": "friction_compensation",
+    "compensation": "controllers",
     "dynamics_at": "equations_of_motion",
-    "limit_cycle": "limit_cycles",
+    "limit_cycle": "feedback_loop",
 }
 
 INSIDE = {
     "DynamicsOfContacts": "equations_of_motion",
-    "place_of": "actuation",
+    "place_of": "equations_of_motion",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

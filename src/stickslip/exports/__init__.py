@@ -6,7 +6,7 @@ HOMES = {
     "Applied": "applying.verb",
     "AppliedJoint": "applying.verb",
     "Drake": "twins",
-    "Export": "base",
+    "Export": "program",
     "JointMotion": "applying.running",
     "JointReplay": "applying.replay",
     "Karnopp": "twins",
@@ -17,7 +17,7 @@ HOMES = {
     "Replayed": "applying.replay",
     "Simscape": "twins",
     "TARGETS": "verb",
-    "Target": "base",
+    "Target": "program",
     "Twin": "twins",
     "apply": "applying.verb",
     "export": "verb",
@@ -27,7 +27,7 @@ HOMES = {
 
 INSIDE = {
     "check_output": "applying.verb",
-    "identifier": "identifiers",
+    "identifier": "program",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

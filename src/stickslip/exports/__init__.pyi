@@ -6,10 +6,10 @@ from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
 from stickslip.exports.applying.verb import apply as apply
 from stickslip.exports.applying.verb import check_output as check_output
-from stickslip.exports.base import Export as Export
-from stickslip.exports.base import Target as Target
 from stickslip.exports.fmu.export import export_fmu as export_fmu
-from stickslip.exports.identifiers import identifier as identifier
+from stickslip.exports.program import Export as Export
+from stickslip.exports.program import Target as Target
+from stickslip.exports.program import identifier as identifier
 from stickslip.exports.twins import Drake as Drake
 from stickslip.exports.twins import Karnopp as Karnopp
 from stickslip.exports.twins import MuJoCo as MuJoCo

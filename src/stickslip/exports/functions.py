@@ -23,11 +23,15 @@ from typing import Final, TypeAlias, TypeVar
 import symengine as se
 
 from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.exports.equations import LOAD, PERIOD, VELOCITY, BySense, Equations
 from stickslip.exports.program import (
+    LOAD,
+    PERIOD,
+    VELOCITY,
     Assign,
     Branch,
+    BySense,
     Call,
+    Equations,
     Function,
     Leave,
     Repeat,
@@ -78,7 +82,7 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> from stickslip.exports.equations import equations_of
+    >>> from stickslip.exports.program import equations_of
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """

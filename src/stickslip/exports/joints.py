@@ -1,20 +1,382 @@
-"""MJCF and URDF: friction of a joint, with what that leaves of the law."""
+"""Friction of a joint in simulators: a level and damping in place of a law, and what that leaves.
 
+MuJoCo and URDF have a level f and a damping d, some formats a polynomial in the speed and a static
+level. They are those of least squares over the speeds of the law, with f, d >= 0; what that leaves
+is compared at all speeds, and by runs of the law and of its simplification beside each other.
+"""
+
+import contextlib
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import ClassVar, Final, final
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar, final
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.exports.base import Export, Target
+from stickslip.errors import InputError, StickslipError
+from stickslip.experiments import Rig
 from stickslip.exports.languages import commented
-from stickslip.exports.simplification import Simplified, about_load, simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.program import Export, Subject, Target
 from stickslip.formatting import quantity
-from stickslip.friction import Dahl, FrictionLaw, LuGre
-from stickslip.quantities import turned, vary
+from stickslip.friction import Dahl, FrictionLaw, LuGre, SetValuedLaw
+from stickslip.maths import Scalar, tanh
+from stickslip.mechanisms import slip_names
+from stickslip.quantities import Quantity, turned, vary
+from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
+
+# Dry and viscous friction of a joint in place of a law, what that leaves, and what it changes.
+
+SPEEDS: Final = 2001
+"""Speeds in each direction at which the law is compared with its simplification."""
+TIMES: Final = 2001
+"""Times at which two runs are compared."""
+LEAST: Final = 1e-6
+"""Smallest speed over the largest: what sliding begins with."""
+ROUNDING: Final = 1e-12
+"""Relative residual that roundings leave."""
+ROOTS: Final = 4.0 * np.linspace(0.0, 1.0, 201) ** 2
+"""Speeds over the largest at which the damping may vanish, of polynomials that are tried."""
+SAME: Final = 1e-9
+"""Relative difference below which two forces count as equal."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class JointFriction(SetValuedLaw):
+    """Friction of a joint in simulators: one level, whatever the load, and a viscous part."""
+
+    name: ClassVar[str] = "joint-friction"
+    title: ClassVar[str] = "Joint friction"
+    formula: ClassVar[str] = r"F = f \operatorname{sgn} v + d v, \quad |F| \le f \text{ at rest}"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("level", "damping")
+
+    level: Annotated[float, Quantity("f", "N", low=0)]
+    """Friction force at any speed, and its largest at rest."""
+    damping: Annotated[float, Quantity("d", "N s/m", low=0)]
+    """Growth of the friction force with the speed."""
+    static_surplus: Annotated[float, Quantity("f_s - f", "N", low=0)] = 0.0
+    """What rest holds above the level, in simulators that have it."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        return self.level + self.damping * speed + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.level + self.static_surplus + 0.0 * load
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PolynomialFriction(SetValuedLaw):
+    """Friction of a joint in MuJoCo: one level, and a damping that changes with the speed."""
+
+    name: ClassVar[str] = "polynomial-friction"
+    title: ClassVar[str] = "Joint friction with a polynomial"
+    formula: ClassVar[str] = (
+        r"F = f \operatorname{sgn} v + (d + d_1 |v| + d_2 v^2) v, \quad |F| \le f \text{ at rest}"
+    )
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "level", "damping", "damping_slope", "damping_curvature",
+    )  # fmt: skip
+
+    level: Annotated[float, Quantity("f", "N", low=0)]
+    """Friction force towards rest, and its largest at rest."""
+    damping: Annotated[float, Quantity("d", "N s/m", low=0)]
+    """Growth of the friction force with the speed near rest."""
+    damping_slope: Annotated[float, Quantity("d_1", "N s^2/m^2")]
+    """Growth of the damping with the speed."""
+    damping_curvature: Annotated[float, Quantity("d_2", "N s^3/m^3", low=0)]
+    """Growth of the damping with the square of the speed."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        growth = self.damping_slope * speed + self.damping_curvature * speed * speed
+        return self.level + (self.damping + growth) * speed + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.level + 0.0 * load
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SmoothFriction(SetValuedLaw):
+    """Friction that a controller makes up for, smooth through rest, where it is 0."""
+
+    name: ClassVar[str] = "smooth-friction"
+    title: ClassVar[str] = "Smooth friction"
+    formula: ClassVar[str] = r"F = \phi_1 / (1 + e^{-\phi_2 v}) - \phi_1 / 2"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("height", "steepness")
+
+    height: Annotated[float, Quantity("phi_1", "N", low=0)]
+    """Twice the friction at high speed."""
+    steepness: Annotated[float, Quantity("phi_2", "s/m", above=0)]
+    """Inverse of the speed within which it grows."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        return 0.5 * self.height * tanh(0.5 * self.steepness * speed) + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return 0.0 * load
+
+
+JointLaw = TypeVar("JointLaw", bound=SetValuedLaw)
+JointLaw_co = TypeVar("JointLaw_co", bound=SetValuedLaw, covariant=True)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Compared(Generic[JointLaw_co]):
+    """A law as another program has it."""
+
+    joint: JointLaw_co
+    """What stands for it, by least squares over both directions."""
+    load: float
+    """Normal force of both [N]."""
+    largest_speed: float
+    """End of the range over which they are compared [m/s]."""
+    largest: float
+    """Largest difference of the forces [N]."""
+    rms: float
+    """Root mean square of the difference, all speeds alike [N]."""
+    lost: tuple[str, ...]
+    """What the joint cannot have, in sentences."""
+    effect: tuple[str, ...]
+    """What it changes on a rig, in sentences; empty without one."""
+
+
+Simplified: TypeAlias = Compared[JointFriction | PolynomialFriction]
+"""A law as a joint of a simulator has it."""
+
+
+def steady_force(
+    subject: Subject, velocity: NDArray[np.float64], load: float
+) -> NDArray[np.float64]:
+    """Return the friction force of steady sliding."""
+    law = subject.law
+    assert subject.equations is not None  # refuses what is no law
+    try:
+        force = np.asarray([float(law.steady(float(v), load)) for v in velocity])
+    except OverflowError:
+        force = np.full(velocity.shape, np.inf)
+    if not np.all(np.isfinite(force)):
+        raise InputError(
+            f"{law.title} friction is not finite up to {np.abs(velocity).max():g}"
+            f" {turned('m/s', subject.rotary)} at a load of {load:g}: give a smaller load or"
+            " largest speed."
+        )
+    return force
+
+
+def simplified(
+    subject: Subject, *, polynomial: bool = False, holds: bool = False, static: bool = False
+) -> Simplified:
+    """Return level and damping of a joint for a law, with what they leave.
+
+    A polynomial of the damping is nowhere below 0, beyond the largest speed either: it is a sum of
+    squares and of a slope. A joint that `holds` has the level of break-away, and the damping that
+    then comes closest. A `static` one has the level of break-away at rest alone.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
+    >>> found = simplified(Subject(law=law, name="law", load=10.0, largest_speed=1.0))
+    >>> round(found.joint.level, 3), round(found.largest, 2), round(found.rms, 3)
+    (2.009, 0.99, 0.08)
+    """
+    from scipy.optimize import nnls
+
+    steady = steady_of(subject)
+    most, velocity = steady.largest_speed, steady.velocity
+    share = np.abs(velocity) / most
+    powers = np.column_stack([np.sign(velocity), *(velocity * share**k / most for k in range(3))])
+    # columns: a level, a damping, its growth, and (share - root)^2
+    parts = np.eye(4)[:, :2]
+    if polynomial:
+        squares = np.stack([0.0 * ROOTS, ROOTS**2, -2.0 * ROOTS, 1.0 + 0.0 * ROOTS])
+        parts = np.column_stack([np.eye(4)[:, :3], squares])
+    known, held = np.zeros(4), max(steady.break_away)
+    if holds:
+        known[0] = held
+        parts = parts[:, 1:]
+    weights, _ = nnls(powers @ parts, steady.force - powers @ known)
+    found = known + parts @ weights
+    level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
+    damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
+    if polynomial:
+        return compared(
+            subject,
+            steady,
+            PolynomialFriction(
+                level=float(level),
+                damping=damping,
+                damping_slope=slope,
+                damping_curvature=curvature,
+            ),
+        )
+    surplus = max(0.0, held - float(level)) if static else 0.0
+    joint = JointFriction(level=float(level), damping=damping, static_surplus=surplus)
+    return compared(subject, steady, joint)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Steady:
+    """Friction of steady sliding in both directions, all speeds alike."""
+
+    load: float
+    """Normal force [N]."""
+    largest_speed: float
+    """End of the range of speeds [m/s]."""
+    velocity: NDArray[np.float64]
+    """From the largest backwards to the largest ahead [m/s]."""
+    force: NDArray[np.float64]
+    """Friction at these [N]."""
+    break_away: tuple[float, float]
+    """Largest friction at rest, ahead and backwards [N]."""
+
+
+def steady_of(subject: Subject) -> Steady:
+    """Return the friction of steady sliding over the range in which a law is used."""
+    load, most = subject.needed_load(), subject.needed_speed()
+    speed = np.linspace(LEAST * most, most, SPEEDS)
+    velocity = np.concatenate([-speed[::-1], speed])
+    ahead, back = (float(subject.law.towards(side).break_away(load)) for side in (1, -1))
+    return Steady(
+        load=load,
+        largest_speed=most,
+        velocity=velocity,
+        force=steady_force(subject, velocity, load),
+        break_away=(ahead, back),
+    )
+
+
+def compared(
+    subject: Subject, steady: Steady, joint: JointLaw, called: str = "the joint's friction"
+) -> Compared[JointLaw]:
+    """Return what stands for a law, which sentences call by a name, with what it leaves."""
+    stands = np.sign(steady.velocity) * joint.sliding(np.abs(steady.velocity), steady.load)
+    residual = steady.force - stands
+    if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(steady.force).max()):
+        residual = np.zeros_like(residual)
+    return Compared(
+        joint=joint,
+        load=steady.load,
+        largest_speed=steady.largest_speed,
+        largest=float(np.abs(residual).max()),
+        rms=float(np.sqrt(np.mean(residual**2))),
+        lost=tuple(_lost(subject, joint, steady, called)),
+        effect=tuple(_effects(subject, joint)),
+    )
+
+
+def _effects(subject: Subject, joint: SetValuedLaw) -> Iterator[str]:
+    """Yield the effect on the rig that was named, or on that of the law's file if it moves."""
+    if subject.rig is not None:
+        yield from _effect(subject.rig, *_runs(subject, subject.rig, joint))
+    elif subject.own_rig is not None:
+        with contextlib.suppress(StickslipError):  # nobody has asked for a run of it
+            runs = _runs(subject, subject.own_rig, joint)
+            _, rate = slip_names(subject.own_rig.mechanism)
+            if any(run[rate].any() for run in runs):
+                yield from _effect(subject.own_rig, *runs)
+
+
+def _lost(subject: Subject, joint: SetValuedLaw, steady: Steady, called: str) -> Iterator[str]:
+    """Yield what a joint with one level cannot have."""
+    law, turning, load = subject.law, subject.rotary, steady.load
+    unit, speed_unit = turned("N", turning), turned("m/s", turning)
+    speed, ahead = steady.velocity[SPEEDS:], steady.force[SPEEDS:]
+    back = -steady.force[SPEEDS - 1 :: -1]
+    held = float(joint.break_away(load))
+    scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), held)
+    same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
+    levels = steady.break_away
+    for level in dict.fromkeys(levels):
+        if abs(level - held) > SAME * scale:
+            yield (
+                f"Static friction: rest holds {quantity(level, unit)}, with {called}"
+                f" {quantity(held, unit)}."
+            )
+    for forces in (ahead,) if same else (ahead, back):
+        drop = float(forces[0] - forces.min())
+        if drop > SAME * scale:
+            yield (
+                f"Friction that falls with speed (Stribeck): by {quantity(drop, unit)} up to"
+                f" {quantity(float(speed[forces.argmin()]), speed_unit)}."
+            )
+    if not same:
+        most = float(np.abs(ahead - back).max())
+        yield f"Different friction in the two directions: by up to {quantity(most, unit)}."
+    if law.states:
+        yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
+    if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
+        yield from about_load(subject, load)
+    if subject.at:
+        yield f"Dependence on contact inputs: the joint has the friction at {subject.at_text}."
+
+
+def about_load(subject: Subject, load: float) -> Iterator[str]:
+    """Yield that a joint has its friction at one normal force, in a sentence, if there is one."""
+    if subject.levels == "per load":
+        yield (
+            f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
+        )
+    elif subject.has_normal_force:
+        yield "Dependence on the normal force, which was not known."
+
+
+def _runs(subject: Subject, rig: Rig, joint: SetValuedLaw) -> tuple[Trajectory, Trajectory]:
+    """Return the motion of a rig with the law and with the joint, both computed exactly."""
+    contacts = len(rig.mechanism.contacts())
+    if contacts != 1:
+        raise InputError(
+            f"{rig.path or rig.heading} has {contacts} contacts; the effect of a joint's friction"
+            " is computed for rigs with one: leave --rig out."
+        )
+    law_run, joint_run = (
+        simulate(rig.mechanism, one, t_end=rig.t_end, y0=rig.start(one))
+        for one in (replace(subject.law), joint)  # the rig tells inputs that change
+    )
+    t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
+    return law_run.at(t), joint_run.at(t)
+
+
+def _effect(rig: Rig, true: Trajectory, changed: Trajectory) -> tuple[str, ...]:
+    """Return what the joint changes of the motion of a rig."""
+    slip, rate = slip_names(rig.mechanism)
+    length, unit = partial(quantity, unit=true.units[slip]), true.units[rate]
+    rounding = ROUNDING * float(np.abs(true[slip]).max())
+    apart = np.abs(changed[slip] - true[slip])
+    apart[apart <= rounding] = 0.0
+    end, other = (float(one[slip][-1]) for one in (true, changed))
+    further = other - end if abs(other - end) > rounding else 0.0
+    fastest, faster = (float(np.abs(one[rate]).max()) for one in (true, changed))
+    where = Path(rig.path).name or rig.heading
+    return (
+        f"On {where}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
+        f" ends at {length(end)} with the law and at {length(other)} with the joint's friction,"
+        f" {length(further)} apart.",
+        f"Their largest distance is {length(float(apart.max()))}, at"
+        f" {quantity(float(true.t[apart.argmax()]), 's')}; the largest speeds are"
+        f" {quantity(fastest, unit)} and {quantity(faster, unit)}.",
+    )
+
+
+# MJCF and URDF: friction of a joint, with what that leaves of the law.
 
 TIMESTEP: Final = 1e-3
 """Longest step of a model for MuJoCo [s]."""

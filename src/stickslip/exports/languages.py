@@ -17,10 +17,10 @@ from stickslip.exports.program import (
     Leave,
     Repeat,
     Statement,
+    Subject,
     assigned,
     called,
 )
-from stickslip.exports.subject import Subject
 from stickslip.formulation import Block, Syntax
 
 WIDTH: Final = 96

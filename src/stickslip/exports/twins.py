@@ -13,9 +13,17 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import levels_at
-from stickslip.exports.joints import HARD, SOFT, TIMESTEP, as_lugre, bristle_step, inertia_of
-from stickslip.exports.simplification import Simplified, simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.joints import (
+    HARD,
+    SOFT,
+    TIMESTEP,
+    Simplified,
+    as_lugre,
+    bristle_step,
+    inertia_of,
+    simplified,
+)
+from stickslip.exports.program import Subject
 from stickslip.formatting import number, percent, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.friction import law as composed

@@ -22,14 +22,9 @@ from stickslip.experiments import (
     levels_at,
     unit_of_input,
 )
-from stickslip.exports.base import Export, Target
-from stickslip.exports.c_code import CCode
-from stickslip.exports.identifiers import identifier
 from stickslip.exports.joints import Mjcf, Urdf
-from stickslip.exports.matlab import Matlab
-from stickslip.exports.modelica import Modelica
-from stickslip.exports.subject import Subject
-from stickslip.exports.tables import CsvTable, JsonDocument
+from stickslip.exports.program import Export, Subject, Target, identifier
+from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab, Modelica
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification import Fit
 from stickslip.mechanisms import (

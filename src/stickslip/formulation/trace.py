@@ -1,8 +1,9 @@
-"""Symbols that flow through laws and mechanisms written for numbers.
+"""Symbols that flow through laws and mechanisms, what of a mechanism they show, and the model.
 
 `Traced` wraps a SymEngine expression and refuses what would silently go wrong: Python's ``if`` on a
 symbol, equality, powers with a traced exponent. Comparisons decided by `where` become *switches*:
-conditions frozen within a step, whose change the solver locates as an event.
+conditions frozen within a step, whose change the solver locates as an event. From the expressions
+follow which coordinates are guided or held, and which modes have constant coefficients.
 """
 
 from __future__ import annotations
@@ -10,16 +11,18 @@ from __future__ import annotations
 import math
 import numbers
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import symengine as se
 from typing_extensions import override
 
-from stickslip.errors import TracingError, not_finite
+from stickslip.errors import InputError, TracingError, not_finite
+from stickslip.friction import FrictionLaw
+from stickslip.kernels.state_layout import Sizes
 from stickslip.maths import NO_COMPARISON
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 
 LONGEST = 2000
 """Characters of an expression beyond which it is not expanded to look for cancellations."""
@@ -368,3 +371,244 @@ def symbols_of(
         inputs[drives[name]] = expression(drive.shaped(Traced(linear, board), Traced(t, board)))
     given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
     return Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, given, constants)
+
+
+# What is linear: modes with constant coefficients, solved in closed form; friction in the load.
+
+MOST_SWITCHES = 4
+"""A mode that depends on more switches than this is not examined."""
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Sines and cosines in time, all of one frequency, by which linear equations may be driven."""
+
+    symbols: Mapping[se.Expr, se.Symbol]
+    """What stands for each of them."""
+    square: se.Expr
+    """Square of their angular frequency."""
+
+    def replaced(self, e: se.Expr) -> se.Expr:
+        """Return an expression with symbols for the waves."""
+        return e.xreplace(self.symbols) if self.symbols else e
+
+    def term(self, e: se.Expr) -> se.Expr:
+        """Return what the waves add to an expression that is affine in them."""
+        replaced = self.replaced(e)
+        slopes = {wave: collapsed(replaced.diff(symbol)) for wave, symbol in self.symbols.items()}
+        return sum((slope * wave for wave, slope in slopes.items()), se.Integer(0))
+
+
+def waves_of(expressions: Sequence[se.Expr], t: se.Symbol, states: Sequence[se.Symbol]) -> Waves:
+    """Return the waves in expressions; none where their frequencies differ, or change."""
+    atoms = {a for e in expressions for a in e.atoms(se.sin, se.cos) if not _free_of(a, {str(t)})}
+    moving = {str(t), *map(str, states)}
+    squares = {se.expand(a.args[0].diff(t) ** 2) for a in atoms}
+    steady = all(_free_of(square, moving) for square in squares)
+    alone = all(_free_of(a.args[0], moving - {str(t)}) for a in atoms)
+    if len(squares) != 1 or not (steady and alone):
+        return Waves({}, se.Integer(0))
+    ordered = sorted(atoms, key=str)
+    return Waves({a: se.Symbol(f"wave{i}") for i, a in enumerate(ordered)}, squares.pop())
+
+
+def linear_where(
+    expressions: Sequence[se.Expr], variables: Sequence[se.Symbol], switches: Sequence[se.Symbol]
+) -> se.Expr:
+    """Return 1 where all expressions are affine in the variables together, else 0."""
+    names = {str(s) for e in expressions for s in e.free_symbols}
+    used = [switch for switch in switches if str(switch) in names]
+    if len(used) > MOST_SWITCHES:
+        return se.Integer(0)
+    return _decide(list(expressions), list(variables), used, {})
+
+
+def _decide(
+    expressions: list[se.Expr],
+    variables: list[se.Symbol],
+    pending: list[se.Symbol],
+    fixed: Mapping[str, bool],
+) -> se.Expr:
+    if not pending:
+        affine = all(_affine(_chosen(e, fixed), variables) for e in expressions)
+        return se.Integer(int(affine))
+    first, *others = pending
+    yes, no = (
+        _decide(expressions, variables, others, {**fixed, str(first): value})
+        for value in (True, False)
+    )
+    return yes if yes == no else se.Piecewise((yes, first > 0), (no, True))
+
+
+def _chosen(e: se.Expr, fixed: Mapping[str, bool]) -> se.Expr:
+    """Return an expression with the branches that hold for given switches."""
+
+    def chosen(switch: se.Piecewise) -> se.Expr:
+        yes, condition, no, _ = switch.args
+        name = str(condition.args[1])
+        return _chosen(yes if fixed[name] else no, fixed) if name in fixed else switch
+
+    return rebuilt(e, chosen)
+
+
+def _affine(e: se.Expr, variables: list[se.Symbol]) -> bool:
+    """Whether no slope of the expression depends on a variable."""
+    names = {str(variable) for variable in variables}
+    return all(_free_of(e.diff(variable), names) for variable in variables)
+
+
+def _free_of(e: se.Expr, names: set[str]) -> bool:
+    if not names & {str(s) for s in e.free_symbols}:
+        return True
+    if len(str(e)) > LONGEST:
+        return False
+    return not names & {str(s) for s in se.expand(e).free_symbols}
+
+
+def load_factor(law: FrictionLaw, friction: se.Expr, load: se.Symbol) -> se.Expr:
+    """Return b of friction a + b N."""
+    factor = collapsed(friction.diff(load))
+    if se.expand(collapsed(factor.diff(load))) != 0:
+        raise TracingError(
+            f"{type(law).__name__}: friction must be affine in the load, F = a + b N; its second"
+            " derivative with respect to N is not zero"
+        )
+    return factor
+
+
+# Coordinates that do not move freely: those that drives guide, and those held at 0.
+
+TAKEN = ("t", "friction", "normal_force", "mode")
+"""Columns that every run has."""
+RESERVED = ("lift-off", "painleve")
+"""Limits that the solver knows itself."""
+
+
+def held_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the coordinates held at 0, the contact's normal one first."""
+    normal = normal_of(mechanism)
+    held = (*(() if normal is None else (normal,)), *mechanism.held())
+    for name in held:
+        if name in mechanism.coordinates or held.count(name) > 1:
+            raise InputError(
+                f"{type(mechanism).__name__} holds {name!r} at 0, but that coordinate moves or is"
+                " already held: give held coordinates names of their own."
+            )
+    return held
+
+
+def guides_of(
+    mechanism: Mechanism, slips: Sequence[str], drives: Mapping[str, se.Symbol]
+) -> dict[int, se.Expr]:
+    """Return the accelerations of guided coordinates by index."""
+    found = {}
+    for name, guide in mechanism.guided().items():
+        wrong = _fault(mechanism, slips, name, guide, list(drives))
+        if wrong:
+            raise InputError(f"{type(mechanism).__name__}: {wrong}")
+        found[mechanism.coordinates.index(name)] = drives[guide.drive]
+    return found
+
+
+def _fault(
+    mechanism: Mechanism, slips: Sequence[str], name: str, guide: object, drives: Sequence[str]
+) -> str:
+    """Return why a coordinate cannot be guided so, or nothing."""
+    if name in slips:
+        which = "the" if len(set(slips)) == 1 else "a"
+        return f"{name} is {which} slip coordinate, whose motion cannot be prescribed."
+    others = [one for one in mechanism.coordinates if one not in slips]
+    if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
+        return (
+            f"{name!r} is guided by {guide!r}; only {', '.join(others) or 'no coordinate'} can be"
+            " guided, by a Guide(...) that names one of the drives"
+            f" {', '.join(drives) or '(none)'}."
+        )
+    if name in {stop.coordinate for stop in stops_of(mechanism)}:
+        return (
+            f"the motion of {name} is prescribed, so it cannot have hard stops. Leave the stops"
+            " out, or drive it by a force."
+        )
+    if guide.effort in (*mechanism.coordinates, *mechanism.rates, *TAKEN):
+        return (
+            f"the effort on {name} is named {guide.effort!r}, the name of another column of the"
+            " run: give it another name."
+        )
+    return ""
+
+
+def own_limits(mechanism: Mechanism, forces: Mapping[str, object]) -> Mapping[str, object]:
+    """Return the limits that a mechanism has of its own."""
+    owner = type(mechanism).__name__
+    try:
+        limits = mechanism.limits(forces)
+    except KeyError as error:
+        raise InputError(
+            f"{owner}.limits refers to the force {error.args[0]!r}; the forces are"
+            f" {', '.join(forces) or 'none'}."
+        ) from None
+    for name in RESERVED:
+        if name in limits:
+            raise InputError(
+                f"{owner} has a limit {name!r}, a name reserved for the solver: give it another"
+                " name."
+            )
+    return limits
+
+
+# What a formulated mechanism with its friction is: text, sizes, and the meaning of each number.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """The equations of a mechanism with a law, ready to be run, and the meaning of each number."""
+
+    title: str
+    """Mechanism and law in words."""
+    sizes: Sizes
+    """How much of everything it has, for the vectors of a run."""
+    text: str
+    """Program text: the functions that the kernels call."""
+    states: tuple[str, ...]
+    """Names of the states, coordinates before rates before bristles."""
+    parameter_paths: tuple[str, ...]
+    """Paths of the parameters in their order."""
+    places: tuple[int, ...]
+    """Place of each parameter in the vector of a run."""
+    drives: tuple[str, ...]
+    """Names of the drives; each owns three places at the beginning: value, slope, start."""
+    has_slopes: bool
+    """Whether the text has the derivatives with respect to parameters."""
+    switch_events: tuple[tuple[str, str] | None, ...]
+    """What each switch is called in events, when it comes true and when it ceases to hold."""
+    impact_events: tuple[str | None, ...]
+    """What an impact of each coordinate is called in events; None where it has no hard stop."""
+    limits: tuple[str, ...]
+    """What the limits are called that end a run."""
+    latched: bool
+    """Whether it has latched switches: the state alone does not tell which switches are on."""
+    channels: tuple[str, ...]
+    """What the efforts of guided coordinates are called."""
+    contacts: tuple[str, ...] = ()
+    """Names of the contacts, where several rub: the equations are parts then."""
+    alone: bool = False
+    """Whether there is but one contact, whose equations are parts all the same."""
+    turning: tuple[str, ...] = ()
+    """Paths of the parameters on which the change of coordinates depends, where slips are sums."""
+    closing: tuple[str, ...] = ()
+    """Names of the contacts whose slips follow from those of others."""
+    law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
+    """What the switches of each contact's law are called in events."""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns that a run has beside its states."""
+        if not self.contacts:
+            return ("friction", "normal_force", *self.channels)
+        kinds = ("friction", "normal_force", "mode")
+        own = (self.column(kind, name) for kind in kinds for name in self.contacts)
+        return (*own, *self.channels)
+
+    def column(self, kind: str, contact: str) -> str:
+        """Return the column of a contact: its name stands in it where there are several."""
+        return kind if self.alone else f"{kind}:{contact}"

@@ -2,12 +2,12 @@
 
 from stickslip.kernels.batch import batch as enter_batch
 from stickslip.kernels.batch import batch_sensed as enter_batch_sensed
-from stickslip.kernels.contacts.answers import answer as enter_contacts
-from stickslip.kernels.dense_evaluation import play as enter_play
+from stickslip.kernels.batch import stretches as enter_stretches
+from stickslip.kernels.contacts.transitions import answer as enter_contacts
+from stickslip.kernels.driver import play as enter_play
 from stickslip.kernels.driver import run as enter_run
 from stickslip.kernels.exchange import exchange as enter_exchange
 from stickslip.kernels.sensitivities import sense as enter_sense
-from stickslip.kernels.stretches import stretches as enter_stretches
 
 __all__ = [
     "enter_batch",

@@ -5,21 +5,39 @@ instant between two steps they change by the same functions as in a run of one's
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.coordinates import turn_states
-from stickslip.kernels.dense_evaluation import piece_at, restore
-from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.directions import bind
-from stickslip.kernels.drive_segments import enter_pieces, load_piece, next_stop
-from stickslip.kernels.driver import begin, change, settle_all, turns_switch
-from stickslip.kernels.enums import END_TIME, HELD_FAST, RUNNING, SMOOTH, STEP_TOO_SMALL, STOP
-from stickslip.kernels.equations import put_constants
+from stickslip.kernels.driver import (
+    advance,
+    begin,
+    change,
+    piece_at,
+    restore,
+    settle_all,
+    turns_switch,
+)
+from stickslip.kernels.equations import (
+    MOTION,
+    PREPARE,
+    RESTORE,
+    ask,
+    ask_here,
+    bind,
+    enter_pieces,
+    field,
+    jacobian,
+    load_piece,
+    next_stop,
+    put_constants,
+    recorded,
+    turn_states,
+)
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size, guard_values, note_sizes, reverses
 from stickslip.kernels.mode_transitions import settle
-from stickslip.kernels.model_interface import field, jacobian, recorded
-from stickslip.kernels.questions import MOTION, PREPARE, RESTORE, ask, ask_here
+from stickslip.kernels.numerics import interpolate
 from stickslip.kernels.state_layout import (
     DRIFT,
+    END_TIME,
     FRACTION,
+    HELD_FAST,
     MATRIX,
     MODE,
     MODES,
@@ -31,20 +49,23 @@ from stickslip.kernels.state_layout import (
     PIECE,
     POINT,
     ROW_COLUMNS,
+    RUNNING,
     SAMPLED,
     SAMPLES,
     SCALE,
     SLIP,
+    SMOOTH,
     STAGES,
     STATUS,
+    STEP_TOO_SMALL,
     STEPPER,
     STEPS,
+    STOP,
     TIME,
     VALUES,
     Y,
 )
-from stickslip.kernels.step import advance
-from stickslip.kernels.stepper_selection import choose_stepper
+from stickslip.kernels.steppers import choose_stepper
 
 ENTER = 0
 RATES_AT = 1

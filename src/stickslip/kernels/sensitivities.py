@@ -16,18 +16,16 @@ those of the functions of these names.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.coordinates import turn_columns
-from stickslip.kernels.dense_evaluation import restore, restore_modes
-from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.directions import bind
-from stickslip.kernels.drive_segments import load_piece
-from stickslip.kernels.enums import HELD_FAST, STOP
-from stickslip.kernels.equations import IMPACT, WALLS_OF, evaluate, put_constants
-from stickslip.kernels.gauss_legendre import NODES, WEIGHTS
-from stickslip.kernels.guard_roots import NO_GUARD
-from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
-from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.model_interface import (
+from stickslip.kernels.driver import restore, restore_modes
+from stickslip.kernels.equations import (
+    IMPACT,
+    PREPARE,
+    SERIES_FROM,
+    WALLS_OF,
+    ask,
+    ask_of,
+    bind,
+    evaluate,
     field,
     field_slopes,
     guard_parameters,
@@ -36,14 +34,20 @@ from stickslip.kernels.model_interface import (
     impact_parameters,
     impact_slopes,
     jacobian,
+    load_piece,
+    put_constants,
+    turn_columns,
 )
-from stickslip.kernels.questions import PREPARE, SERIES_FROM, ask, ask_of
+from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.mode_transitions import approach, wall_coordinate, wall_side
+from stickslip.kernels.numerics import NODES, WEIGHTS, interpolate, lu_factor, lu_solve
 from stickslip.kernels.state_layout import (
     BOUNDS,
     CAN_STICK,
     EVENT_COLUMNS,
     FIRST_WALL,
     FLAGS,
+    HELD_FAST,
     LOOPED,
     MATRIX,
     MODE,
@@ -63,6 +67,7 @@ from stickslip.kernels.state_layout import (
     SIZE,
     SLIP,
     SLOPES,
+    STOP,
     STRUCK,
     TIME,
     VALUES,
@@ -71,7 +76,7 @@ from stickslip.kernels.state_layout import (
     Y1,
     Y,
 )
-from stickslip.kernels.taylor_series import series_fill
+from stickslip.kernels.steppers import series_fill
 
 RADAU_STAGES = 5
 RADAU_NODES = (

@@ -1,21 +1,31 @@
 """The source paper, audited: every table and figure again, beside what was printed."""
 
 from stickslip.paper.audit import PaperAudit, TableRow, TrialTravels, audit
-from stickslip.paper.cart import CartRun, CartStudy, Share, study_cart
-from stickslip.paper.excitations import Excitation, excitations
-from stickslip.paper.misprints import Consequence, Outcome, consequences
 from stickslip.paper.pages import Beside, beside, paper_report
-from stickslip.paper.rest_rules import RestRule, rest_rules
-from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import (
+from stickslip.paper.printed import (
+    Consequence,
     Creep,
+    Outcome,
     Requirement,
     Springback,
+    consequences,
     requirements,
     springbacks,
     stribeck_creeps,
 )
-from stickslip.paper.values import PaperValues
+from stickslip.paper.rigs import (
+    CartRun,
+    CartStudy,
+    Excitation,
+    PaperValues,
+    RestRule,
+    Share,
+    StickSlip,
+    excitations,
+    rest_rules,
+    stick_slip,
+    study_cart,
+)
 
 __all__ = [
     "Beside",

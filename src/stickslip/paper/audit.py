@@ -9,28 +9,40 @@ from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
-from stickslip.paper.cart import CART, CartStudy, study_cart
-from stickslip.paper.excitations import Excitation, excitations, rigs
-from stickslip.paper.misprints import Consequence, PrintedRun, consequences
-from stickslip.paper.rest_rules import RestRule, rest_rules
-from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import (
-    RULES,
-    STEP,
+from stickslip.paper.printed import (
+    BREAK_AWAY_RULES,
+    CART_STEP,
     STIFFNESS,
     BristleRow,
+    Consequence,
     Creep,
+    PrintedRun,
     Requirement,
     Springback,
     StepTravel,
     bristle_rows,
+    consequences,
     lugre_row,
     requirements,
     springbacks,
     step_travels,
     stribeck_creeps,
 )
-from stickslip.paper.values import PaperValues, adopted, check_form
+from stickslip.paper.rigs import (
+    CART,
+    CartStudy,
+    Excitation,
+    PaperValues,
+    RestRule,
+    StickSlip,
+    adopted,
+    check_form,
+    excitations,
+    rest_rules,
+    rigs,
+    stick_slip,
+    study_cart,
+)
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.report import published_dict
 from stickslip.selection import FixedStepRow, compare_fixed_steps, largest_step
@@ -363,8 +375,8 @@ def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     push = readings[0]
     largest = largest_step(push.mechanism, law, push.run)
     coarse: dict[BreakAway, float] = {}
-    for rule in RULES if largest is None or largest >= STEP else ():
-        solver = FixedStep(dt=STEP, break_away=None if law.states else rule)
+    for rule in BREAK_AWAY_RULES if largest is None or largest >= CART_STEP else ():
+        solver = FixedStep(dt=CART_STEP, break_away=None if law.states else rule)
         run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)
         coarse[rule] = float(run["x"][-1])
     return TableRow(

@@ -10,7 +10,7 @@ from stickslip.formatting import fixed, joined, percent, quantity
 from stickslip.friction import SOURCES
 from stickslip.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
-from stickslip.paper.excitations import PUSH_DURATION
+from stickslip.paper.rigs import PUSH_DURATION
 from stickslip.paper.sections import (
     assumption_section,
     break_away_section,
@@ -38,7 +38,7 @@ from stickslip.report import (
     References,
     Section,
     SectionMaker,
-    documents,
+    blocks,
     law_references,
     render,
     versions,
@@ -62,8 +62,8 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         return Beside()
     try:
         found = audit(verdict=verdict)
-    except documents.CAUGHT as error:
-        return Beside(extra=(documents.failed_section("paper", error),))
+    except blocks.CAUGHT as error:
+        return Beside(extra=(blocks.failed_section("paper", error),))
     return Beside(
         remark=_remark(found),
         lead=(partial(excitation_section, found), partial(table_section, found)),
@@ -124,7 +124,7 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
             else "Tables and figures beside what was printed"
         ),
         kicker="a rig beside the paper" if own else "audit of a paper",
-        sections=documents.made_sections(
+        sections=blocks.made_sections(
             Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
             *(partial(maker, audit) for maker in makers),
             _closing(audit, command),

@@ -15,18 +15,18 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, TrialComparison
 from stickslip.optimisation import Optimum
-from stickslip.plots.core.axes import Panels, PanelTarget
-from stickslip.plots.core.svg import standalone_svg
-from stickslip.plots.data.data_overview import plot_measurement
-from stickslip.plots.data.trials import plot_trials
-from stickslip.plots.laws.battery import plot_characteristic, plot_characterization
-from stickslip.plots.laws.curves import plot_law, plot_presliding
-from stickslip.plots.runs.closed_loop import plot_closed_loop
-from stickslip.plots.runs.ensembles import plot_band, plot_ensemble
-from stickslip.plots.runs.profiles import plot_profile
-from stickslip.plots.runs.run import plot_run
-from stickslip.plots.runs.validation import plot_validation
-from stickslip.plots.selection.fits import plot_fit, plot_verdict
+from stickslip.plots.axes import Panels, PanelTarget
+from stickslip.plots.fits import plot_fit, plot_verdict
+from stickslip.plots.laws import (
+    plot_characteristic,
+    plot_characterization,
+    plot_law,
+    plot_presliding,
+)
+from stickslip.plots.measurements import plot_measurement, plot_trials
+from stickslip.plots.runs import plot_closed_loop, plot_run
+from stickslip.plots.studies import plot_band, plot_ensemble, plot_profile, plot_validation
+from stickslip.plots.svg import standalone_svg
 from stickslip.plots.sweep_maps import plot_sweep, plot_velocity_band
 from stickslip.selection import Verdict
 from stickslip.sweep import (

@@ -13,12 +13,9 @@ from matplotlib.patches import Patch, Rectangle
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.plots.core.arguments import check_type
-from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.helpers import labelled
-from stickslip.plots.core.label_placement import LETTER
-from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import (
+from stickslip.plots.axes import LETTER, Target, labelled, on_axes
+from stickslip.plots.svg import Draw
+from stickslip.plots.theme import (
     C1,
     C2,
     C3,
@@ -29,6 +26,7 @@ from stickslip.plots.core.theme import (
     SLIP_BACK,
     STICK,
     SURFACE,
+    check_type,
     name_size,
     pixel_of,
     shade,

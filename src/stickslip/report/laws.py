@@ -6,7 +6,7 @@ from stickslip.characterization import Characteristic, Characterization
 from stickslip.formatting import joined, number, quantity
 from stickslip.plots import draw_characteristic, inline_svg
 from stickslip.quantities import fields_of
-from stickslip.report.core.blocks import (
+from stickslip.report.blocks import (
     Block,
     Caption,
     Code,
@@ -15,13 +15,15 @@ from stickslip.report.core.blocks import (
     KeyValues,
     Math,
     Note,
+    Page,
     Paragraph,
     References,
+    Section,
     Subheading,
+    colophon,
 )
-from stickslip.report.core.documents import Page, Section, colophon
-from stickslip.report.core.shared_sections import law_references
-from stickslip.report.core.tables import Column, Name, Row, Table
+from stickslip.report.shared_sections import law_references
+from stickslip.report.tables import Column, Name, Row, Table
 
 MANY = 4
 """Laws from which on the title does not name all."""

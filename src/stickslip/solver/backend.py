@@ -11,9 +11,7 @@ from typing_extensions import override
 
 from stickslip.formulation import Model
 from stickslip.kernels.driver import events_are_full, log_is_full
-from stickslip.kernels.enums import FULL
-from stickslip.kernels.header import Sizes
-from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE, STATUS
+from stickslip.kernels.state_layout import ADDRESS, BOOKS, FULL, SEVERAL, SIZE, STATUS, Sizes
 from stickslip.solver.compile.modules import is_loaded, load, load_compiled
 
 

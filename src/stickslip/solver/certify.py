@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stickslip.formatting import number, percent, quantity
 from stickslip.formulation import PAINLEVE
 from stickslip.friction import ALWAYS, FrictionLaw, Laws, law_of
-from stickslip.kernels import enums
+from stickslip.kernels import state_layout
 from stickslip.kernels.state_layout import (
     AMBIGUOUS,
     CAN_LIFT,
@@ -119,10 +119,10 @@ def certify(
 def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, float]:
     """Return the least margin of each limit over its largest, and that of the normal force."""
     header, limits = playback.runner.header, playback.model.limits
-    guards = {"lift-off": enums.LIFT_OFF} if header[CAN_LIFT] else {}
+    guards = {"lift-off": state_layout.LIFT_OFF} if header[CAN_LIFT] else {}
     guards |= {name: header[FIRST_LIMIT] + i for i, name in enumerate(limits)}
-    ends = {"lift-off": enums.LIFTED_OFF}
-    ends |= {name: enums.LIMITED + i for i, name in enumerate(limits)}
+    ends = {"lift-off": state_layout.LIFTED_OFF}
+    ends |= {name: state_layout.LIMITED + i for i, name in enumerate(limits)}
     found = {}
     for name, guard in guards.items():
         least, size = float(w[header[LOWEST] + guard]), float(w[header[REACHED] + guard])
@@ -256,14 +256,14 @@ def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
     end = np.array([float(x) for x in w[y : y + n]])
     places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end])
     modes = _modes(playback)
-    moved = np.abs(np.diff(places, axis=0))[modes[:, :n] == enums.HELD_FAST]
+    moved = np.abs(np.diff(places, axis=0))[modes[:, :n] == state_layout.HELD_FAST]
     closing = _closing_slips(playback, w)
     if not closing.size:
         return float(moved.max(initial=0.0))
     sums = np.diff(places @ closing.T, axis=0)
     allowed = ROUNDED * np.abs(places).max(axis=0) @ np.abs(closing).T
     beyond = np.maximum(np.abs(sums) - allowed, 0.0)
-    beyond = beyond[modes[:, n : n + len(closing)] == enums.HELD_FAST]
+    beyond = beyond[modes[:, n : n + len(closing)] == state_layout.HELD_FAST]
     return float(max(moved.max(initial=0.0), beyond.max(initial=0.0)))
 
 
@@ -301,7 +301,7 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
         held = [
             c
             for c in range(count)
-            if holds[c] and not state[len(every) + c] and state[slips[c]] == enums.HELD_FAST
+            if holds[c] and not state[len(every) + c] and state[slips[c]] == state_layout.HELD_FAST
         ]
         for loop in _dependent(every[[slips[c] for c in held]]):
             found[tuple(names[held[k]] for k in loop)] = None

@@ -11,22 +11,23 @@ from stickslip.errors import InputError
 from stickslip.formulation import PAINLEVE, Model, contact_model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.contacts.assembly import prepare, put_motion, refresh
-from stickslip.kernels.contacts.guards import law_flags
-from stickslip.kernels.contacts.impacts import strike_stops
-from stickslip.kernels.contacts.motion import slip_rate, supply
+from stickslip.kernels.contacts.decisions import strike_stops
+from stickslip.kernels.contacts.motion import law_flags, slip_rate, supply
 from stickslip.kernels.contacts.transitions import rubs, set_own_flags
-from stickslip.kernels.coordinates import turn_states
-from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
-from stickslip.kernels.equations import ENERGY, LIMITS, LOADS, evaluate
-from stickslip.kernels.hard_stops import wall_coordinate, wall_side
+from stickslip.kernels.equations import ENERGY, LIMITS, LOADS, evaluate, turn_states
+from stickslip.kernels.mode_transitions import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BACKWARD,
     BRISTLE_RATES,
     BRISTLES,
     CONSTANT_LOADS,
     FIRST_WALL,
     FLAGS,
+    FORWARD,
+    FREE,
     FRICTION,
+    HELD_FAST,
     LEVELS,
     LOAD,
     MODES,
@@ -38,6 +39,7 @@ from stickslip.kernels.state_layout import (
     N_WALLS,
     NEEDED,
     OPEN,
+    PUSHED,
     REACTS,
     RIGID,
     SLIPS,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stickslip.drives import BEGINNING, Drive, Piece, Sum
 from stickslip.formulation import Model, refuse_singular
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.header import ContactSizes
+from stickslip.kernels.state_layout import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 

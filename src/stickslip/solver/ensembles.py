@@ -14,7 +14,7 @@ from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.executors import check_executor, spread, threads
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels import enums
+from stickslip.kernels import state_layout
 from stickslip.kernels.batch import EVIDENCE
 from stickslip.kernels.sensitivities import sense_size
 from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
@@ -296,7 +296,7 @@ class _Parts:
                 state = self.model.states.index(output.state)
                 direction = self.job.gradients.index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
-        most = enums.LIMITED + len(self.model.limits)
+        most = state_layout.LIMITED + len(self.model.limits)
         table = np.array([status_of(code, self.model) for code in range(most)])
         return Ensemble(
             outputs={

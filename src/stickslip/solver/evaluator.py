@@ -6,12 +6,10 @@ from types import MappingProxyType
 from typing import Any
 
 from stickslip.formulation import Model
-from stickslip.kernels.dense_evaluation import piece_at
-from stickslip.kernels.drive_segments import load_piece
-from stickslip.kernels.equations import put_constants
-from stickslip.kernels.header import Sizes
+from stickslip.kernels.driver import piece_at
+from stickslip.kernels.equations import load_piece, put_constants
 from stickslip.kernels.mode_transitions import set_flags
-from stickslip.kernels.state_layout import GIVEN, N_DRIVES, SIZE, Y
+from stickslip.kernels.state_layout import GIVEN, N_DRIVES, SIZE, Sizes, Y
 from stickslip.solver.backend import runner_of
 from stickslip.solver.compile.modules import plain_equations
 from stickslip.solver.drive_schedule import Inputs

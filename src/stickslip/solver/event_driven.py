@@ -12,8 +12,8 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number
 from stickslip.formulation import PAINLEVE, Model, formulate, mass_fault, mass_vanishes
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
-from stickslip.kernels import enums
-from stickslip.kernels.reducers import happened
+from stickslip.kernels import state_layout
+from stickslip.kernels.batch import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
 from stickslip.mechanisms import MatrixMechanism, Mechanism
 from stickslip.quantities import Quantity
@@ -29,20 +29,20 @@ from stickslip.solver.step_limits import cause_of_small_steps, cause_of_step_lim
 from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
 _STATUS = {
-    enums.END_TIME: Status.END_TIME,
-    enums.AT_REST: Status.AT_REST,
-    enums.LIFTED_OFF: Status.LIFT_OFF,
-    enums.STEP_LIMIT: Status.STEP_LIMIT,
-    enums.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
-    enums.ZENO: Status.ZENO,
+    state_layout.END_TIME: Status.END_TIME,
+    state_layout.AT_REST: Status.AT_REST,
+    state_layout.LIFTED_OFF: Status.LIFT_OFF,
+    state_layout.STEP_LIMIT: Status.STEP_LIMIT,
+    state_layout.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    state_layout.ZENO: Status.ZENO,
 }
 
 
 def status_of(code: int, model: Model) -> Status:
     """Return how a run ended, from the kernels' code."""
-    if code < enums.LIMITED:
+    if code < state_layout.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
-    limits = model.limits[code - enums.LIMITED :]
+    limits = model.limits[code - state_layout.LIMITED :]
     return Status.LIMIT if limits and limits[0] != PAINLEVE else Status.PAINLEVE
 
 

@@ -14,7 +14,8 @@ from typing_extensions import override
 from stickslip.errors import InputError, check_size
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels import enums
+from stickslip.kernels import state_layout
+from stickslip.kernels.batch import kept_size
 from stickslip.kernels.state_layout import (
     ADDRESS,
     EVENT_COLUMNS,
@@ -32,7 +33,6 @@ from stickslip.kernels.state_layout import (
     TURN,
     Y,
 )
-from stickslip.kernels.stretches import kept_size
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import gather, values_of
@@ -119,7 +119,7 @@ class IncrementalEnsemble:
         if header[IS_TURNED]:  # from the first stretch on, to coordinates of the equations
             n = header[N_COORDINATES]
             first = POLYNOMIAL + header[TURN] - NUMBERS + n * n
-            rows = self._wholes[:, STATUS] != enums.RUNNING
+            rows = self._wholes[:, STATUS] != state_layout.RUNNING
             back = self._kept[rows, first : first + n * n].reshape(-1, n, n)
             moving = found[rows, : 2 * n].reshape(-1, 2, n)
             found[rows, : 2 * n] = np.einsum("rij,rbj->rbi", back, moving).reshape(-1, 2 * n)
@@ -129,7 +129,7 @@ class IncrementalEnsemble:
     def running(self) -> NDArray[np.bool_]:
         """Whether each run can go on (count,)."""
         codes = self._wholes[:, STATUS]
-        return np.isin(codes, (enums.RUNNING, enums.END_TIME))
+        return np.isin(codes, (state_layout.RUNNING, state_layout.END_TIME))
 
     def status(self, row: int) -> Status:
         """Return how the last stretch of a run ended."""
@@ -156,7 +156,7 @@ class IncrementalEnsemble:
 
     def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
         """Let some runs go no further until they begin anew."""
-        self._wholes[rows, STATUS] = enums.STEP_TOO_SMALL
+        self._wholes[rows, STATUS] = state_layout.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
         """Go on with all runs that have not ended, the drives having constant values."""

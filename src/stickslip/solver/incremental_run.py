@@ -8,7 +8,7 @@ from typing import final
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.coordinates import state_seen
+from stickslip.kernels.equations import state_seen
 from stickslip.kernels.state_layout import EVENT_COLUMNS, MOST_EVENTS, ROW_COLUMNS, STEPS, TIME, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of

@@ -13,7 +13,7 @@ from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.formulation import Model
-from stickslip.kernels import enums
+from stickslip.kernels import state_layout
 
 Array: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Sequence[float] | Array
@@ -24,7 +24,7 @@ class Columns:
     """How kernels are asked for an output: a column each."""
 
     kind: int
-    """What is kept, a code of `kernels.enums`."""
+    """What is kept, a code of `kernels.state_layout`."""
     subject: int
     """Index of the state, or code of what happened."""
     first: Array
@@ -106,7 +106,7 @@ class Final(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         none = np.zeros(1)
-        return Columns(enums.FINAL, _state(model, self.state), none, none)
+        return Columns(state_layout.FINAL, _state(model, self.state), none, none)
 
 
 @final
@@ -128,7 +128,7 @@ class Max(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         since = _time("Max", "since", self.since, t_end)
-        return Columns(enums.GREATEST, _state(model, self.state), since, 0.0 * since)
+        return Columns(state_layout.GREATEST, _state(model, self.state), since, 0.0 * since)
 
 
 @final
@@ -144,7 +144,7 @@ class Min(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         since = _time("Min", "since", self.since, t_end)
-        return Columns(enums.SMALLEST, _state(model, self.state), since, 0.0 * since)
+        return Columns(state_layout.SMALLEST, _state(model, self.state), since, 0.0 * since)
 
 
 @final
@@ -169,7 +169,7 @@ class Mean(Output):
         if not np.all(length > 0.0):
             raise InputError(f"Mean.last [s] must be above 0 s, got {number(length.min(), 6)} s.")
         since = t_end - length
-        return Columns(enums.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
+        return Columns(state_layout.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 
 
 @final
@@ -191,7 +191,7 @@ class Samples(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         times = np.atleast_1d(_time("Samples", "times", self.times, t_end).ravel())
-        return Columns(enums.AT, _state(model, self.state), times, 0.0 * times)
+        return Columns(state_layout.AT, _state(model, self.state), times, 0.0 * times)
 
     @override
     def is_single(self) -> bool:
@@ -227,7 +227,7 @@ class EventTimes(Output):
         which = np.arange(self.count) if self.count > 0 else np.arange(-1, self.count - 1, -1)
         numbers = which.astype(np.float64)
         where = _contact(model, self.contact) + 0.0 * numbers
-        return Columns(enums.EVENT_TIME, _reason(model, self.reason), numbers, where)
+        return Columns(state_layout.EVENT_TIME, _reason(model, self.reason), numbers, where)
 
     @override
     def is_single(self) -> bool:
@@ -247,7 +247,7 @@ class EventCount(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         where = np.full(1, _contact(model, self.contact))
-        return Columns(enums.EVENT_COUNT, _reason(model, self.reason), np.zeros(1), where)
+        return Columns(state_layout.EVENT_COUNT, _reason(model, self.reason), np.zeros(1), where)
 
 
 @final
@@ -269,7 +269,7 @@ class Sensitivity(Output):
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
         none = np.zeros(1)
-        return Columns(enums.GRADIENT, _state(model, self.state), none, none)
+        return Columns(state_layout.GRADIENT, _state(model, self.state), none, none)
 
 
 def is_gradient(output: Output) -> TypeIs[Sensitivity]:

@@ -11,7 +11,6 @@ from typing_extensions import override
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.enums import STEP_LIMIT
 from stickslip.kernels.state_layout import (
     ADDRESS,
     EVENT_COLUMNS,
@@ -19,6 +18,7 @@ from stickslip.kernels.state_layout import (
     ROW_COLUMNS,
     SEVERAL,
     STATUS,
+    STEP_LIMIT,
     STEPS,
     Y,
 )

@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from stickslip.formatting import number, quantity
 from stickslip.formulation import LINKS, Model
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.enums import FORWARD, HELD_FAST
-from stickslip.kernels.equations import put_constants
-from stickslip.kernels.model_interface import field
-from stickslip.kernels.questions import PREPARE, RESTORE, ask_here
+from stickslip.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
 from stickslip.kernels.state_layout import (
     EVENTS,
+    FORWARD,
+    HELD_FAST,
     MASS,
     MODE,
     MODES,

@@ -12,7 +12,7 @@ from stickslip.maths import Latches
 from stickslip.mechanisms import Axis, given_inputs
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
-from stickslip.testing import class_declarations, generated_equations
+from stickslip.testing import mechanisms, report
 from stickslip.testing.report import Report, Suite, examine
 
 ROUNDING = 1e-11
@@ -113,9 +113,7 @@ def check_friction(
     if mirrored is None:
         mirrored = not law.directional
     case = _Case(law, {**ORDINARY, **(inputs or {})}, load, speed, mirrored, t_end)
-    then = {
-        name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
-    }
+    then = {name: check for name, check in THEN.items() if compiled or name != mechanisms.TIERS}
     return examine(type(law).__name__, case, FIRST, then, throw=throw)
 
 
@@ -220,8 +218,8 @@ def _arrays(case: _Case) -> Iterator[str]:
 def _traced(case: _Case) -> Iterator[str]:
     """Yield speeds at which the generated equations have another force than the law itself."""
     law = case.told
-    equations = generated_equations.generated(case.rig, case.law)
-    share = generated_equations.reach(law) * 0.3 if law.states else 0.0
+    equations = mechanisms.generated(case.rig, case.law)
+    share = mechanisms.reach(law) * 0.3 if law.states else 0.0
     for speed in case.speeds[::4]:
         for sense in (1, -1):
             v = sense * speed
@@ -267,7 +265,7 @@ def _law(case: _Case) -> FrictionLaw:
 
 
 FIRST: Suite[_Case] = {
-    **class_declarations.suite(_law, "it declares its name, title, formula and sources", TOLD),
+    **report.suite(_law, "it declares its name, title, formula and sources", TOLD),
     "the fit order names parameters of the law": _fit_order,
     "fitted parameters have ranges": _ranges,
     "friction opposes slip": _opposes,
@@ -275,19 +273,19 @@ FIRST: Suite[_Case] = {
     "break-away and sliding agree": _breaks_away,
     "friction is odd in velocity unless declared directional": _odd,
     "arrays and scalars give the same forces": _arrays,
-    generated_equations.DERIVED: lambda case: generated_equations.derived(case.rig, case.law),
+    mechanisms.DERIVED: lambda case: mechanisms.derived(case.rig, case.law),
 }
 THEN: Suite[_Case] = {
     "the generated equations agree with the law": _traced,
     "friction never increases the energy": _dissipates,
-    generated_equations.BALANCED: _certified,
-    generated_equations.FINITE: lambda case: generated_equations.finite_near_rest(
+    mechanisms.BALANCED: _certified,
+    mechanisms.FINITE: lambda case: mechanisms.finite_near_rest(
         case.rig, case.law, ({}, {"x": 0.1})
     ),
-    generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
+    mechanisms.TIERS: lambda case: mechanisms.same_in_both_tiers(
         case.rig, case.law, {"v": case.speed}, case.t_end
     ),
-    generated_equations.DERIVATIVES: lambda case: generated_equations.sensitivities_hold(
+    mechanisms.DERIVATIVES: lambda case: mechanisms.sensitivities_hold(
         case.rig, case.law, case.law, {"v": case.speed}, case.t_end
     ),
 }

@@ -3,8 +3,8 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.svg import Draw
+from stickslip.plots.axes import Target, on_axes
+from stickslip.plots.svg import Draw
 from stickslip.trajectory import Trajectory
 
 

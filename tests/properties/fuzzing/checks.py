@@ -15,7 +15,7 @@ import stickslip.mechanisms
 from stickslip import EventDriven, Stribeck, TwoLinkArm
 from stickslip.drives import Drive
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.enums import UNLOADED
+from stickslip.kernels.state_layout import UNLOADED
 from stickslip.mechanisms import MatrixMechanism
 from stickslip.results import Status, Trajectory
 

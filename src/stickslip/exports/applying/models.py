@@ -1,24 +1,42 @@
-"""What a model file is: joints that can be given friction, and what its format has of a law."""
+"""Model files whose joints are given friction: MJCF, URDF and USD.
 
+A model lists its joints with what the file says of their friction, tells what its format has of a
+law, and returns the bytes with the new values in place.
+"""
+
+import math
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, final
 
 from typing_extensions import override
 
+from stickslip.documents import read_bytes
 from stickslip.errors import InputError, nearest
-from stickslip.exports.applying.edits import Edit, edited
-from stickslip.exports.applying.markup import Markup
-from stickslip.exports.simplification import Compared, PolynomialFriction, Simplified, simplified
-from stickslip.exports.subject import Subject
+from stickslip.exports.applying.markup import (
+    Edit,
+    Markup,
+    Prim,
+    Stage,
+    Tag,
+    edited,
+    markup_of,
+    root_of,
+    stage_of,
+)
+from stickslip.exports.joints import SOFT, Compared, PolynomialFriction, Simplified, simplified
+from stickslip.exports.program import Subject
 from stickslip.formatting import percent, quantity
 from stickslip.friction import SetValuedLaw
-from stickslip.mechanisms import DCMotor
+from stickslip.mechanisms import DCMotor, has_macros
 from stickslip.quantities import turned
+
+# What a model file is: joints that can be given friction, and what its format has of a law.
 
 DIGITS: Final = 9
 """Significant digits of the numbers that are written."""
@@ -291,3 +309,429 @@ _REFUSED: Final = MappingProxyType(
         "ball": "turns about three axes, and a law is of one",
     }
 )
+
+
+# Models for MuJoCo (MJCF).
+
+HARD: Final = "0.9999 0.9999 0.001"
+"""Impedance of MuJoCo's friction constraint, the largest that it has: links of robots are light,
+and the creep of a loaded joint is in proportion to its inverse inertia."""
+MOST_PARTS: Final = 100
+"""Files that a model includes, one within the other or side by side."""
+HOLDS_JOINTS: Final = ("body", "frame", "replicate", "worldbody", "mujocoinclude")
+"""Elements of MJCF whose child <joint> is a joint; others have defaults and references."""
+MJCF_WRITTEN: Final = (
+    "frictionloss", "damping", "armature", "solreffriction", "solimpfriction", "springdamper",
+)  # fmt: skip
+
+
+@final
+class Mjcf(JointModel):
+    """A model for MuJoCo."""
+
+    name: ClassVar[str] = "mjcf"
+    title: ClassVar[str] = "MJCF"
+    program: ClassVar[str] = "MuJoCo"
+    runs: ClassVar[bool] = True
+
+    @classmethod
+    @override
+    def recognises(cls, path: Path, data: bytes) -> bool:
+        return root_of(data) in ("mujoco", "mujocoinclude")
+
+    @cached_property
+    def markup(self) -> Markup:
+        """The elements of the file."""
+        return markup_of(self.path, self.data)
+
+    @override
+    def joints(self) -> Iterator[ModelJoint]:
+        classes = self._classes()
+        for tag in self.markup.root.walk():
+            if tag.parent is None or tag.parent.name not in HOLDS_JOINTS:
+                continue
+            values: dict[str, tuple[str, str]] = {}
+            if tag.name == "freejoint":
+                kind = "free"
+            elif tag.name == "joint":
+                values = dict(classes.get(_class_of(tag), classes[""]))
+                values |= {key: (value, "") for key, value in tag.attributes.items()}
+                kind, _ = values.get("type", ("hinge", ""))
+            else:
+                continue
+            yield ModelJoint(
+                name=tag.attributes.get("name", ""),
+                kind=kind,
+                line=tag.line,
+                place=tag,
+                given={key: values[key] for key in MJCF_WRITTEN if key in values},
+            )
+
+    def _classes(self) -> dict[str, dict[str, tuple[str, str]]]:
+        """Return attributes of joints by default class, with the class that gives each."""
+        found: dict[str, dict[str, tuple[str, str]]] = {"": {}}
+
+        def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
+            name = tag.attributes.get("class", top or "main")
+            own = dict(outer)
+            for one in tag.children:
+                if one.name == "joint":
+                    own |= {key: (value, name) for key, value in one.attributes.items()}
+            found[name] = own
+            for one in tag.children:
+                if one.name == "default":
+                    read(one, own, "")
+
+        for tag in (one for root in self._roots() for one in root.children):
+            if tag.name == "default":
+                read(tag, found[""], "main")
+                found[""] = found[tag.attributes.get("class", "main")]
+        return found
+
+    @override
+    def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
+        values = {
+            "frictionloss": number(friction.level),
+            "damping": " ".join(map(number, friction.damping)),
+            "solreffriction": SOFT,
+            "solimpfriction": HARD,
+        }
+        if friction.armature is not None:
+            values["armature"] = number(friction.armature)
+        return values
+
+    @override
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+        return self.markup.with_attributes({joint.place: values})
+
+    @override
+    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
+        inherited = {key: where for key, (_, where) in joint.given.items() if where}
+        replaced = [key for key in inherited if key in self.attributes(joint, friction)]
+        if replaced:
+            given = ", ".join(
+                f"{key}={joint.has[key]!r} of class {inherited[key]!r}" for key in replaced
+            )
+            yield f"The joint's own attributes take the place of {given}; other joints keep these."
+        unknown = _class_of(joint.place)
+        if unknown not in self._classes():
+            yield (
+                f"Class {unknown!r} is neither in this file nor in one that it includes: the joint"
+                f" is taken to {'turn' if joint.rotary else 'slide'}, as it says itself or by"
+                " default."
+            )
+        if joint.has.get("springdamper", "0").split()[:1] not in ([], ["0"]):
+            yield (
+                f"springdamper={joint.has['springdamper']!r} makes MuJoCo compute a damping of its"
+                " own, which takes the place of this one: remove it."
+            )
+        for tag in self.markup.root.walk():
+            adds = [key for key in ("damping", "armature", "lugre") if key in tag.attributes]
+            if adds and tag.attributes.get("joint") == joint.name and tag.name != "joint":
+                yield (
+                    f"The actuator <{tag.name}> in line {tag.line} has {' and '.join(adds)}, which"
+                    " come on top of those of the joint."
+                )
+
+    def parts(self) -> Iterator[tuple[str, Markup]]:
+        """Yield the files that are included, each behind those that it includes, by their names."""
+        yield from _parts(self.path.parent, self.markup, {self.path.resolve()})
+
+    @override
+    def included(self) -> Sequence[Markup]:
+        return [part for _, part in self.parts()]
+
+    @override
+    def elsewhere(self, name: str) -> str:
+        for _, part in self.parts():
+            if any(
+                tag.attributes.get("name") == name
+                for tag in part.root.walk()
+                if tag.name == "joint"
+            ):
+                return (
+                    f"{self.path}: joint {name!r} is not in this file but in {part.path}, which it"
+                    " includes: apply the law to that file."
+                )
+        return ""
+
+    def _roots(self) -> Iterator[Tag]:
+        """Yield the roots of the files that are included, and that of the file."""
+        yield from (part.root for _, part in self.parts())
+        yield self.markup.root
+
+
+def _parts(main: Path, markup: Markup, read: set[Path]) -> Iterator[tuple[str, Markup]]:
+    """Yield what a file includes, each once: MuJoCo takes no file twice, nor one within itself."""
+    for tag in markup.root.walk():
+        name = tag.attributes.get("file", "")
+        if tag.name != "include" or not name:
+            continue
+        # MuJoCo looks beside the main file, then beside the one that includes
+        path = next(
+            (one / name for one in (main, markup.path.parent) if (one / name).exists()), None
+        )
+        if path is None:
+            continue  # MuJoCo says what it misses
+        if path.resolve() in read or len(read) > MOST_PARTS:
+            continue
+        read.add(path.resolve())
+        try:
+            part = markup_of(path, read_bytes(path))
+        except InputError:
+            continue
+        yield from _parts(main, part, read)
+        yield name, part
+
+
+def _class_of(tag: Tag) -> str:
+    """Return the default class of a joint: its own, or the nearest childclass around it."""
+    if "class" in tag.attributes:
+        return tag.attributes["class"]
+    outer = tag.parent
+    while outer is not None:
+        if "childclass" in outer.attributes:
+            return outer.attributes["childclass"]
+        outer = outer.parent
+    return ""
+
+
+# Robot descriptions (URDF).
+
+URDF_KINDS: Final = MappingProxyType(
+    {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
+)
+URDF_WRITTEN: Final = ("friction", "damping")
+
+
+@final
+class Urdf(JointModel):
+    """A robot description."""
+
+    name: ClassVar[str] = "urdf"
+    title: ClassVar[str] = "URDF"
+    program: ClassVar[str] = "programs that read URDF"
+    refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
+    runs: ClassVar[bool] = True
+
+    @classmethod
+    @override
+    def recognises(cls, path: Path, data: bytes) -> bool:
+        return root_of(data) == "robot"
+
+    @cached_property
+    def markup(self) -> Markup:
+        """The elements of the file."""
+        found = markup_of(self.path, self.data)
+        if any(
+            tag.name.startswith("xacro:") or "${" in "".join(tag.attributes.values())
+            for tag in found.root.walk()
+        ):
+            raise has_macros(str(self.path))
+        return found
+
+    @override
+    def joints(self) -> Iterator[ModelJoint]:
+        for tag in self.markup.root.children:
+            if tag.name == "joint":
+                kind, dynamics = tag.attributes.get("type", ""), _dynamics(tag)
+                has = {} if dynamics is None else dynamics.attributes
+                yield ModelJoint(
+                    name=tag.attributes.get("name", ""),
+                    kind=URDF_KINDS.get(kind, kind),
+                    line=tag.line,
+                    place=tag,
+                    given={key: (has[key], "") for key in URDF_WRITTEN if key in has},
+                )
+
+    @override
+    def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
+        return {"damping": number(friction.damping[0]), "friction": number(friction.level)}
+
+    @override
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+        tag: Tag = joint.place
+        dynamics = _dynamics(tag)
+        if dynamics is not None:
+            return self.markup.with_attributes({dynamics: values})
+        if not tag.children:
+            raise InputError(f"{self.path}: joint {joint.name!r} has neither <parent> nor <child>.")
+        text = "".join(f' {key}="{value}"' for key, value in values.items())
+        return [self.markup.with_child(tag, f"<dynamics{text}/>")]
+
+    @override
+    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
+        if friction.armature is not None:
+            yield (
+                f"Armature: URDF has none for the {number(friction.armature)}"
+                f" {'kg m^2' if joint.rotary else 'kg'} of motor and gear; it is left out."
+            )
+        if any(one.name == "mimic" for one in joint.place.children):
+            yield (
+                "The joint follows another one (mimic): simulators differ in whether its friction"
+                " acts."
+            )
+
+    @override
+    def remarks(self) -> Sequence[str]:
+        return (
+            "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
+            f' creep. The rows "stiff" are with solreffriction="{SOFT}" and'
+            f' solimpfriction="{HARD}" at the joints and time steps of 1 ms: set these in your'
+            " program, or apply the laws to an MJCF file, where they are written.",
+        )
+
+
+def _dynamics(tag: Tag) -> Tag | None:
+    return next((one for one in tag.children if one.name == "dynamics"), None)
+
+
+# Scenes in USD: joints of PhysX (Isaac Sim) and of Newton.
+
+USD_KINDS: Final = MappingProxyType(
+    {
+        "PhysicsRevoluteJoint": "hinge",
+        "PhysicsPrismaticJoint": "slide",
+        "PhysicsFixedJoint": "fixed",
+        "PhysicsSphericalJoint": "ball",
+        "PhysicsJoint": "free",
+        "PhysicsDistanceJoint": "free",
+    }
+)
+AXES: Final = MappingProxyType({"hinge": "angular", "slide": "linear"})
+DEGREE: Final = math.pi / 180.0
+"""USD has angles in degrees, and dampings over these."""
+
+
+class UsdModel(JointModel):
+    """A scene as text, in which a joint has attributes of a schema that is applied to it."""
+
+    refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
+
+    @abstractmethod
+    def schema(self, axis: str) -> str:
+        """Return the schema that a joint with an angular or linear axis needs."""
+
+    @abstractmethod
+    def names(self, axis: str) -> Mapping[str, str]:
+        """Return the attributes of level, rest, damping and armature."""
+
+    @classmethod
+    @override
+    def recognises(cls, path: Path, data: bytes) -> bool:
+        return data.startswith(b"#usda")
+
+    @cached_property
+    def stage(self) -> Stage:
+        """The elements of the file."""
+        return stage_of(self.path, self.data)
+
+    @override
+    def joints(self) -> Iterator[ModelJoint]:
+        for prim in self.stage.prims:
+            if prim.kind in USD_KINDS:
+                kind = USD_KINDS[prim.kind]
+                names = self.names(AXES.get(kind, "")).values()
+                given = {key: (prim.values[key].text, "") for key in names if key in prim.values}
+                yield ModelJoint(name=prim.name, kind=kind, line=prim.line, place=prim, given=given)
+
+    @override
+    def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
+        length, mass = self.stage.metres, self.stage.kilograms
+        if length is None:
+            raise InputError(
+                f"{self.path} does not say its unit of length, which USD takes for a centimetre:"
+                " write metersPerUnit into its first parentheses, for metres ( metersPerUnit = 1 )."
+            )
+        effort = mass * length * length if joint.rotary else mass * length
+        values = {
+            "level": friction.level / effort,
+            "static": friction.static / effort,
+            "damping": friction.damping[0] / (effort / DEGREE if joint.rotary else mass),
+        }
+        if friction.armature is not None:
+            values["armature"] = friction.armature / (effort if joint.rotary else mass)
+        names = self.names(AXES[joint.kind])
+        return {names[key]: number(value) for key, value in values.items() if key in names}
+
+    @override
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+        prim: Prim = joint.place
+        return self.stage.edits(prim, values, self.schema(AXES[joint.kind]))
+
+
+@final
+class Physx(UsdModel):
+    """A scene for PhysX 5.6 and later, as Isaac Sim 5 has it."""
+
+    name: ClassVar[str] = "physx"
+    title: ClassVar[str] = "USD for PhysX"
+    program: ClassVar[str] = "PhysX"
+    refuses: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {**ONE_DAMPING, "holds": "has friction at rest of its own, that of break-away"}
+    )
+    holds_statically: ClassVar[bool] = True
+
+    @override
+    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
+        yield from _of_drive(joint)
+        found = joint.place.values.get("physxJoint:jointFriction")
+        if found is not None and found.text not in ("0", "0.0"):
+            yield (
+                f"physxJoint:jointFriction = {found.text} adds friction in proportion to what the"
+                " joint transmits: remove it."
+            )
+
+    @override
+    def remarks(self) -> Sequence[str]:
+        return ("PhysX has friction of joints that are part of an articulation only.",)
+
+    @override
+    def schema(self, axis: str) -> str:
+        return f"PhysxJointAxisAPI:{axis}"
+
+    @override
+    def names(self, axis: str) -> Mapping[str, str]:
+        before = f"physxJointAxis:{axis}"
+        return {
+            "static": f"{before}:staticFrictionEffort",
+            "level": f"{before}:dynamicFrictionEffort",
+            "damping": f"{before}:viscousFrictionCoefficient",
+            "armature": f"{before}:armature",
+        }
+
+
+@final
+class Newton(UsdModel):
+    """A scene for Newton."""
+
+    name: ClassVar[str] = "newton"
+    title: ClassVar[str] = "USD for Newton"
+    program: ClassVar[str] = "Newton"
+
+    @override
+    def schema(self, axis: str) -> str:
+        return "NewtonJointAPI"
+
+    @override
+    def names(self, axis: str) -> Mapping[str, str]:
+        return {
+            "level": "newton:friction",
+            "damping": "newton:damping",
+            "armature": "newton:armature",
+        }
+
+    @override
+    def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
+        yield from _of_drive(joint)
+
+
+def _of_drive(joint: ModelJoint) -> Iterator[str]:
+    """Yield that a drive damps the joint too, in a sentence."""
+    name = f"drive:{AXES[joint.kind]}:physics:damping"
+    found = joint.place.values.get(name)
+    if found is not None and found.text not in ("0", "0.0"):
+        yield (
+            f"The drive of the joint has a damping too, {name} = {found.text}, which comes on top:"
+            " it is for control and not for friction."
+        )

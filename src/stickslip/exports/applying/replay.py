@@ -20,8 +20,7 @@ from stickslip.experiments import (
     command_of,
     with_voltage,
 )
-from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone, not_run
-from stickslip.exports.applying.workload import timed
+from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone, not_run, timed
 from stickslip.formatting import quantity
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw

@@ -17,7 +17,7 @@ from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
 from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
 from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
-from stickslip.exports.subject import Subject
+from stickslip.exports.program import Subject
 from stickslip.exports.verb import Asked, evaluated, subject_of
 from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw, Laws

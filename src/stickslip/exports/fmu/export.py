@@ -21,17 +21,25 @@ import numpy as np
 from stickslip.documents import write_file
 from stickslip.drives import Sum
 from stickslip.errors import CompilationError, InputError
-from stickslip.exports.fmu.description import Fmi, Heading, model_description
-from stickslip.exports.fmu.inputs import label_of, told_from_outside, with_inputs
-from stickslip.exports.fmu.variables import Variable, variables_of
-from stickslip.exports.identifiers import identifier
+from stickslip.exports.fmu.description import (
+    Fmi,
+    Heading,
+    Variable,
+    label_of,
+    model_description,
+    told_from_outside,
+    variables_of,
+    with_inputs,
+)
+from stickslip.exports.program import identifier
 from stickslip.formatting import printable
 from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
-from stickslip.kernels import enums, exchange, state_layout
-from stickslip.kernels.contacts.guards import first_contact_guard
+from stickslip.kernels import exchange, state_layout
+from stickslip.kernels import state_layout as enums
+from stickslip.kernels.batch import happened
+from stickslip.kernels.contacts.motion import first_contact_guard
 from stickslip.kernels.equations import CONSTANTS_OF, WALLS_OF
-from stickslip.kernels.reducers import happened
 from stickslip.mechanisms import Mechanism, told_fields
 from stickslip.quantities import Quantity
 from stickslip.simulation import check_pair, initial_state

@@ -17,15 +17,7 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identification.estimation.parameters import MOVED
 from stickslip.identification.settings import ROUNDING, ROUNDS
-from stickslip.kernels.bristle_steps import (
-    MARGIN,
-    MOST_PARTS,
-    NUDGE,
-    REACH,
-    SERIES,
-    STILL,
-    TOLERANCE,
-)
+from stickslip.kernels.observer import MARGIN, MOST_PARTS, NUDGE, REACH, SERIES, STILL, TOLERANCE
 from stickslip.maths import Latches
 from stickslip.solver import states_along
 

@@ -1,20 +1,21 @@
 """Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
 
-Each coordinate has a mode. One that is held is left out of the equations: its acceleration is 0 to
-the last bit, and what friction has to do for that, the needed friction, is what is left of its
-forces. No matrix of the contacts is ever inverted, so that none can be singular.
-
-Friction is affine in the load, F = a + b N, and so is a level of break-away. Contacts that slip
-along the same coordinate share its mode. What holds them while they stick is one number, which
-they share in proportion to their levels: they reach these together.
+For the coordinates f that are free, M_ff a_f = h_f - (W F)_f is solved by a Cholesky factor of
+M_ff; the others have a = 0 and their needed friction is what is left of their rows. A coordinate at
+its hard stop counts as held with an infinite level towards it.
 """
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.loops import cut_levels, find_followers, scale_cuts, share_in_loops
-from stickslip.kernels.contacts.stops import raise_levels
-from stickslip.kernels.directions import slip_rate_along, spread
-from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.contacts.loops import (
+    cut_levels,
+    find_followers,
+    fold,
+    project_mass,
+    scale_cuts,
+    share_in_loops,
+)
 from stickslip.kernels.equations import (
     FORCES,
     GEOMETRY,
@@ -24,28 +25,38 @@ from stickslip.kernels.equations import (
     MASSES,
     TURNING,
     WALLS_OF,
+    bind,
     evaluate,
+    slip_rate_along,
+    spread,
 )
 from stickslip.kernels.guard_roots import size_of_forces
+from stickslip.kernels.mode_transitions import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     ASKED,
+    BACKWARD,
     BORNE,
     BRISTLE_COUNTS,
     BRISTLE_RATES,
     BRISTLES,
+    CHOLESKY,
     CONSTANT_LOADS,
     CONSTANT_MASS,
     DAMPING,
     DIAGONAL,
     DIRECTIONAL,
+    FIRST_WALL,
     FLAGS,
     FORCE,
+    FORWARD,
+    FREE,
     FRICTION,
     FRICTION_CONSTANT,
     FRICTION_FACTOR,
     FRICTIONLESS,
     HAS_BRISTLES,
+    HELD_FAST,
     HELD_NORMALS,
     HELD_SLIPS,
     HOLDS,
@@ -86,9 +97,123 @@ from stickslip.kernels.state_layout import (
     SLIPS,
     TIME,
     TURN,
+    WALL_COLUMNS,
     WALLS,
     Y,
 )
+
+# Hard stops of mechanisms with several contacts: where they are, and what they hold.
+#
+# A coordinate that rests at its stop is held like any other, but that nothing moves it towards the
+# stop: its level on that side is infinite. It is at its stop where its place is that of the stop to
+# the last bit, onto which an impact puts it.
+
+
+def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:
+    """Return the distance of a coordinate from a stop."""
+    position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+    return wall_side(wall, whole) * (position - w[at + wall_coordinate(wall, whole)])
+
+
+def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
+    """Return the side of the stop at which a coordinate is: 1 upper, -1 lower, 0 none."""
+    for wall in range(whole[N_WALLS]):
+        if wall_coordinate(wall, whole) == i and margin_of(wall, w, whole, at) == 0.0:
+            return wall_side(wall, whole)
+    return 0
+
+
+def raise_levels(levels: int, w: Vector, whole: Wholes, at: int) -> None:
+    """Make the levels of held coordinates infinite towards the stops at which they are."""
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        held = whole[whole[MODES] + i] == HELD_FAST
+        if held and margin_of(wall, w, whole, at) == 0.0:
+            w[levels + 2 * i + (0 if wall_side(wall, whole) > 0 else 1)] = math.inf
+
+
+def finite(level: float) -> float:
+    """Return a level, 0 for that of a stop."""
+    return level if level < math.inf else 0.0
+
+
+def stop_guards(w: Vector, whole: Wholes, at: int, to: int, always: float) -> None:
+    """Write the guards of the stops: distances of the coordinates that may reach them."""
+    for wall in range(whole[N_WALLS]):
+        mode = whole[whole[MODES] + wall_coordinate(wall, whole)]
+        away = mode in (FORWARD, BACKWARD) and mode != wall_side(wall, whole)
+        idle = mode == HELD_FAST or away
+        margin = always if idle else margin_of(wall, w, whole, at)
+        w[to + whole[FIRST_WALL] + wall] = margin
+
+
+# The mass matrix of the coordinates that are free to move, factorised by Cholesky.
+
+
+def factorise(w: Vector, whole: Wholes) -> None:
+    """Factorise the mass matrix of the free coordinates; those of held ones are rows of 1.
+
+    A principal part of a positive definite matrix is one itself: there is always an answer.
+    """
+    n = whole[N_COORDINATES]
+    modes = whole[MODES]
+    mass = whole[MASS]
+    factors = whole[CHOLESKY]
+    if whole[N_DIRECTIONS] > n:
+        mass = project_mass(w, whole)
+    for i in range(n):
+        free_row = whole[modes + i] != HELD_FAST
+        for j in range(i):
+            free = free_row and whole[modes + j] != HELD_FAST
+            total = w[mass + i * n + j] if free else 0.0
+            for k in range(j):
+                total -= w[factors + i * n + k] * w[factors + j * n + k]
+            w[factors + i * n + j] = total / w[factors + j * n + j]
+        total = w[mass + i * n + i] if free_row else 1.0
+        for k in range(i):
+            total -= w[factors + i * n + k] * w[factors + i * n + k]
+        w[factors + i * n + i] = math.sqrt(total) if total > 0.0 else math.nan
+
+
+def solve_free(w: Vector, whole: Wholes, right: int) -> None:
+    """Solve for the free coordinates in place; 0 at held ones."""
+    n = whole[N_COORDINATES]
+    modes = whole[MODES]
+    if whole[DIAGONAL]:
+        mass = whole[MASS]
+        for i in range(n):
+            held = whole[modes + i] == HELD_FAST
+            w[right + i] = 0.0 if held else w[right + i] / w[mass + i * n + i]
+        return
+    factors = whole[CHOLESKY]
+    if whole[N_DIRECTIONS] > n:
+        fold(right, w, whole)
+    for i in range(n):
+        total = 0.0 if whole[modes + i] == HELD_FAST else w[right + i]
+        for k in range(i):
+            total -= w[factors + i * n + k] * w[right + k]
+        w[right + i] = total / w[factors + i * n + i]
+    for i in range(n - 1, -1, -1):
+        total = w[right + i]
+        for k in range(i + 1, n):
+            total -= w[factors + k * n + i] * w[right + k]
+        w[right + i] = total / w[factors + i * n + i]
+    for i in range(n):
+        if whole[modes + i] == HELD_FAST:
+            w[right + i] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        bind(right, 1, w, whole)
+
+
+# Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
+#
+# Each coordinate has a mode. One that is held is left out of the equations: its acceleration is 0
+# to the last bit, and what friction has to do for that, the needed friction, is what is left of its
+# forces. No matrix of the contacts is ever inverted, so that none can be singular.
+#
+# Friction is affine in the load, F = a + b N, and so is a level of break-away. Contacts that slip
+# along the same coordinate share its mode. What holds them while they stick is one number, which
+# they share in proportion to their levels: they reach these together.
 
 WITHIN = 2e-15
 """Share of its level, nine units in the last place of 1, by which needed friction may exceed it, in

@@ -1,40 +1,52 @@
-"""Who sticks and who slips: all coordinates at rest are decided together, at one instant.
+"""Decisions of several contacts at one instant: who sticks, who slips, and what impacts give.
 
-1. Those whose break-away has been reached slip; all others at rest begin as held.
-2. A boxed linear complementarity problem with static levels: each is held within its level, or is
-   pushed by its level and does not move against it. It has exactly one solution, for the mass
-   matrix is positive definite. Who moves then has broken away, and has its kinetic friction from
-   now on; the problem is solved again, until nobody else breaks away. Friction passes its static
-   peak before it drops.
-3. If then somebody would move against its own friction, the same problem with kinetic levels for
-   all decides, which has exactly one solution too.
-
-Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
-the least of a convex function, in which each contact has its level times its slip acceleration. It
-is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who is
-held then, until no cut is exceeded.
-
-With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
-in which to let the worst violator slip at once, and then the next, gives another one are counted.
+Both are problems of all contacts together, with the mass matrix of the mechanism: sticking is a
+boxed linear complementarity problem of accelerations, an impact a linear system of impulses.
 """
 
 import math
 
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, reconsider, refresh
+from stickslip.kernels.contacts.assembly import (
+    WITHIN,
+    ask_law,
+    blur,
+    factorise,
+    finite,
+    margin_of,
+    put_mass,
+    raise_levels,
+    reconsider,
+    refresh,
+    solve_free,
+    stopped_side,
+)
 from stickslip.kernels.contacts.loops import close_loops, crossing, cut_levels, is_bound, mass_along
-from stickslip.kernels.contacts.stops import finite, raise_levels
-from stickslip.kernels.directions import combined
-from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
+from stickslip.kernels.equations import combined
 from stickslip.kernels.guard_roots import CLOCK
+from stickslip.kernels.mode_transitions import (
+    approach,
+    energy_now,
+    resting_speed,
+    wall_coordinate,
+    wall_side,
+)
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     AMBIGUOUS,
+    BACKWARD,
+    BOOKS,
     BOUNDS,
     CANDIDATES,
+    CONSTANT_MASS,
     DECISIONS,
     DIAGONAL,
+    FIRST_WALL,
     FORCED,
+    FORWARD,
+    FREE,
+    GROSS,
+    HELD_FAST,
     HOLDS,
     KEPT,
     LAW_VALUES,
@@ -42,22 +54,52 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LOAD,
     LOOPED,
+    LOST,
     MASS,
     MODES,
+    N_CHANNELS,
     N_CONTACTS,
     N_COORDINATES,
     N_DIRECTIONS,
     N_PAIRS,
     N_REACTIONS,
+    N_WALLS,
     NEEDED,
     OPEN,
     PIVOTINGS,
+    PUSHED,
+    REACHED,
     REACHED_SO_FAR,
+    SCALE,
     SLIP_FACTORS,
     SLIPS,
+    STEPS,
+    STRUCK,
+    SUPPLIED,
     TIME,
+    WALL_COLUMNS,
+    WALLS,
     Y,
 )
+
+# Who sticks and who slips: all coordinates at rest are decided together, at one instant.
+#
+# 1. Those whose break-away has been reached slip; all others at rest begin as held.
+# 2. A boxed linear complementarity problem with static levels: each is held within its level, or is
+#    pushed by its level and does not move against it. It has exactly one solution, for the mass
+#    matrix is positive definite. Who moves then has broken away, and has its kinetic friction from
+#    now on; the problem is solved again, until nobody else breaks away. Friction passes its static
+#    peak before it drops.
+# 3. If then somebody would move against its own friction, the same problem with kinetic levels for
+#    all decides, which has exactly one solution too.
+#
+# Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
+# the least of a convex function, in which each contact has its level times its slip acceleration.
+# It is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who
+# is held then, until no cut is exceeded.
+#
+# With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
+# in which to let the worst violator slip at once, and then the next, gives another one are counted.
 
 MOST_MOVES = 40
 """Moves of a descent, and as many for each direction and cut: the function that is descended falls
@@ -380,3 +422,150 @@ def decide(w: Vector, whole: Wholes) -> bool:
         w[TIME] = now
         refresh(now, w, whole, whole[Y])
     return solved
+
+
+# Impacts at hard stops where several contacts rub: those of one instant are solved together.
+#
+# Each stop that a coordinate reaches gives it an impulse, after which its speed is that before
+# times the restitution, away from the stop. A coordinate that rests at its stop gets one too, if it
+# would else move into it. All other rates follow by the mass matrix: what friction holds is no
+# exception, for a bounded force does nothing in no time.
+
+STRIKES = 2
+"""A coordinate that reaches its stop."""
+RESTS = 1
+"""One that is at its stop already and would move into it."""
+AT_ONCE = 1e-13
+"""Distance from a stop, over the largest so far, below which it is reached in the instant too."""
+
+
+def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
+    """Change all rates by the impacts of an instant.
+
+    STRUCK tells then which coordinates have reached a stop: 2.
+    """
+    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
+    first = whole[FIRST_WALL]
+    for i in range(n):
+        whole[whole[STRUCK] + i] = 0
+        w[change + i] = 0.0
+    for wall in range(whole[N_WALLS]):
+        reach = AT_ONCE * w[whole[REACHED] + first + wall]
+        meets = margin_of(wall, w, whole, y) <= reach and approach(first + wall, w, whole) > 0.0
+        if first + wall == guard or meets:
+            i = wall_coordinate(wall, whole)
+            w[y + i] = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+            whole[whole[STRUCK] + i] = STRIKES
+    refresh(w[TIME], w, whole, y)
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        if whole[whole[STRUCK] + i] == STRIKES and margin_of(wall, w, whole, y) == 0.0:
+            rebound = restitution_of(wall, w, whole)
+            w[change + i] = -(1.0 + rebound) * w[y + n + i]
+    before = energy_now(w, whole)
+    share_impulses(w, whole)
+    book_impacts(w, whole)
+    for i in range(n):
+        rate = w[y + n + i] + w[change + i]
+        w[y + n + i] = 0.0 if whole[whole[STRUCK] + i] == RESTS else rate
+    if whole[N_CHANNELS] > 0 and whole[BOOKS] and whole[STEPS] > 0:
+        w[SUPPLIED] += energy_now(w, whole) - before  # with what is lost, what the guides have done
+
+
+def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
+    """Return the restitution of an impact, 0 where it is so slow that the coordinate stays.
+
+    Everything is worked out for the modes at hand, before and after.
+    """
+    y, modes = whole[Y], whole[MODES]
+    i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+    at = whole[WALLS] + wall * whole[WALL_COLUMNS]
+    restitution = w[at + 1]
+    push = side * w[whole[ACCELERATION] + i]
+    size = w[whole[SCALE] + whole[N_COORDINATES] + i]
+    if approach(whole[FIRST_WALL] + wall, w, whole) > resting_speed(
+        w[TIME], size, push, w[at], restitution
+    ):
+        return restitution
+    mode = whole[modes + i]
+    whole[modes + i] = HELD_FAST
+    refresh(w[TIME], w, whole, y)
+    level = finite(w[whole[LEVELS] + 2 * i + (1 if side > 0 else 0)])
+    pressed = side * w[whole[NEEDED] + i] + level > 0.0
+    whole[modes + i] = mode
+    refresh(w[TIME], w, whole, y)
+    return 0.0 if pressed else restitution
+
+
+def share_impulses(w: Vector, whole: Wholes) -> None:
+    """Write the changes of all rates, from those of the coordinates that meet their stops.
+
+    A stop that would have to pull gives no impulse; one at which a coordinate rests gives one where
+    that would else move into it. Factors and accelerations are those of the impacts afterwards: a
+    decision has to follow.
+    """
+    n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
+    if not whole[CONSTANT_MASS]:
+        put_mass(w[TIME], w, whole, y)
+    for i in range(n):
+        whole[whole[KEPT] + i] = whole[whole[MODES] + i]
+    for _ in range(2 * whole[N_WALLS]):
+        follow(w, whole)
+        settled = True
+        for i in range(n):
+            side = stopped_side(i, w, whole, y)
+            if side == 0:
+                continue
+            if whole[struck + i] == 0 and side * (w[y + n + i] + w[change + i]) > 0.0:
+                whole[struck + i] = RESTS
+                w[change + i] = -w[y + n + i]
+                settled = False
+            elif whole[struck + i] == RESTS and side * impulse(i, w, whole) > 0.0:
+                whole[struck + i] = 0
+                settled = False
+        if settled:
+            break
+    for i in range(n):
+        whole[whole[MODES] + i] = whole[whole[KEPT] + i]
+
+
+def follow(w: Vector, whole: Wholes) -> None:
+    """Write the changes of the rates that no stop gives: momentum along them stays."""
+    n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
+    for i in range(n):
+        whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
+    if not whole[DIAGONAL]:
+        factorise(w, whole)
+    for i in range(n):
+        w[found + i] = 0.0
+        for j in range(n):
+            if whole[whole[STRUCK] + j] != 0 and j != i:
+                w[found + i] -= w[whole[MASS] + i * n + j] * w[change + j]
+    solve_free(w, whole, found)
+    for i in range(n):
+        if whole[whole[STRUCK] + i] == 0:
+            w[change + i] = w[found + i]
+
+
+def impulse(i: int, w: Vector, whole: Wholes) -> float:
+    """Return the impulse along a coordinate that the changes of the rates take."""
+    n, total = whole[N_COORDINATES], 0.0
+    for j in range(n):
+        total += w[whole[MASS] + i * n + j] * w[whole[BOUNDS] + j]
+    return total
+
+
+def book_impacts(w: Vector, whole: Wholes) -> None:
+    """Book what the stops take; books open after what happens as a run begins."""
+    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
+    if not whole[BOOKS] or whole[STEPS] == 0:
+        return
+    lost = 0.0
+    for i in range(n):
+        if whole[whole[STRUCK] + i] != 0:
+            mean = w[y + n + i] + 0.5 * w[change + i]
+            lost -= impulse(i, w, whole) * mean
+    w[LOST] += lost
+    w[GROSS] += lost
+    if whole[N_CHANNELS] > 0:
+        w[SUPPLIED] += lost

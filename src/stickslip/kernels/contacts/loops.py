@@ -12,13 +12,14 @@ way elastically, at one deflection up to their level, and then no more.
 """
 
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.directions import combined, factor_of, size_along
-from stickslip.kernels.enums import FREE, HELD_FAST
+from stickslip.kernels.equations import combined, factor_of, size_along
 from stickslip.kernels.state_layout import (
     BORNE,
     CANDIDATES,
     FOLLOWED,
     FOLLOWERS,
+    FREE,
+    HELD_FAST,
     LEVELS,
     LOOPED,
     LOOPS,

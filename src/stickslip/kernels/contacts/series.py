@@ -8,20 +8,23 @@ of its own: where nothing moves any more it still grows with the drives. Guards 
 import math
 
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
-from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur
-from stickslip.kernels.contacts.factors import solve_free
-from stickslip.kernels.contacts.stops import stop_guards
-from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
-from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
-from stickslip.kernels.equations import FORCE_SLOPES, MARGIN_SLOPES_OF, MARGINS, evaluate
-from stickslip.kernels.error_scale import VANISHED, series_tail
+from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur, solve_free, stop_guards
+from stickslip.kernels.equations import (
+    FORCE_SLOPES,
+    MARGIN_SLOPES_OF,
+    MARGINS,
+    combined,
+    evaluate,
+    factor_of,
+    slip_rate_along,
+    spread,
+)
 from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
-from stickslip.kernels.hard_stops import wall_coordinate, wall_side
-from stickslip.kernels.mode_transitions import UNMOVED
+from stickslip.kernels.mode_transitions import UNMOVED, wall_coordinate, wall_side
+from stickslip.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall, interpolate
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BACKWARD,
     BORNE,
     BOUNDS,
     DAMPING,
@@ -32,8 +35,10 @@ from stickslip.kernels.state_layout import (
     FIRST_WALL,
     FLAGS,
     FORCE,
+    FORWARD,
     FRACTION,
     FRICTION,
+    HELD_FAST,
     LAW_VALUES,
     LENGTH,
     LEVELS,
@@ -68,7 +73,7 @@ from stickslip.kernels.state_layout import (
     Y1,
     Y,
 )
-from stickslip.kernels.taylor_series import fill_waves, wave_at, waves_tail
+from stickslip.kernels.steppers import VANISHED, fill_waves, series_tail, wave_at, waves_tail
 
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""

@@ -12,23 +12,32 @@ from stickslip.kernels.contacts.assembly import (
     balance,
     bends,
     equal_part,
+    factorise,
     note_surplus,
     put_loads,
     put_mass,
     put_motion,
     set_row,
     side_of,
+    solve_free,
+    stopped_side,
 )
-from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch, watches
 from stickslip.kernels.contacts.loops import cut_levels
-from stickslip.kernels.contacts.stops import stopped_side
-from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
-from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import LAW_MARGIN_SLOPES, LAW_SLOPES_OF, PART_SLOPES_OF, evaluate
-from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
+from stickslip.kernels.contacts.motion import first_contact_guard, first_own_switch, watches
+from stickslip.kernels.equations import (
+    LAW_MARGIN_SLOPES,
+    LAW_SLOPES_OF,
+    PART_SLOPES_OF,
+    combined,
+    evaluate,
+    factor_of,
+    slip_rate_along,
+    spread,
+)
+from stickslip.kernels.mode_transitions import approach, wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION_SLOPES,
+    BACKWARD,
     BOUNDS,
     BRISTLE_COUNTS,
     BRISTLE_SLOPES,
@@ -38,9 +47,12 @@ from stickslip.kernels.state_layout import (
     DIRECTIONAL,
     FIRST_WALL,
     FLAGS,
+    FORWARD,
+    FREE,
     FRICTION_CONSTANT,
     FRICTION_FACTOR,
     FRICTION_SLOPES,
+    HELD_FAST,
     HELD_SLIPS,
     HOLDS,
     INPUT_COUNTS,

@@ -1,39 +1,81 @@
-"""What changes at an event of a mechanism with several contacts: all that fires in one instant."""
+"""Events of a mechanism with several contacts, and its answers to the other kernels.
+
+All that fires in one instant is dealt with at once: impacts first, then stops of slips, break-away,
+loads and switches, until nothing changes any more.
+"""
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.bernstein import NEVER_FALLS
-from stickslip.kernels.contacts.assembly import prepare, refresh
-from stickslip.kernels.contacts.decisions import decide
-from stickslip.kernels.contacts.guards import (
+from stickslip.kernels.contacts.assembly import margin_of, prepare, refactor, refresh, stopped_side
+from stickslip.kernels.contacts.decisions import STRIKES, decide, strike_stops
+from stickslip.kernels.contacts.loops import close_loops, crossing
+from stickslip.kernels.contacts.motion import (
     LEAST_PIVOT,
+    book_contacts,
+    contact_columns,
     contact_guards,
+    contact_power,
+    contact_rates,
+    contacts_are_linear,
+    contacts_rest,
     first_contact_guard,
+    first_contact_sizes,
     first_own_switch,
     law_flags,
+    mode_of,
+    note_motion,
 )
-from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
-from stickslip.kernels.contacts.loops import close_loops, crossing
-from stickslip.kernels.contacts.motion import mode_of
-from stickslip.kernels.contacts.series import TOGETHER
-from stickslip.kernels.contacts.stops import margin_of, stopped_side
-from stickslip.kernels.coordinates import turn_states
-from stickslip.kernels.directions import bind, combined, slip_rate_along
-from stickslip.kernels.enums import (
-    BACKWARD,
-    EXACT,
-    FORWARD,
-    FREE,
-    HELD_FAST,
-    LIFTED_OFF,
-    LIMITED,
-    RUNNING,
+from stickslip.kernels.contacts.series import (
+    TOGETHER,
+    contact_series,
+    contact_series_step,
+    first_contact_crossing,
 )
-from stickslip.kernels.equations import ANY_RATE, LOADS, MARGINS, evaluate
+from stickslip.kernels.contacts.slopes import (
+    guard_slopes_along,
+    impact_slopes_along,
+    rate_slopes_along,
+)
+from stickslip.kernels.equations import (
+    ANY_RATE,
+    BEGIN,
+    BOOK,
+    CHANGE,
+    COLUMNS,
+    CROSSING,
+    FIRST_SIZES,
+    GUARD_QUANTITIES,
+    GUARD_STATES,
+    GUARDS_OF,
+    IMPACT_QUANTITIES,
+    IMPACT_STATES,
+    IS_LINEAR,
+    LOADS,
+    MARGINS,
+    MOTION,
+    POWERS,
+    PREPARE,
+    QUANTITY_SLOPES,
+    RATES,
+    RESTORE,
+    SERIES_FROM,
+    SERIES_STEP,
+    SETTLE,
+    STATE_SLOPES,
+    STAYS,
+    TIME_SLOPES,
+    bind,
+    combined,
+    evaluate,
+    slip_rate_along,
+    turn_states,
+)
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size
-from stickslip.kernels.hard_stops import wall_coordinate
-from stickslip.kernels.mode_transitions import UNMOVED
+from stickslip.kernels.mode_transitions import UNMOVED, wall_coordinate
+from stickslip.kernels.numerics import NEVER_FALLS
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    ANSWER,
+    BACKWARD,
     BEFORE,
     CANDIDATES,
     CHANGED,
@@ -41,16 +83,22 @@ from stickslip.kernels.state_layout import (
     CLOSED,
     CONSTANT_LOADS,
     EVENT_COLUMNS,
+    EXACT,
     FIRST_LIMIT,
     FIRST_WALL,
     FLAGS,
     FORCED,
+    FORWARD,
     FRACTION,
+    FREE,
+    HELD_FAST,
     IS_TURNED,
     LAW_FLAGS,
     LAW_SWITCHES,
     LENGTH,
     LEVELS,
+    LIFTED_OFF,
+    LIMITED,
     LOAD,
     MODES,
     N_CONTACTS,
@@ -58,7 +106,9 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
     N_LIMITS,
     N_REACTIONS,
+    N_STATES,
     N_SWITCHES,
+    N_VARIABLES,
     N_WALLS,
     NEEDED,
     OPEN,
@@ -67,6 +117,7 @@ from stickslip.kernels.state_layout import (
     REACTS,
     RIGID,
     ROOTS,
+    RUNNING,
     SLIPS,
     STATUS,
     STEPPER,
@@ -76,6 +127,8 @@ from stickslip.kernels.state_layout import (
     VALUES,
     Y,
 )
+
+# What changes at an event of a mechanism with several contacts: all that fires in one instant.
 
 OF_MODES = -1
 """Guard of an event in which modes change, in its record, less the guard that fell first."""
@@ -556,3 +609,78 @@ def write_event(
     w[at + 5] = margin
     w[at + 6] = contact
     whole[CHANGED] += 1
+
+
+# Answers of a mechanism with several contacts to the questions of the other kernels.
+
+
+def answer(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Answer one question; whole numbers are left in ANSWER."""
+    if name == RATES:
+        contact_rates(t, w, whole, at, to)
+    elif name == GUARDS_OF:
+        contact_guards(t, w, whole, at, to)
+    elif name == COLUMNS:
+        contact_columns(t, w, whole, at, to)
+    elif name == POWERS:
+        contact_power(t, w, whole, at, to)
+    elif name < STATE_SLOPES:
+        answer_of_run(name, t, w, whole, at, to)
+    else:
+        answer_of_slopes(name, t, w, whole, at, to)
+
+
+def answer_of_slopes(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write slopes along states, time, or all quantities."""
+    states = whole[N_STATES]
+    quantities = whole[N_VARIABLES] - states - 1
+    if name == STATE_SLOPES:
+        rate_slopes_along(0, states, t, w, whole, at, to)
+    elif name == TIME_SLOPES:
+        rate_slopes_along(states, 1, t, w, whole, at, to)
+    elif name == QUANTITY_SLOPES:
+        rate_slopes_along(states + 1, quantities, t, w, whole, at, to)
+    elif name == GUARD_STATES:
+        guard_slopes_along(0, states + 1, t, w, whole, at, to)
+    elif name == GUARD_QUANTITIES:
+        guard_slopes_along(states + 1, quantities, t, w, whole, at, to)
+    elif name == IMPACT_STATES:
+        impact_slopes_along(0, states, t, w, whole, at, to)
+    elif name == IMPACT_QUANTITIES:
+        impact_slopes_along(states + 1, quantities, t, w, whole, at, to)
+
+
+def answer_of_run(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Answer what is asked of the course of a run."""
+    if name == SERIES_STEP:
+        w[to] = contact_series_step(t, w, whole)
+    elif name == SERIES_FROM:
+        contact_series(t, w, whole, at)
+    elif name == CROSSING:
+        whole[ANSWER] = first_contact_crossing(w, whole)
+    elif name == CHANGE:
+        change_contacts(at, w, whole)
+    elif name == SETTLE:
+        settle_contacts(w, whole)
+    elif name == BOOK:
+        book_contacts(w, whole)
+    elif name == MOTION:
+        note_motion(w, whole)
+    elif name == IS_LINEAR:
+        whole[ANSWER] = 1 if contacts_are_linear(w, whole) else 0
+    elif name == STAYS:
+        whole[ANSWER] = 1 if contacts_rest(w, whole) else 0
+    else:
+        answer_of_start(name, t, w, whole)
+
+
+def answer_of_start(name: int, t: float, w: Vector, whole: Wholes) -> None:
+    """Set what follows from a state at which a run begins, or is taken up again."""
+    if name == RESTORE:
+        refactor(w, whole)
+    elif name == PREPARE:
+        prepare(t, w, whole)
+    elif name == FIRST_SIZES:
+        first_contact_sizes(t, w, whole)
+    elif name == BEGIN:
+        begin_contacts(w, whole)

@@ -7,7 +7,7 @@ from typing import Literal
 from stickslip.formatting import quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.values import viscous_fit
+from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.report import Axis, Column
 

@@ -1,32 +1,67 @@
-"""The printed equations, their defects, and where these act."""
+"""Sections on the printed equations, on how the block is set in motion, and on all assumptions."""
 
-from stickslip.formatting import fixed, in_words, joined, number, quantity, significant, with_unit
-from stickslip.friction import PRINTED_EQUATIONS, PrintedForm, RightEquation
+import math
+from collections.abc import Sequence
+
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    interval,
+    joined,
+    number,
+    quantity,
+    residue,
+    signed_percent,
+    significant,
+    with_unit,
+)
+from stickslip.friction import PRINTED_EQUATIONS, LuGre, PrintedForm, RightEquation
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.excitations import PUSH_DURATION
-from stickslip.paper.misprints import (
+from stickslip.paper.printed import (
     BACKWARD,
     BRISTLE_STEP,
+    CART_STEP,
+    CREEPING,
+    FINE_STEP,
     HELD,
     SECONDS,
-    STEP,
+    STIFFNESS,
     TESTS,
     Consequence,
     Outcome,
+    lugre_row,
 )
-from stickslip.paper.sections.common import levels_from, values_of
+from stickslip.paper.printed import FINE_STEP as FINE
+from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION, SPEED, Excitation
+from stickslip.paper.sections.common import (
+    COLOURS,
+    fitted_text,
+    levels_from,
+    travel_axis,
+    values_of,
+)
+from stickslip.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
+from stickslip.quantities import fields_of
 from stickslip.report import (
     Block,
     Caption,
     Column,
+    Figure,
+    Gallery,
+    Mark,
     Math,
     Name,
+    Number,
+    Panel,
     Paragraph,
     Row,
+    RowPlot,
     Section,
     Subheading,
     Table,
 )
+
+# The printed equations, their defects, and where these act.
 
 
 def equation_section(found: PaperAudit) -> Section:
@@ -150,10 +185,11 @@ def misprint_section(found: PaperAudit) -> Section:
             Caption(
                 text=(
                     f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
-                    f" {1e3 * STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a stick"
-                    " rule. Below it, where the two differ by more than 1 mm and 1 %, that of the"
-                    " corrected law, solved exactly. For a block, (4) equals (3). Viscous friction"
-                    " has no entry in the last column. As text: `stickslip models --published`."
+                    f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
+                    " stick rule. Below it, where the two differ by more than 1 mm and 1 %, that of"
+                    " the corrected law, solved exactly. For a block, (4) equals (3). Viscous"
+                    " friction has no entry in the last column. As text: `stickslip models"
+                    " --published`."
                 )
             ),
             Paragraph(text=_rule_text(found)),
@@ -256,3 +292,310 @@ def _cell(outcome: Outcome | None) -> Name | str:
         return travel
     held = run.criteria.travel == 0.0
     return Name(text=travel, aside=f"held without limit; not {right}" if held else f"not {right}")
+
+
+# Three readings of how the block is set in motion.
+
+SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
+
+
+def excitation_section(found: PaperAudit) -> Section:
+    """Show three readings of one sentence of the paper, with the first law of its table."""
+    row = found.table[0]
+    mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
+    values = found.values
+    force = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
+    if found.own:
+        how = "stays fastened" if values.own_reading == "C" else "leaves it at its natural length"
+        text = (
+            f"By the file a spring compressed by {quantity(values.rig.compression, 'm')} is"
+            f" released, and the block {how}: reading {values.own_reading}. Reading A is a push"
+            f" with the force of this spring for {PUSH_DURATION:g} s, as the paper has it. All with"
+            f" $mu_k$ = {number(mu_k)} and {row.law.title} friction:"
+        )
+    else:
+        text = (
+            "Section IV has a compressed spring that is released, with $F$ = $K$$x$, and for"
+            f" experiment and simulation alike a force of {force}. A released spring does not push"
+            f" with a constant force. The compression, {values.rig.compression:g} m, follows from"
+            f" {quantity(values.force, 'N')} and $K$. Both readings, and a control, with $mu_k$ ="
+            f" {mu_k:g} and {row.law.title} friction:"
+        )
+    travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
+    return Section(
+        id="excitation",
+        nav="Three excitations",
+        heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
+        blocks=(
+            Paragraph(text=text),
+            *(() if found.own else (_sketches(row.readings),)),
+            _figure(found, row.readings),
+            _table(found, row.readings),
+            _closed_forms(row.readings),
+        ),
+    )
+
+
+def _sketches(readings: Sequence[Excitation]) -> Gallery:
+    return Gallery(
+        panels=tuple(
+            Panel(
+                svg=sketch(
+                    SKETCHES[reading.key],
+                    alt=f"Sketch of the rig: {reading.title}",
+                    prefix=f"sketch-{reading.key.lower()}",
+                ),
+                title=f"{reading.key}. {reading.title}.",
+                text=reading.text,
+                colour=COLOURS[reading.key],
+            )
+            for reading in readings
+        )
+    )
+
+
+def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
+    values = found.values
+    low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
+    digits = 3 if found.own else 2
+    svg = inline_svg(
+        draw_excitations(
+            {_label(r): r.run for r in readings},
+            chosen=next(_label(r) for r in readings if r.key == values.own_reading),
+            band=(low, high),
+            measured=f"measured, {found.measured:.{digits}f} m",
+        ),
+        alt="Travel against time in the three readings of the rig",
+        prefix="excitations",
+        **EXCITATION_SIZES,
+    )
+    return Figure(
+        svg=svg,
+        caption=f"**Travel in the two readings and the control.** {_band_text(found, low, high)}",
+    )
+
+
+def _band_text(found: PaperAudit, low: float, high: float) -> str:
+    """Say what the band around the measured travel is, where there is one."""
+    if not high > low:
+        return "Line: the measured travel, whose uncertainty is not stated."
+    what = (
+        f"the travels that round to {found.measured:.2f} m"
+        if found.values.rounded
+        else "the measured travel ± its standard uncertainty"
+    )
+    return f"Blue-grey band: {interval(low, high)} m, {what}."
+
+
+def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
+    columns = (
+        Column(head="excitation"),
+        Column(head="travel\nm", numeric=True),
+        Column(
+            head="",
+            axis=travel_axis(
+                found, (r.criteria.travel for r in readings), "travel, m; line: measured"
+            ),
+        ),
+        Column(head="error", numeric=True, phone="label"),
+        Column(head="work put in\nJ", numeric=True, phone="label"),
+        Column(head="how it ends"),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                f"{reading.key}. {reading.title}",
+                Number(value=fixed(reading.criteria.travel, 3)),
+                RowPlot(marks=(_dot(reading),)),
+                signed_percent(reading.criteria.relative_error or 0.0),
+                fixed(reading.criteria.work_in, 3),
+                _ending(reading),
+            ),
+            chosen=reading.key == found.values.own_reading,
+        )
+        for reading in readings
+    )
+    return Table(columns=columns, rows=rows)
+
+
+def _label(reading: Excitation) -> str:
+    return f"{reading.key}. {reading.title}"
+
+
+def _dot(reading: Excitation) -> Mark:
+    return Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
+
+
+def _ending(reading: Excitation) -> str:
+    """Say in words how a run ends."""
+    seen = reading.criteria
+    if seen.stop_time is None:
+        return "still moves at the end"
+    if seen.displacement_never_decreases:
+        return f"stops at {seen.stop_time:.3f} s, stays"
+    farthest = float(reading.run["x"].max())
+    return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
+
+
+def _closed_forms(readings: Sequence[Excitation]) -> Caption:
+    """Set the runs against the formulas."""
+    known = {r: r.closed_form for r in readings if r.closed_form is not None}
+    if not known:
+        return Caption(text="No reading has a closed form here: the block stays with its spring.")
+    off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
+    travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
+    return Caption(
+        text=f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
+    )
+
+
+# All that is assumed on the page, in one table.
+
+
+def assumption_section(found: PaperAudit) -> Section:
+    """List every value that the page uses and the source does not print, with its origin."""
+    rows = (*_rig_rows(found), *_law_rows(found), *_run_rows(found))
+    printed = (
+        "the file of this rig gives"
+        if found.own
+        else "Tables I and II and the text of the paper print"
+    )
+    return Section(
+        collapsed=True,
+        id="assumptions",
+        nav="Assumptions",
+        heading="What is assumed, and where it is used",
+        blocks=(
+            Paragraph(
+                text=f"Every value on this page is one that {printed}, or stands in this table."
+            ),
+            Table(
+                columns=(
+                    Column(head="where"),
+                    Column(head="value"),
+                    Column(head="origin", phone="label", label="origin:"),
+                ),
+                rows=tuple(Row(cells=cells) for cells in rows),
+            ),
+        ),
+    )
+
+
+def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
+    values = found.values
+    rig, pushed = values.rig, f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
+    rows = [
+        (
+            "block, gravity",
+            quantity(rig.gravity, "m/s^2"),
+            "rig file; 9.81 m/s² where it gives none" if found.own else "not printed",
+        )
+    ]
+    if found.own:
+        given = "rig file" if found.rig.given.get("coulomb") else "fitted to the travels"
+        rows += [
+            ("block, levels", f"$mu_k$ {number(values.mu_k)}, $mu_s$ {number(values.mu_s)}", given),
+            ("reading A", pushed, "force of the spring, time of the paper"),
+        ]
+    else:
+        rows += [
+            (
+                "readings B and C, compression",
+                quantity(rig.compression, "m"),
+                "inferred from $F$ = $K$$x$ and 10 N",
+            ),
+            ("reading A", f"{pushed}, then coasting", "printed; that it coasts is inferred"),
+            ("reading C", "the block stays fastened", "ours, a control"),
+        ]
+    return rows
+
+
+def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
+    load = found.values.load
+    rows = []
+    for row in found.table:
+        own = found.rig.given.get(row.law.name, ()) if found.own else ()
+        held = " held at its first stop" if getattr(row.law, "static_switch", False) else ""
+        assumed = found.rig.assumed.get(row.law.name, ())
+        origin = "Table I"
+        if found.own:
+            used = [name for name in fields_of(type(row.law)) if getattr(row.law, name) is not None]
+            given = [name.replace("_", " ") for name in used if name in own]
+            if len(given) == len(used):
+                origin = "rig file"
+            else:
+                origin = (
+                    f"{joined(given)} of the rig file" if given else "levels as above"
+                ) + ", the rest as for the rig of the paper"
+                if row.law.name.startswith("coulomb-viscous") and fitted_text(found):
+                    origin = fitted_text(found)
+        elif assumed:
+            origin = (
+                f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
+            )
+        if isinstance(row.law, LuGre) and not own:
+            origin += "; $n$ not printed"
+        rows.append(
+            (f"models, {row.law.title}", f"{values_of(row.law, load)}{held and ','}{held}", origin)
+        )
+    return rows
+
+
+def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
+    values, cart, swing = found.values, found.cart.cart, found.cart.swing
+    angle = f"{math.degrees(swing.amplitude):.0f}°"
+    soft = lugre_row(values, STIFFNESS)
+    rows = [
+        (
+            "printed equations",
+            f"$sigma_2$ {significant(values.viscous, 2)} N s/m in (5), (8), (9) and (10), also"
+            " where the models above have none; $n$ = 2 in (9)",
+            fitted_text(found) or "assumed",
+        ),
+        (
+            "printed equations, tests",
+            f"{-BACKWARD:g} m/s backwards; held against {HELD:g} $F_c$; steps of {1e3 * FINE:g} ms,"
+            f" {1e3 * BRISTLE_STEP:g} ms with bristles; Heun’s method",
+            "ours",
+        ),
+        (
+            "spring-back, break-away with bristles",
+            f"LuGre, {values_of(soft, values.load)}",
+            "LuGre 1995, with the levels of the block",
+        ),
+        (
+            "steps of 10 ms",
+            f"{quantity(CART_STEP, 's')}, forward Euler",
+            "the paper states the time for its cart, not the method",
+        ),
+        (
+            "cart",
+            f"{number(cart.cart_mass)} kg, ball {number(cart.ball_mass)} kg, rod"
+            f" {number(cart.length)} m",
+            "ours",
+        ),
+        (
+            "cart, swing",
+            f"−{angle} to {angle} and back, {number(swing.fast)}, −{number(swing.slow)},"
+            f" {number(swing.fast)} rad/s², {CYCLES} cycles",
+            "ours",
+        ),
+    ]
+    if not found.own:
+        rows += [
+            (
+                "unpublished values, LuGre",
+                "$sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m, $v_s$ 1 mm/s, $n$ 2, nothing"
+                " holds the block",
+                "LuGre 1995",
+            ),
+            (
+                "(5) in steps of 10 ms",
+                f"$v_s$ {joined([significant(1e3 * one, 4) for one in CREEPING])} mm/s; sgn $v$"
+                " added",
+                "tried",
+            ),
+            ("cart, $mu_k$ = $mu_s$", f"{KINETIC:g}; Table I’s where said", "ours"),
+            ("stick-slip, pulling speed", f"{1e3 * SPEED:g} mm/s", "ours"),
+        ]
+    return rows

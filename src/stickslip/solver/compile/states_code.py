@@ -14,7 +14,7 @@ from typing_extensions import override
 
 from stickslip.errors import CompilationError, not_finite
 from stickslip.friction import FrictionLaw, bound
-from stickslip.kernels import bristle_steps
+from stickslip.kernels import observer
 from stickslip.quantities import shadow, structure, unchecked
 from stickslip.solver.compile.image_cache import name_of
 from stickslip.solver.compile.kernels_code import as_function, function_of, signature_of
@@ -163,12 +163,12 @@ class StatesCode(ObjectCode):
 
     @override
     def text(self) -> str:
-        own = bristle_steps.move if self.entry == FORMULA else bristle_steps.rate
+        own = observer.move if self.entry == FORMULA else observer.rate
         (node,) = ast.parse(self.program).body
         assert isinstance(node, ast.FunctionDef)
-        steps: list[Any] = [bristle_steps.by_formula]
+        steps: list[Any] = [observer.by_formula]
         if self.entry == RATES:
-            steps = [bristle_steps.by_rates, bristle_steps.stepped, bristle_steps.held_back]
+            steps = [observer.by_rates, observer.stepped, observer.held_back]
         functions = [Function(node, signature_of(own), lambda _: None, self.title)]
         functions += [function_of(one) for one in steps]
         return f"{translated(functions)}\n{exported(self.entry, signature_of(steps[0]))}"
@@ -176,7 +176,7 @@ class StatesCode(ObjectCode):
     @functools.cached_property
     def function(self) -> Any:
         """The entry as a function of numbers and arrays, once it is ready."""
-        called = getattr(bristle_steps, self.entry)
+        called = getattr(observer, self.entry)
         return as_function(self.addresses[self.entry], signature_of(called))
 
 
@@ -185,7 +185,7 @@ def _steps_text() -> str:
     """Return what decides on the steps: their text, with that of what compiles them."""
     from pathlib import Path
 
-    return "\n".join(Path(one).read_text("utf-8") for one in (bristle_steps.__file__, __file__))
+    return "\n".join(Path(one).read_text("utf-8") for one in (observer.__file__, __file__))
 
 
 @final

@@ -1,0 +1,495 @@
+"""``stickslip select``, ``stickslip fit`` and ``stickslip plan``."""
+
+import contextlib
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import typer
+
+from stickslip.cli.console import (
+    check_rig_file,
+    command_line,
+    draw_page,
+    folder_of,
+    leave_unless_drawn,
+    note,
+    number_of,
+    overrides,
+    plain,
+    print_json,
+    range_of,
+    refuse_inputs,
+    refuse_overwriting,
+    show_table,
+    stdout,
+)
+from stickslip.cli.inputs import (
+    Ask,
+    content_of,
+    law_to_fit,
+    rig_with,
+    show_estimates,
+    show_open,
+    show_trials,
+    show_warnings,
+    watching,
+)
+from stickslip.cli.progress import workers
+from stickslip.documents import (
+    document,
+    of_files,
+    regular_bytes,
+    with_files,
+    write_file,
+    write_files,
+)
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Checks, Rig, check, refusal, refuse_same
+from stickslip.friction import FrictionLaw
+from stickslip.identification import Fit, far_above_dry
+from stickslip.kinds import (
+    DOCUMENT,
+    TRAVEL_COLUMN,
+    VERDICT_FILES,
+    AnyKind,
+    FitSummary,
+    Law,
+    Plan,
+    Request,
+    kind_of,
+    kind_of_route,
+    kinds,
+    known_by,
+    plan,
+    refuse_uninformed,
+    refuse_unused,
+    setting_of,
+    tables_of,
+    unused_text,
+    verdict_page,
+    write_verdict,
+)
+from stickslip.quantities import Quantity, parameters
+from stickslip.report import Origin, Page, render
+from stickslip.selection import Verdict
+
+if TYPE_CHECKING:
+    from stickslip.kinds import TravelCandidate, TravelVerdict
+
+
+# ``stickslip select``.
+
+BETWEEN = r",(?![^\[]*\])"
+"""Commas between laws: those in brackets are of one law."""
+NO_LAW = 3
+"""Exit code where no law is recommended."""
+CRITERIA_FAILED = 4
+
+
+def run_select(
+    path: Path | None,
+    ask: Ask,
+    changes: Sequence[str],
+    laws: str | None,
+    output: Path | None,
+    *,
+    count: int | None,
+    executor: str | None,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+    enforce: bool,
+) -> None:
+    """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
+    folder = folder_of(output, "stickslip-report", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=VERDICT_FILES)
+    rig = rig_with(path, overrides(changes), allow_import=allow_import)
+    kind, request, files = ask(rig, given=path is not None)
+    rig = replace(rig, digest=with_files(rig.digest, files))
+    for option, value in (("--workers", count), ("--executor", executor)):
+        if value is not None:
+            refuse_unused(kind, {"executor": option}, request)
+    if enforce and not kind.has_criteria:
+        users = [one for one in kinds() if one.has_criteria]
+        raise InputError(f"--enforce {unused_text(kind, users)}")
+    verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), count or 1, executor)
+    content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
+    page_code = 0
+    # an earlier report stays until all of this is there
+    if folder is not None and not (folder / DOCUMENT).exists():
+        write_verdict(folder, verdict, content)
+    with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
+        if as_json:
+            print_json(content)
+        else:
+            show_verdict(verdict)
+    if folder is not None:
+        own = path is None  # the bundled rig
+        page_code = draw_page(
+            folder,
+            lambda: render(_page(verdict, rig, files, of_paper=own)),
+            lambda text: write_verdict(folder, verdict, content, page=text),
+            kept=f"The verdict is in {folder / DOCUMENT}.",
+            quiet=as_json,
+        )
+    ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
+    if ended:
+        note(f"Searches that were stopped early may not have converged: {', '.join(ended)}.")
+    if verdict.best is None or verdict.best.dropped:
+        note("No law is recommended; the verdict states the reason.")
+        raise typer.Exit(NO_LAW)
+    if enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
+        note("The recommended law fails a criterion of the paper; the report names the criterion.")
+        raise typer.Exit(CRITERIA_FAILED)
+    leave_unless_drawn(page_code)
+
+
+def laws_of(
+    rig: Rig, names: str | None
+) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None:
+    """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
+    if names is None:
+        return rig.laws or None
+    asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
+    if "" in asked:
+        raise InputError(
+            f"--laws takes names of laws with commas between them, such as coulomb,viscous, got"
+            f" {names!r}."
+        )
+    return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
+
+
+def _selected(kind: AnyKind, request: Request, count: int, address: str | None) -> Verdict:
+    """Select with bars; of records, Ctrl-C once ends the search with what there is."""
+    laws = request.laws
+    for measurement in (request.measurement, request.validate):
+        if measurement is not None:
+            given = laws.values() if isinstance(laws, Mapping) else laws or ()
+            refuse_uninformed(kind, given, request.mechanism, measurement)
+    names = kind.candidates(laws, request.measurement)
+    with (
+        watching(names, kind, request) as watch,
+        workers(min(count, len(names)), address) as executor,
+    ):
+        verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
+        return verdict
+
+
+def show_verdict(verdict: Verdict) -> None:
+    """Print the verdict, the comparison, the parameters of the law that is named, what is open."""
+    words, console = verdict.words, stdout()
+    table = kind_of_route(verdict.route).comparison(verdict)
+    if table.checks:
+        show_warnings(table.checks)
+    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
+    console.print(plain(words.lede), markup=False)
+    if words.no_score:
+        console.print(words.no_score, markup=False, style="dim")
+    console.print()
+    rows = [[plain(cell) for cell in row] for row in table.rows]
+    show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
+    if table.notes:
+        console.print()
+    for line in table.notes:
+        console.print(f"  {plain(line)}", markup=False)
+    if table.fitted:
+        title, estimates = table.fitted
+        console.print(f"\n{title}", markup=False, style="bold")
+        show_estimates(estimates)
+    show_trials(table.trials)
+    show_open(words)
+
+
+def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) -> Page:
+    """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
+    origin = Origin(
+        title=rig.heading,
+        data=rig.subject,
+        file=Path(rig.path).name,
+        digest=rig.digest,
+        files=of_files(files),
+        commands=(command_line(),),
+    )
+    if of_paper:
+        from stickslip.paper import beside
+
+        own = cast("TravelVerdict", verdict)  # the bundled rig has travels
+        remark, lead, extra = beside(rig, own)
+        return verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
+    return verdict_page(verdict, origin)
+
+
+def _criteria_hold(best: "TravelCandidate | None") -> bool:
+    seen = best.criteria if best else None
+    return bool(seen and seen.velocity_never_negative and seen.displacement_never_decreases)
+
+
+# ``stickslip fit``.
+
+
+def run_fit(
+    path: Path | None,
+    name: str | None,
+    ask: Ask,
+    changes: Sequence[str],
+    output: Path | None,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Fit, write the rig file of the fitted law, print its parameters."""
+    if output is not None:
+        check_rig_file(output)
+        refuse_overwriting(output, output.parent, force=force)
+    rig = rig_with(path, overrides(changes), law=name, allow_import=allow_import)
+    if output is not None:
+        refuse_inputs(output, [rig.path, *rig.files])
+    law = partial(law_to_fit, rig, name)
+    kind, request, files = ask(rig, given=path is not None, law=law)
+    if output is not None and not kind.simulated:
+        raise InputError(
+            f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
+            " simulated: use --json."
+        )
+    checks = _checked(request)
+    result = _fitted(kind, request)
+    shown = kind.summary(result, request.validate, request.horizon)
+    if output is not None:
+        write_file(output, result.to_toml())
+    if as_json:
+        content = {
+            "rig": rig.heading,
+            "digest": with_files(rig.digest, files),
+            **result.to_dict(),
+            "checks": checks.to_dict(),
+            "second_record": shown.second,
+            **content_of(shown.trials),
+        }
+        print_json(document("fit", content))
+        return
+    show_warnings(checks)
+    _show_fit(result, shown)
+    show_trials(shown.trials)
+    if output is not None:
+        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
+
+
+def _checked(request: Request) -> Checks:
+    """Return what is to be said of the measurement; refuse what no fit should be made from."""
+    if request.horizon is not None and request.validate is None:
+        raise InputError(
+            "--horizon is the prediction length on a second record: give --validate FILE too, or"
+            " leave it out."
+        )
+    conditions = kind_of(request.measurement).conditions
+    checks = check(
+        request.measurement,
+        mechanism=request.mechanism,
+        vary=request.vary or (),
+        conditions=conditions,
+    )
+    if checks.worst == "error":
+        raise refusal([one for one in checks.findings if one.severity == "error"])
+    if request.validate is not None:
+        refuse_same(request.measurement, request.validate)
+    return checks
+
+
+def _fitted(kind: AnyKind, request: Request) -> Fit:
+    """Fit with a bar; of records, Ctrl-C once ends the search."""
+    law: Law = request.law
+    name = _name(law)
+    several = isinstance(law, Mapping)
+    laws = [one for one in law.values() if one is not None] if several else [law]
+    refuse_uninformed(kind, laws, request.mechanism, request.measurement)
+    law, vary = kind.law_and_parameters(law, request.vary, request.fixed or ())
+    with watching([name], kind, request) as watch:
+        report = partial(watch, name)
+        if not kind.counts_runs:
+            report(math.nan)  # what is compiled first takes longer than the first look
+        fitted: Fit = kind.fit(replace(request, law=law, vary=vary, progress=report))
+        return fitted
+
+
+def _name(law: Law) -> str:
+    """Return the name of a law, or of those of the contacts."""
+    if isinstance(law, Mapping):
+        names = {contact: _name(one) for contact, one in law.items() if one is not None}
+        return ", ".join(f"{contact}={one}" for contact, one in names.items())
+    return law if isinstance(law, str) else law.name
+
+
+def _show_fit(result: Fit, shown: FitSummary) -> None:
+    console = stdout()
+    console.print(f"\n{result.law.title} friction", markup=False, style="bold")
+    show_estimates(result.shown)
+    for line in shown.limits:
+        console.print(f"  {plain(line)}", markup=False)
+    console.print()
+    for line in far_above_dry(result):
+        console.print(f"! {plain(line)}\n", markup=False, style="yellow")
+    if shown.rows:
+        show_table("", shown.heads, [[plain(cell) for cell in row] for row in shown.rows])
+    for line in shown.lines:
+        console.print(plain(line), markup=False)
+    if result.cancelled:
+        note("The search was stopped early; this is the best fit so far.")
+    for line in shown.findings:
+        console.print(f"\n{plain(line)}", markup=False)
+    heading, lines = shown.open
+    if lines:
+        console.print(f"\n{heading}", markup=False, style="bold")
+    for line in lines:
+        console.print(f"  {plain(line)}", markup=False)
+
+
+# ``stickslip plan``.
+
+
+def run_plan(
+    path: Path | None,
+    changes: Sequence[str],
+    laws: str | None,
+    between: str | None,
+    settings: int,
+    uncertainty: str | None,
+    output: Path | None,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Plan, write the sheet, show."""
+    files = _files(output)
+    for file in files:
+        refuse_overwriting(file, file.parent, force=force)
+    _refuse_filled_in(files[1:])
+    rig = rig_with(path, overrides(changes), allow_import=allow_import)
+    measured = rig.measurement
+    if measured is not None and not measured.travelled:
+        measured = None
+    range_asked = _between(setting_of(rig.mechanism, measured, rig.t_end), rig, between)
+    if not as_json:
+        note("Simulating the predictions of the laws ...")
+    found = plan(
+        rig.mechanism,
+        laws_of(rig, laws),
+        measurement=measured,
+        parameter_uncertainties=rig.parameter_uncertainties,
+        between=range_asked,
+        settings=settings,
+        uncertainty=_uncertainty(uncertainty),
+        t_end=rig.t_end,
+    )
+    if files:
+        _write(found, rig, path, files)
+    if as_json:
+        head = {"rig": rig.heading, "digest": rig.digest}
+        print_json(document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]}))
+        return
+    _show_plan(found)
+    if files:
+        stdout().print(f"\nWritten: {', '.join(map(str, files))}", markup=False)
+
+
+def _files(output: Path | None) -> list[Path]:
+    """Return the sheet and the table beside it."""
+    if output is None:
+        return []
+    if output.suffix.lower() not in (".html", ".htm"):
+        raise InputError(
+            "the lab sheet must be an .html file (its table is written beside it as .csv), got"
+            f" {output}."
+        )
+    return [output, output.with_suffix(".csv")]
+
+
+def _refuse_filled_in(tables: Sequence[Path]) -> None:
+    """Refuse to replace a table with measured travels, or another one."""
+    for table in filter(Path.exists, tables):
+        try:
+            text = regular_bytes(table).decode("utf-8", "replace")
+            head, *rows = list(csv.reader(text.splitlines())) or [[]]
+        except OSError as error:
+            raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
+        except csv.Error:  # a cell of megabytes is nobody's empty table
+            head, rows = [], []
+        if head[-1:] != [TRAVEL_COLUMN] or any(cell.strip() for row in rows for cell in row[2:]):
+            raise InputError(
+                f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"
+                " another -o."
+            )
+
+
+def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
+    """Return the ends of a range, in the unit of what is set."""
+    if text is None:
+        return None
+    known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
+    return range_of("--between", text, known[path])
+
+
+def _uncertainty(text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        return number_of(text, Quantity("u_s", "m", above=0))
+    except ParameterError as error:
+        raise ParameterError(f"--uncertainty {error}") from None
+
+
+def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
+    from stickslip.kinds import plan_page
+    from stickslip.report import render, versions
+
+    sheet, table = files
+    name = "" if path is None else f" {path}"
+    page = plan_page(
+        found,
+        title=rig.heading,
+        subject=rig.subject or rig.path,
+        save_as=f"stickslip select{name} --data {table.name}",
+        reproduce=[command_line()],
+        versions=versions(),
+        digest=rig.digest,
+    )
+    write_files({sheet: render(page), table: found.csv()})
+
+
+def _show_plan(found: Plan) -> None:
+    console = stdout()
+    console.print(found.sentence, markup=False, style="bold")
+    if found.assumed:
+        console.print(
+            "The uncertainty of 2 % of the longest travel is an assumption: repeat one setting and"
+            " give the scatter as --uncertainty.",
+            markup=False,
+        )
+    if found.repeated:
+        console.print(f"The uncertainty is {known_by(found)}.", markup=False)
+    for line in filter(None, (found.range_source, found.band_sentence)):
+        console.print(plain(line), markup=False)
+    for line in found.remarks:
+        console.print(f"! {plain(line)}", markup=False, style="yellow")
+    title = ""
+    for table in tables_of(found):
+        console.print()
+        if table.title != title:
+            title = table.title
+            console.print(plain(title), markup=False, style="bold")
+        if table.rows:
+            rows = [[plain(cell) for cell in row.cells] for row in table.rows]
+            show_table("", table.heads, rows, whole=table.heads)
+        for head, text in table.lines.items():
+            console.print(f"  {plain(head)}: {plain(text)}", markup=False)
+    head, *_ = found.csv().splitlines()
+    console.print("\nSave the travels as a CSV file with these columns", markup=False, style="bold")
+    console.print(f"  {head}", markup=False)

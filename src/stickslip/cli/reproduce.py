@@ -1,0 +1,350 @@
+"""``stickslip paper`` and ``stickslip benchmark``: published results, computed again."""
+
+import csv
+import io
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import typer
+
+from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
+from stickslip.cli.console import (
+    command_line,
+    draw_page,
+    folder_of,
+    leave_unless_drawn,
+    note,
+    number_of,
+    overrides,
+    plain,
+    print_json,
+    refuse_inputs,
+    refuse_overwriting,
+    show_table,
+    stdout,
+)
+from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
+from stickslip.documents import document, json_text, write_files, write_folder
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments import load_rig
+from stickslip.formatting import fixed, number, significant
+from stickslip.kinds import PAGE
+from stickslip.mechanisms import PendulumCart
+from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
+from stickslip.paper.rigs import CART, CYCLES, check_form
+from stickslip.paper.sections.claims import step_cells
+from stickslip.paper.sections.common import values_of
+from stickslip.paper.sections.table import RULES
+from stickslip.quantities import full_path, parameters, vary
+from stickslip.report import render
+
+# ``stickslip paper``.
+
+DOCUMENT = "paper.json"
+
+
+def run_paper(
+    path: Path | None, changes: Sequence[str], output: Path | None, *, force: bool, as_json: bool
+) -> None:
+    """Recompute the paper, write the page, print Table II."""
+    folder = folder_of(output, "stickslip-paper", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=(PAGE, DOCUMENT))
+    rig = load_rig(path)
+    if folder is not None:
+        refuse_inputs(folder / PAGE, rig.files)
+    check_form(rig)
+    cart = _cart(changes)
+    doing = "Recomputing the paper:" if path is None else "Recomputing:"
+    with Watching(list(rig.laws or load_rig().laws), doing) as watch:
+        found = audit(rig, cart=cart, progress=watch)
+    content = document("paper", found.to_dict())
+    if as_json:
+        print_json(content)
+    else:
+        _show(found)
+    if folder is None:
+        return
+    files = {DOCUMENT: json_text(content)}
+    kept = f"The numbers are in {folder / DOCUMENT}."
+    page = partial(paper_report, found, command=command_line())
+
+    def write(text: str | None) -> None:
+        write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
+
+    leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=as_json))
+
+
+def _cart(changes: Sequence[str]) -> PendulumCart:
+    """Return the cart with masses and swing from the command line."""
+    quantities = {path: quantity for path, quantity, _ in parameters(CART, "cart")}
+    values = {}
+    for given, text in overrides(changes).items():
+        path = full_path(given, quantities)
+        try:
+            values[path] = number_of(text, quantities[path])
+        except ParameterError as error:
+            raise ParameterError(f"--set {given} {error}") from None
+    return vary(CART, "cart", values)
+
+
+def _show(found: PaperAudit) -> None:
+    """Print Table II beside ours, and what the unpublished parameters would have to be."""
+    digits = 3 if found.own else 2
+    steps = [f"A, 10 ms, {what.replace('$', '')}" for what in RULES.values()]
+    heads = ["model", "A push, m", *steps, "B spring, m", "C fixed, m"]
+    rows = [
+        [
+            row.law.title,
+            fixed(row.readings[0].criteria.travel, 4),
+            *[fixed(row.coarse[rule], 4) if row.coarse else "unstable" for rule in RULES],
+            *[fixed(reading.criteria.travel, 4) for reading in row.readings[1:]],
+        ]
+        for row in found.table
+    ]
+    if not found.own:
+        heads.insert(1, "published, m")
+        for row, cells in zip(found.table, rows, strict=True):
+            travel = row.published.travel
+            cells.insert(1, "" if travel is None else fixed(travel, 2))
+    title = "The models of the paper" if found.own else "Table II"
+    show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
+    stdout().print()
+    if len(found.trials) > 1:
+        _show_trials(found)
+    _show_ranks(found)
+    if found.own:
+        stdout().print()
+        stdout().print(plain(found.verdict.words.verdict), markup=False)
+        stdout().print(plain(found.verdict.words.lede), markup=False)
+    else:
+        _show_needs(found)
+    stdout().print()
+    _show_cart(found.cart, own=found.own)
+
+
+def _show_trials(found: PaperAudit) -> None:
+    """Print every trial with the travel of each model."""
+    heads = ["compression, m", "measured, m", *(row.law.title for row in found.table)]
+    rows = [
+        [
+            number(trial.compression),
+            fixed(trial.measured, 3),
+            *(fixed(trial.travels[row.law.name], 3) for row in found.table),
+        ]
+        for trial in found.trials
+    ]
+    show_table("Travels of all trials, m", heads, rows)
+    stdout().print()
+
+
+def _show_ranks(found: PaperAudit) -> None:
+    """Print the ranks by the criteria of the paper."""
+    reading = found.values.own_reading
+    keys = ("A", reading) if found.own else ("published", "A", "B")
+    names = {"published": "published", "A": "A push", "B": "B spring", "C": "C fixed"}
+    ranks = [(key, found.ranking(key)) for key in keys]
+    rows = [
+        [
+            row.law.title,
+            *(
+                ""
+                if key == "published" and row.published.travel is None
+                else str(one.get(row.law.name, "rejected"))
+                for key, one in ranks
+            ),
+        ]
+        for row in found.table
+    ]
+    said = "" if found.verdict.ranked else "; select ranks no law on a single travel"
+    heads = ["model", *(names[key] for key in keys)]
+    show_table(f"Ranks by the paper's criteria{said}", heads, rows)
+
+
+def _show_needs(found: PaperAudit) -> None:
+    """Print what would give the published rows."""
+    rows = [_need(need) for need in found.requirements]
+    stdout().print()
+    heads = ["row", "m", "interpreted as", "needs", "range"]
+    show_table("Parameter values that would reproduce the published rows", heads, rows)
+    rows = [
+        [
+            one.row,
+            fixed(one.published, 2),
+            *map(plain, step_cells(one)),
+            plain(values_of(one.law, found.values.load)),
+        ]
+        for one in found.step_travels
+    ]
+    heads = ["row", "m", *(f"{what}, m" for what in map(plain, RULES.values())), "with"]
+    stdout().print()
+    show_table("The push in steps of 10 ms, by the friction out of rest", heads, rows)
+    rows = [
+        [
+            row.law,
+            significant(row.stiffness, 1),
+            "held" if row.held else "free",
+            fixed(row.criteria.travel, 4),
+            significant(1e3 * row.criteria.least_velocity, 2),
+        ]
+        for row in found.bristles
+    ]
+    heads = ["law", "bristles, N/m", "at the stop", "A push, m", "lowest velocity, mm/s"]
+    stdout().print()
+    show_table("Softer bristles in the same push", heads, rows)
+    rows = [
+        [
+            significant(1e3 * one.stribeck_velocity, 4),
+            fixed(one.mean, 2),
+            f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
+            fixed(one.held, 4),
+            fixed(one.fine, 4),
+        ]
+        for one in found.creeps
+    ]
+    heads = ["v_s, mm/s", "10 ms, no rule, m", "scatter, m", "10 ms, rule, m", "1 ms, no rule, m"]
+    stdout().print()
+    show_table("(5) with sgn v added, its exponent as printed, push in fixed steps", heads, rows)
+
+
+def _show_cart(study: CartStudy, *, own: bool) -> None:
+    """Print what the cart does with the printed equations, and with the chosen laws."""
+    heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
+    rows = [
+        [
+            figure,
+            one.title,
+            significant(one.travel, 3),
+            significant(1e3 * one.travels[-1], 3),
+            significant(1e3 * one.mean_return, 2),
+            significant(1e3 * one.least_velocity, 2),
+        ]
+        for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
+        for one in runs
+    ]
+    origin = "as given" if study.given else "our assumptions"
+    title = (
+        f"The cart (masses, length and swing are {origin}): travel in {CYCLES} cycles and"
+        " in the last one, back-slip per cycle, lowest velocity"
+    )
+    show_table(title, heads, rows)
+
+
+def _need(need: Requirement) -> list[str]:
+    if need.value is None or need.low is None or need.high is None:
+        none = f"no value of {need.symbol}"
+        return [need.law, fixed(need.published, 2), need.reading, none, ""]
+    unit = "" if need.unit == "1" else f" {need.unit}"
+    value = f"{need.symbol} = {significant(need.value, 3)}{unit}"
+    return [
+        need.law,
+        fixed(need.published, 2),
+        need.reading,
+        value,
+        f"{significant(need.low, 3)} to {significant(need.high, 3)}",
+    ]
+
+
+# ``stickslip benchmark``.
+
+BENCHMARK_PAGE: Final = "index.html"
+SUMMARY: Final = "summary.csv"
+CANCELLED: Final = 130
+
+
+def run_benchmark(
+    names: Sequence[str],
+    folder: Path,
+    *,
+    peers: str | None,
+    count: int | None,
+    executor: str | None,
+    listed: bool,
+    as_json: bool,
+) -> None:
+    """Run the tasks that are missing, write page and tables, show the overview."""
+    known = tasks()
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("task of the benchmark", name, known)
+    chosen = [known[name] for name in names] or list(known.values())
+    if listed:
+        _list(chosen, as_json=as_json)
+        return
+    chosen = _with_data(chosen)
+    asked = None if peers is None else [one.strip() for one in peers.split(",") if one.strip()]
+    with (
+        Interrupts() as interrupts,
+        Drawing("Running", "fits") as bar,
+        workers(count or 1, executor) as pool,
+    ):
+        interrupts.promise = "Stopping after the fits in work; press Ctrl-C again to cancel."
+
+        def progress(done: int, total: int) -> bool:
+            bar(done, total)
+            return not interrupts.stopped
+
+        found = run(
+            [one.name for one in chosen], folder, peers=asked, executor=pool, progress=progress
+        )
+    if not found.rows:
+        note("No fit is there yet: the same command begins again.")
+        raise typer.Exit(CANCELLED)
+    heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
+    lines = io.StringIO()
+    csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
+    page = render(benchmark_page(found, reproduce=[command_line()]))
+    write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
+    if as_json:
+        content = {"folder": str(folder), "made": found.made, "complete": found.complete}
+        print_json(document("benchmark-run", content))
+    else:
+        show_table("", heads, cells, whole=["task"])
+        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}", markup=False)
+    if not found.complete:
+        note("Not all fits are there: the same command goes on.")
+        raise typer.Exit(CANCELLED)
+
+
+def _with_data(chosen: Sequence[Task]) -> list[Task]:
+    """Return the tasks whose records are there, or could be got; say licences, and what is not."""
+    found = []
+    for one in chosen:
+        record = one.dataset
+
+        def told(text: str, licence: str = record.licence) -> None:
+            note(f"{text} (licence: {licence})")
+
+        try:
+            for file in one.files:
+                record.path(file, report=told)
+        except InputError as error:
+            note(f"{one.name}: left out: {error}")
+        else:
+            found.append(one)
+    if not found:
+        raise InputError("there is no record for any of the tasks: stickslip data list")
+    return found
+
+
+def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
+    if as_json:
+        rows = [
+            {
+                "name": one.name,
+                "title": one.title,
+                "record": one.record,
+                "licence": one.dataset.licence,
+                "fitted": one.fitted,
+                "judged": one.judged,
+                "metric": one.metric.text,
+                "unit": one.metric.unit,
+            }
+            for one in chosen
+        ]
+        print_json(document("benchmark-tasks", {"tasks": rows}))
+        return
+    cells = [[one.name, one.title, one.fitted, one.judged, one.metric.text] for one in chosen]
+    show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])

@@ -1,0 +1,494 @@
+"""``stickslip sweep``, ``stickslip orbits`` and ``stickslip profile optimise``."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from stickslip.cli.console import (
+    folder_of,
+    note,
+    print_json,
+    range_of,
+    refuse_inputs,
+    refuse_overwriting,
+    show_table,
+    stdout,
+)
+from stickslip.cli.inputs import friction_content, friction_of, friction_title, rig_and_friction
+from stickslip.cli.options import LawOptions, ProfileOptions
+from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
+from stickslip.cli.simulate import check_table, table_bytes
+from stickslip.documents import document, json_text, write_files, write_folder
+from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.executors import Inline
+from stickslip.experiments import Rig, read_number
+from stickslip.formatting import number, printable, quantity
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation import (
+    GOALS,
+    Limits,
+    Margin,
+    Optimum,
+    ScoredMotion,
+    optimise_profile,
+    units_of_limits,
+)
+from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+from stickslip.sweep import OrbitDiagram, VelocityMap, average_velocity, orbit_diagram
+
+if TYPE_CHECKING:
+    from stickslip.optimisation import GoalName, KindName
+
+
+# ``stickslip sweep``.
+
+MAP_SIZE = (800, 360)
+MOST_AXES = 2
+
+
+def run_sweep(
+    path: Path | None,
+    changes: Sequence[str],
+    asked: LawOptions,
+    vary: Sequence[str],
+    cycles: int,
+    settle: int,
+    coordinate: str | None,
+    output: Path,
+    *,
+    count: int | None,
+    executor: str | None,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Run the grid, write table and figure, show."""
+    check_table(output)
+    figure = output.with_suffix(".svg")
+    for file in (output, figure):
+        refuse_overwriting(file, output.parent, force=force)
+    axes = _axes(vary)
+    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    refuse_inputs(output, rig.files)
+    law = friction_of(chosen)
+    start = rig.start(law)
+    with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
+        found = average_velocity(
+            rig.mechanism,
+            law,
+            axes,
+            coordinate=coordinate,
+            cycles=cycles,
+            settle=settle,
+            y0=start,
+            executor=pool or (Inline() if count == 1 else None),
+            progress=progress,
+        )
+    _write_map(found, output, figure)
+    turns = found.reversals().tolist() if len(found.axes) == 1 else []
+    if as_json:
+        head = {"rig": rig.heading, "digest": rig.digest}
+        head |= friction_content(chosen, rig.mechanism)
+        files = [str(output), str(figure)]
+        print_json(document("sweep", head | _map_content(found, turns) | {"files": files}))
+        return
+    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
+    stdout().print(f", {friction_title(chosen)} friction", markup=False)
+    _show_map(found, turns)
+    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+
+
+def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
+    return {
+        "axes": {name: values.tolist() for name, values in found.axes.items()},
+        **({"coordinate": found.coordinate} if found.coordinate else {}),
+        "unit": found.unit,
+        "velocity": found.velocity.tolist(),
+        "status": np.reshape(
+            [one.name for one in found.status.ravel().tolist()], found.status.shape
+        ).tolist(),
+        "early_ends": list(found.early_ends()),
+        "reversals": list(turns),
+    }
+
+
+def _write_map(found: VelocityMap, output: Path, figure: Path) -> None:
+    from stickslip.plots import draw_velocity_map, standalone_svg
+
+    svg = standalone_svg(draw_velocity_map(found), size=MAP_SIZE, title="Mean velocity")
+    units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    table = table_bytes(found.to_dataframe(), output, units)
+    write_files({output: table, figure: svg})
+
+
+def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
+    console = stdout()
+    rows = []
+    for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
+        if not np.isfinite(found.velocity).any():
+            break
+        place = np.unravel_index(pick(found.velocity), found.velocity.shape)
+        at = [
+            f"{number(values[i], 6)} {found.units[name]}"
+            for i, (name, values) in zip(place, found.axes.items(), strict=True)
+        ]
+        rows.append([word, f"{number(found.velocity[place] + 0.0, 6)}", *at])
+    if rows:
+        show_table("", ["mean velocity", found.unit, *found.axes], rows)
+    for turn in turns:
+        console.print(f"The mean velocity changes sign at {number(turn, 6)}.", markup=False)
+    for reason in found.early_ends():
+        console.print(reason, markup=False)
+
+
+def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:
+    """Read ``path=low:high:n``, once or twice."""
+    if not 1 <= len(vary) <= MOST_AXES:
+        raise InputError(f"--vary is given once or twice, got {len(vary)}.")
+    found = {}
+    for text in vary:
+        path, _, span = text.partition("=")
+        try:
+            low, high, count = span.split(":")
+            check_size(f"--vary {path}", int(count), "give fewer values")
+            values = np.linspace(float(low), float(high), int(count))
+        except InputError:
+            raise
+        except ValueError:
+            values = np.empty(0)
+        if not path.strip() or not values.size:
+            raise InputError(
+                "--vary takes PATH=LOW:HIGH:N in SI units such as"
+                f" mechanism.drive.drive.frequency=1:6:50, got {text!r}."
+            )
+        found[path.strip()] = values
+    return found
+
+
+# ``stickslip orbits``.
+
+DIAGRAM_SIZE = (880, 400)
+
+
+def run_orbits(
+    path: Path | None,
+    changes: Sequence[str],
+    asked: LawOptions,
+    vary: str,
+    cycles: int,
+    values: int,
+    settle: int,
+    output: Path,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Find the branches, write table and figure, show."""
+    check_table(output)
+    figure = output.with_suffix(".svg")
+    for file in (output, figure):
+        refuse_overwriting(file, output.parent, force=force)
+    name, between = _range(vary)
+    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    refuse_inputs(output, rig.files)
+    law = friction_of(chosen)
+    with Drawing("Running", "values") as progress:
+        found = orbit_diagram(
+            rig.mechanism,
+            law,
+            name,
+            between,
+            cycles=cycles,
+            values=values,
+            settle=settle,
+            y0=rig.start(law),
+            progress=progress,
+        )
+    _write_diagram(found, output, figure)
+    if as_json:
+        head = {"rig": rig.heading, "digest": rig.digest}
+        head |= friction_content(chosen, rig.mechanism)
+        files = [str(output), str(figure)]
+        print_json(document("orbits", head | _diagram_content(found) | {"files": files}))
+        return
+    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
+    stdout().print(f", {friction_title(chosen)} friction", markup=False)
+    _show_diagram(found)
+    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+
+
+def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
+    return {
+        "path": found.path,
+        "unit": found.unit,
+        "branches": [
+            {
+                "cycles": branch.cycles,
+                "values": branch.values.tolist(),
+                "stable": branch.stable.tolist(),
+                "mean_velocity": {
+                    name: branch.mean_velocity(name).tolist() for name in branch.advances
+                },
+                "events": [
+                    {"kind": event.kind, "value": event.value, "sentence": event.sentence}
+                    for event in branch.events
+                ],
+                "ends": list(branch.ends),
+            }
+            for branch in found.branches
+        ],
+        "early_ends": list(found.early_ends()),
+        "branch_cycles": found.branch_cycles,
+        "brute_cycles": found.brute_cycles,
+    }
+
+
+def _write_diagram(found: OrbitDiagram, output: Path, figure: Path) -> None:
+    from stickslip.plots import draw_orbits, standalone_svg
+
+    svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
+    units = {**found.units, found.path: found.unit, "period": "s"}
+    units |= {f"advance {name}": found.units[name] for name in found.velocities}
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+
+
+def _show_diagram(found: OrbitDiagram) -> None:
+    rows, events = [], []
+    for index, branch in enumerate(found.branches):
+        low, high = float(branch.values.min()), float(branch.values.max())
+        span = f"{number(low, 6)} to {quantity(high, found.unit, 6)}"
+        stable = f"{int(branch.stable.sum())} of {len(branch.values)}"
+        rows.append([str(index), str(branch.cycles), span, stable])
+        events += [
+            [str(index), quantity(event.value, found.unit, 6), event.kind, event.sentence]
+            for event in branch.events
+        ]
+    name = found.path.rpartition(".")[2]
+    if rows:
+        show_table("Branches of periodic orbits", ["branch", "period", name, "stable"], rows)
+    if events:
+        show_table("What changes along them", ["branch", name, "event", "what changes"], events)
+    ends = [
+        f"Branch {index}: {end}"
+        for index, branch in enumerate(found.branches)
+        for end in dict.fromkeys(branch.ends)
+        if not end.startswith("It reaches")
+    ]
+    for sentence in (*ends, *found.costs()):
+        stdout().print(sentence, markup=False)
+
+
+def _range(text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``path=low:high``."""
+    path, _, span = text.partition("=")
+    try:
+        low, high = map(float, span.split(":"))
+    except ValueError:
+        low, high = 0.0, 0.0
+    if not path.strip() or not low < high:
+        raise InputError(
+            "--vary takes PATH=LOW:HIGH in SI units, the lower value first, such as"
+            f" drive.frequency=2:20, got {text!r}."
+        )
+    return path.strip(), (low, high)
+
+
+# ``stickslip profile optimise``.
+
+OPTIONS = {
+    "rate": "--rate",
+    "acceleration": "--acceleration",
+    "effort": "--torque",
+    "load_share": "--load-share",
+    "back_slip": "--back-slip",
+    "energy": "--energy",
+}
+"""Options by limit."""
+FILES = {"rig.toml", "profile.svg", "optimum.json"}
+
+
+def run_profile(
+    path: Path,
+    settings: ProfileOptions,
+    output: Path | None,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Search, write rig file, figure and numbers, print what was found."""
+    folder = folder_of(output, "stickslip-profile", as_json=as_json)
+    if folder is not None:
+        refuse_overwriting(folder, folder, force=force, files=FILES)
+    asked = LawOptions(law=settings.law, load=settings.load)
+    rig, chosen = rig_and_friction(path, settings.changes or [], asked)
+    found = _found(rig, friction_of(chosen), settings)
+    head = {"rig": rig.heading, "digest": rig.digest}
+    head |= friction_content(chosen, rig.mechanism)
+    content = document("profile", head | found.to_dict())
+    if folder is not None:
+        write_folder(folder, _files(found, content))
+    if as_json:
+        print_json(content)
+    else:
+        _show_optimum(found)
+        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})", markup=False)
+    if found.cancelled:
+        note("The search was stopped early; this is the best motion so far.")
+
+
+def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optimum:
+    """Search with a bar; Ctrl-C once ends the search."""
+    goal = named(GOALS, settings.goal, "goal")
+    limits = _limits(rig.mechanism, settings)
+    interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval or ())
+    with (
+        Interrupts() as interrupts,
+        Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
+        workers(settings.count or 1, settings.executor) as executor,
+    ):
+        return optimise_profile(
+            rig.mechanism,
+            law,
+            limits=limits,
+            goal=cast("GoalName", settings.goal),  # names are checked where they are used
+            kind=cast("KindName", settings.kind),
+            interval=interval,
+            knots=settings.knots,
+            evaluations=settings.evaluations,
+            seed=settings.seed,
+            state=settings.resume,
+            executor=executor,
+            progress=watch,
+        )
+
+
+def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:
+    """Read the limits, each in its unit."""
+    units, values = units_of_limits(mechanism), {}
+    quantities = dict(fields_of(Limits))
+    values["position"] = _position(settings, quantities.pop("position"), units["position"])
+    for name, limit in quantities.items():
+        text: str | None = getattr(settings, name)
+        if text is None:
+            continue
+        own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
+        try:
+            values[name] = read_number(text, own)
+        except ParameterError as error:
+            raise ParameterError(f"{OPTIONS[name]} {error}") from None
+    return Limits(**values)
+
+
+def _position(settings: ProfileOptions, quantity: Quantity, unit: str) -> float:
+    """Return the largest distance from the middle, by the option of its kind of motion."""
+    of_angle = unit == "rad"
+    option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
+    text, other = settings.angle, settings.stroke
+    if not of_angle:
+        text, other = other, text
+    if text is None or other is not None:
+        what = "turns" if of_angle else "moves along a line, from end to end"
+        got = "none of the two" if other is None else f"{wrong} {other}"
+        raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
+    try:
+        value = read_number(text, Quantity(quantity.symbol, unit, above=0))
+    except ParameterError as error:
+        raise ParameterError(f"{option} {error}") from None
+    return value if of_angle else 0.5 * value
+
+
+def _interval(
+    mechanism: Mechanism, law: FrictionLaw | Laws, text: str
+) -> tuple[str, tuple[float, float]]:
+    """Read ``path=low..high``, with units or in SI."""
+    path, equals, ends = text.partition("=")
+    if not (equals and ".." in ends and path.strip()):
+        raise InputError(
+            "--interval takes PATH=LOW..HIGH such as friction.kinetic_coefficient=0.15..0.25,"
+            f" got {text!r}."
+        )
+    known = {
+        full: quantity
+        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
+        for full, quantity, _ in parameters(root, prefix)
+    }
+    full = full_path(path.strip(), known)
+    return full, range_of(f"--interval {full}", ends, known[full])
+
+
+def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
+    from stickslip.plots import PROFILE_SIZES, draw_profile, standalone_svg
+
+    figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
+    return {
+        "rig.toml": found.to_toml(),
+        "profile.svg": figure,
+        "optimum.json": json_text(content),
+    }
+
+
+def _show_optimum(found: Optimum) -> None:
+    console, goal = stdout(), found.goal
+    title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
+    console.print(title, markup=False, style="bold")
+    if len(found.scenarios) > 1:
+        console.print(f"Objective value: {found.scenarios.words}", markup=False)
+    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))), markup=False)
+    console.print()
+    rows = [
+        [
+            _limit_word(m),
+            f"{number(m.reached, 5)}",
+            f"{number(m.allowed, 5)}",
+            f"{number(m.margin)}",
+            m.unit,
+        ]
+        for m in found.margins
+    ]
+    show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
+    console.print()
+    others = [("three-phase, optimised", found.three_phase, found.factor)]
+    others.append(("as given in the rig file", found.start, found.factor_over_start))
+    shown = [_compared(name, judged, factor) for name, judged, factor in others]
+    show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
+    if found.best is found.start:
+        how = "the motion as given"
+    else:
+        how = "refined locally" if found.polished else "from the evolution strategy"
+    console.print(
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified.",
+        markup=False,
+    )
+
+
+def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> list[str]:
+    if judged is None:
+        return [name, "", "", "none satisfies the limits"]
+    remark = "" if judged.feasible else _broken(judged)
+    return [
+        name,
+        f"{number(judged.value, 5)}",
+        "" if factor is None else f"{number(factor, 4)}",
+        remark,
+    ]
+
+
+def _broken(judged: ScoredMotion) -> str:
+    """Say what a motion breaks."""
+    if judged.early_end:
+        return judged.early_end
+    if not all(cycle.repeats for cycle in judged.cycles):
+        return "its cycles are not periodic"
+    names = [_limit_word(m) for m in judged.margins if m.margin < 0.0]
+    return f"violates {', '.join(names)}"
+
+
+def _limit_word(margin: Margin) -> str:
+    """Return what a limit is of; the place of an inner mass is counted from its middle."""
+    if margin.name == "position":
+        return "angle" if margin.unit == "rad" else "half the stroke"
+    return margin.name.replace("_", " ")

@@ -1,0 +1,529 @@
+"""Targets of laws: C99, MATLAB and Octave, Modelica, tables and documents."""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, ClassVar, Final, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.documents import document, json_text
+from stickslip.errors import InputError
+from stickslip.exports.functions import input_variables, rotary_code, turned_variable
+from stickslip.exports.joints import steady_force
+from stickslip.exports.languages import MATLAB, MODELICA, C, Source, commented, contains
+from stickslip.exports.program import Export, Function, Subject, Target, Variable, identifier
+from stickslip.quantities import fields_of, turned
+
+# C99: a header and a source without memory, state or libraries but ``math.h``.
+
+NOTES = (
+    "Functions have no memory and no side effects. Where an argument is not a number, or one that"
+    " must be above 0 is not, the results are NaN. Compile without -ffast-math, which ignores NaN.",
+)
+
+
+def _c_safe(text: str) -> str:
+    return text.replace("*/", "* /").replace("/*", "/ *")
+
+
+@final
+class CCode(Target):
+    """A header and a source in C99."""
+
+    name: ClassVar[str] = "c"
+    title: ClassVar[str] = "C99"
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        source = Source(subject=subject, language=C, safe=_c_safe)
+        files = {
+            f"{subject.name}.h": "\n".join(_header(source)) + "\n",
+            f"{subject.name}.c": "\n".join(_source(source)) + "\n",
+        }
+        return Export(target=self.name, files=files)
+
+
+def _header(source: Source) -> Iterator[str]:
+    guard = f"{source.subject.name.upper()}_H"
+    yield from _comment([*source.header(), *NOTES])
+    yield from (f"#ifndef {guard}", f"#define {guard}", "")
+    yield from ("#ifdef __cplusplus", 'extern "C" {', "#endif", "")
+    for one in source.functions:
+        if one.inner:
+            continue
+        if len(one.outputs) > 1:
+            yield from _struct(source, one)
+        yield from _c_comment_of(one)
+        yield f"{_signature(source, one)};"
+        yield ""
+    yield from ("#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */")
+
+
+def _source(source: Source) -> Iterator[str]:
+    yield from _comment(source.header())
+    yield from (f'#include "{source.subject.name}.h"', "", "#include <math.h>")
+    for one in source.functions:
+        yield ""
+        if one.inner:
+            yield f"/* {one.summary} */"
+            if len(one.outputs) > 1:
+                yield from _struct(source, one)
+        yield f"{'static ' if one.inner else ''}{_signature(source, one)}"
+        yield "{"
+        yield from _body(source, one)
+        yield "}"
+
+
+def _body(source: Source, function: Function) -> Iterator[str]:
+    inside = source.inside(function, results=True)
+    yield from inside.constants
+    yield from inside.declarations
+    several = len(function.outputs) > 1
+    invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
+    invalid += [f"!({one.name} > 0.0)" for one in function.inputs if one.positive]
+    result = f"{source.name_of(function)}_result"
+    if not function.inner:
+        yield f"    if ({' || '.join(invalid)}) {{"
+        nothing = ", ".join("NAN" for _ in function.outputs)
+        if several:
+            yield f"        const {result} none = {{{nothing}}};"
+            yield "        return none;"
+        else:
+            yield "        return NAN;"
+        yield "    }"
+    else:
+        lines = inside.statements
+        yield from (f"    (void){v.name};" for v in function.inputs if not contains(lines, v.name))
+    yield from inside.statements
+    if several:
+        yield f"    const {result} all = {{{', '.join(one.name for one in function.outputs)}}};"
+        yield "    return all;"
+    else:
+        yield f"    return {function.outputs[0].name};"
+
+
+def _signature(source: Source, function: Function) -> str:
+    name = source.name_of(function)
+    kind = f"{name}_result" if len(function.outputs) > 1 else "double"
+    return f"{kind} {name}({', '.join(f'double {one.name}' for one in function.inputs)})"
+
+
+def _struct(source: Source, function: Function) -> Iterator[str]:
+    yield "typedef struct {"
+    for one in function.outputs:
+        yield f"    double {one.name}; /* {_words(one.meaning, one.unit)} */"
+    yield f"}} {source.name_of(function)}_result;"
+
+
+def _c_comment_of(function: Function) -> Iterator[str]:
+    lines = [function.summary]
+    lines += [f"  {one.name}: {_words(one.meaning, one.unit)}" for one in function.inputs]
+    if len(function.outputs) == 1:
+        (result,) = function.outputs
+        lines.append(f"  returns: {_words(result.meaning, result.unit)}")
+    yield from _comment(lines)
+
+
+def _words(meaning: str, unit: str) -> str:
+    return f"{meaning} [{unit}]" if unit else meaning
+
+
+def _comment(lines: list[str]) -> Iterator[str]:
+    yield "/*"
+    yield from commented(lines, " * ")
+    yield " */"
+
+
+# MATLAB and Octave: a file for each function, and the text of a MATLAB Function block.
+
+BLOCK: Final = "block"
+
+
+@final
+class Matlab(Target):
+    """Function files, and text for a MATLAB Function block of Simulink."""
+
+    name: ClassVar[str] = "matlab"
+    title: ClassVar[str] = "MATLAB, Simulink and GNU Octave"
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        source = Source(subject=subject, language=MATLAB, safe=str)
+        texts = {
+            source.name_of(one): list(_matlab_function(source, one)) for one in source.functions
+        }
+        block = f"{subject.name}_{BLOCK}"
+        whole = [*_block(source, block), *(line for text in texts.values() for line in ["", *text])]
+        header = list(commented(source.header(), "% "))
+        files = {name: [text[0], *header, *text[1:]] for name, text in texts.items()}
+        files[block] = [whole[0], *header, *whole[1:]]
+        written = {f"{name}.m": "\n".join(lines) + "\n" for name, lines in files.items()}
+        return Export(target=self.name, files=written)
+
+
+def _matlab_function(source: Source, function: Function) -> Iterator[str]:
+    name = source.name_of(function)
+    results = ", ".join(one.name for one in function.outputs)
+    head = f"[{results}]" if len(function.outputs) > 1 else results
+    yield f"function {head} = {name}({', '.join(one.name for one in function.inputs)})"
+    yield from _matlab_help(name, function)
+    inside = source.inside(function, results=False)
+    if not function.inner:
+        yield from _by_element(name, function)
+    yield from inside.constants
+    if not function.inner:
+        yield from _guard(function)
+    yield from inside.statements
+    yield "end"
+
+
+def _matlab_help(name: str, function: Function) -> Iterator[str]:
+    lines = [f"{name.upper()}  {function.summary}"]
+    lines += [f"  {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.inputs]
+    lines += [
+        f"  returns {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.outputs
+    ]
+    yield from commented(lines, "%")
+    yield "%#codegen"
+
+
+def _by_element(name: str, function: Function) -> Iterator[str]:
+    """Yield the call for each element where an argument is an array."""
+    names = [one.name for one in function.inputs]
+    results = ", ".join(one.name for one in function.outputs)
+    head = f"[{results}]" if len(function.outputs) > 1 else results
+    yield f"    if ~({' && '.join(f'isscalar({one})' for one in names)})"
+    yield f"        each = zeros(size({' + '.join(names)}));"
+    arguments = ", ".join(f"{one} + each" for one in names)
+    yield f"        {head} = arrayfun(@{name}, {arguments});"
+    yield from ("        return", "    end")
+
+
+def _guard(function: Function) -> Iterator[str]:
+    invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
+    invalid += [f"~({one.name} > 0)" for one in function.inputs if one.positive]
+    yield f"    if {' || '.join(invalid)}"
+    yield from (f"        {one.name} = NaN;" for one in function.outputs)
+    yield from ("        return", "    end")
+
+
+def _block(source: Source, name: str) -> Iterator[str]:
+    """Yield a block that keeps velocity and bristles from one period to the next."""
+    (step,) = (one for one in source.functions if one.name == "step")
+    law = source.subject.equations
+    states = ("velocity", *law.bristles, *law.flags)
+    inputs = ", ".join(one.name for one in step.inputs if one.name not in states)
+    others = [one.name for one in step.outputs[len(states) :]]
+    yield f"function [{', '.join((*states, *others))}] = {name}({inputs})"
+    about = [
+        f"{name.upper()}  Body with friction, one period at a call.",
+        "  Text of a MATLAB Function block: copy this file into it and give it the sample time"
+        " `period`. The body begins at rest.",
+    ]
+    yield from commented(about, "%")
+    yield "%#codegen"
+    kept = [f"kept_{one}" for one in states]
+    yield f"    persistent {' '.join(kept)}"
+    yield f"    if isempty({kept[0]})"
+    yield from (f"        {one} = 0;" for one in kept)
+    yield "    end"
+    arguments = ", ".join(
+        f"kept_{one.name}" if one.name in states else one.name for one in step.inputs
+    )
+    yield f"    [{', '.join((*kept, *others))}] = {source.name_of(step)}({arguments});"
+    yield from (f"    {one} = kept_{one};" for one in states)
+    yield "end"
+
+
+# Modelica: a package with the functions of a law, and a model of a body that sticks and slips.
+
+DEPTH = 2
+STOPPED = "            reinit(v, 0.0);"
+
+
+def modelica_unit(unit: str) -> str:
+    """Return a unit as Modelica writes it.
+
+    Examples
+    --------
+    >>> [modelica_unit(unit) for unit in ("N s^2/m^2", "kg m^2", "1/m", "")]
+    ['N.s2/m2', 'kg.m2', '1/m', '1']
+    """
+    above, *below = unit.replace("^", "").replace(" ", ".").split("/")
+    divisors = ".".join(below)
+    return "/".join(filter(None, (above, f"({divisors})" if "." in divisors else divisors))) or "1"
+
+
+def _modelica_safe(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', "'")
+
+
+@final
+class Modelica(Target):
+    """A package with functions and a model."""
+
+    name: ClassVar[str] = "modelica"
+    title: ClassVar[str] = "Modelica"
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        if subject.equations.flags:
+            raise InputError(
+                f"{subject.name} has latched switches, which models in Modelica do not follow:"
+                " export it to C or MATLAB, or an FMU of the rig."
+            )
+        # tools integrate bristles themselves, and not all of them read the searches of `step`
+        held, bristles = subject.equations.holds, bool(subject.equations.bristles)
+        source = Source(
+            subject=subject,
+            language=MODELICA,
+            safe=_modelica_safe,
+            needed=("slip",) if held else (),
+            left_out=("step",) if bristles else (),
+        )
+        text = "\n".join(_package(source)) + "\n"
+        return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
+
+
+def _package_name(source: Source) -> str:
+    """Return the name of the package, which begins with a capital in Modelica."""
+    words = source.subject.name.split("_")
+    return identifier("".join(f"{word[:1].upper()}{word[1:]}" for word in words))
+
+
+def _package(source: Source) -> Iterator[str]:
+    name = _package_name(source)
+    yield f'package {name} "Friction law of the package stickslip"'
+    yield from commented([*source.subject.header()], "  // ")
+    for one in source.functions:
+        yield ""
+        yield from _modelica_function(source, one)
+    yield ""
+    yield from _model(source)
+    yield f"end {name};"
+
+
+def _modelica_function(source: Source, function: Function) -> Iterator[str]:
+    inside = source.inside(function, results=False, depth=DEPTH)
+    yield f'    function {function.name} "{_modelica_safe(function.summary)}"'
+    for kind, variables in (("input", function.inputs), ("output", function.outputs)):
+        yield from (f"        {kind} {_declared(one)}" for one in variables)
+    constants = [re.sub(r'unit="([^"]*)"', _as_modelica, line) for line in inside.constants]
+    if constants or inside.declarations:
+        yield "    protected"
+        yield from (*constants, *inside.declarations)
+    yield "    algorithm"
+    for one in function.inputs:
+        if one.positive:
+            yield f'        assert({one.name} > 0.0, "{one.name} must be above 0 {one.unit}");'
+    yield from inside.statements
+    yield f"    end {function.name};"
+
+
+def _as_modelica(match: re.Match[str]) -> str:
+    return f'unit="{modelica_unit(match.group(1))}"'
+
+
+def _declared(one: Variable, *, inside: str = "", value: str = "") -> str:
+    unit = f'(unit="{modelica_unit(one.unit)}"{inside})' if one.unit else ""
+    return f'Real {one.name}{unit}{value} "{_modelica_safe(one.meaning)}";'
+
+
+def _model(source: Source) -> Iterator[str]:
+    """Yield a body with one coordinate, whose friction is the law."""
+    law, rotary = source.subject.equations, source.subject.rotary
+    told = input_variables(law, rotary=rotary)
+    inertia = Variable(name="mass", unit="kg", meaning="mass of the body")
+    inputs = (
+        Variable(name="applied", unit="N", meaning="force on the body but friction"),
+        Variable(name="load", unit="N", meaning="normal force"),
+    )
+    states = (
+        (Variable(name="x", unit="m", meaning="displacement"), "0.0"),
+        (Variable(name="v", unit="m/s", meaning="slip velocity"), "v_start"),
+        *((Variable(name=z, unit="m", meaning="bristle state"), "0.0") for z in law.bristles),
+    )
+    start = Variable(name="v_start", unit="m/s", meaning="velocity at the start")
+    force = Variable(name="force", unit="N", meaning="friction force")
+
+    def declared(one: Variable, inside: str = "", value: str = "") -> str:
+        return _declared(turned_variable(one) if rotary else one, inside=inside, value=value)
+
+    what = "torque" if rotary else "force"
+    yield from (
+        f'    model Body "Body under an applied {what} and friction, which sticks and slips"',
+        f"        parameter {declared(inertia, value=' = 1.0')}",
+        f"        parameter {declared(start, value=' = 0.0')}",
+        *(f"        input {declared(one)}" for one in inputs),
+        *(f"        input {_declared(one)}" for one in told),
+        *(f"        {declared(one, inside=f', start={at}, fixed=true')}" for one, at in states),
+        f"        {declared(force)}",
+    )
+    load = ", ".join(("load", *law.inputs))
+    for line in _held(law.bristles, load) if law.holds else _free(law.bristles, load):
+        yield rotary_code(line) if rotary else line
+    yield "    end Body;"
+
+
+def _free(bristles: tuple[str, ...], load: str) -> Iterator[str]:
+    """Yield the equations of a body that bristles alone hold."""
+    arguments = ", ".join(("v", *bristles, load))
+    rates = [f"{z}_rate" for z in bristles]
+    yield from (
+        *(f'        Real {rate} "time derivative of a bristle state";' for rate in rates),
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = applied - force;",
+        f"        force = friction({arguments});",
+        f"        {_results(rates)} = rates({arguments});",
+        *(f"        der({z}) = {rate};" for z, rate in zip(bristles, rates, strict=True)),
+    )
+
+
+def _held(bristles: tuple[str, ...], load: str) -> Iterator[str]:
+    """Yield the equations of a body that rests exactly, and the events between rest and slip."""
+    rates = [f"{z}_rate" for z in bristles]
+    arguments = ", ".join(("direction*v", *(f"direction*{z}" for z in bristles), "sense", load))
+    yield from (
+        '        Real along "friction force along the direction of slip";',
+        *(f'        Real {rate} "rate along the direction of slip";' for rate in rates),
+        '        Real sense "1 or -1: the direction of slip, the last one at rest";',
+        "        Integer direction(start=if v_start > 0.0 then 1 else if v_start < 0.0 then -1 else"
+        " 0,",
+        '            fixed=true) "1 forward, -1 backward, 0 at rest";',
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = if direction == 0 then 0.0 else applied - force;",
+        "        force = if direction == 0 then applied else direction*along;",
+        "        sense = if direction < 0 then -1.0 else 1.0;",
+        f"        {_results(('along', *rates))} = slip({arguments});",
+        *(
+            f"        der({z}) = if direction == 0 then 0.0 else direction*{z}_rate;"
+            for z in bristles
+        ),
+        f"        when pre(direction) == 0 and applied > break_away(1.0, {load}) then",
+        "            direction = 1;",
+        f"        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, {load}) then",
+        "            direction = -1;",
+        "        elsewhen pre(direction) == 1 and v < 0.0 then",
+        f"            direction = if -applied > break_away(-1.0, {load}) then -1 else 0;",
+        STOPPED,
+        "        elsewhen pre(direction) == -1 and v > 0.0 then",
+        f"            direction = if applied > break_away(1.0, {load}) then 1 else 0;",
+        STOPPED,
+        "        end when;",
+    )
+
+
+def _results(names: Sequence[str]) -> str:
+    """Return the left side of an equation with the results of a function."""
+    return names[0] if len(names) == 1 else f"({', '.join(names)})"
+
+
+# CSV and JSON: a table of forces, and the law with all that is known of it.
+
+EVEN_SPEEDS: Final = 200
+"""Evenly spaced speeds in each direction."""
+DENSE_SPEEDS: Final = 100
+"""Speeds in each direction that are spaced by a constant ratio, for what happens near rest."""
+LEAST_SPEED: Final = 1e-5
+"""Smallest speed over the largest."""
+
+
+@final
+class CsvTable(Target):
+    """Friction force by velocity, for lookup tables."""
+
+    name: ClassVar[str] = "csv"
+    title: ClassVar[str] = "lookup table (CSV)"
+    evaluates: ClassVar[bool] = True
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        law, load, most = subject.law, subject.needed_load(), subject.needed_speed()
+        even = np.linspace(0.0, most, EVEN_SPEEDS + 1)[1:]
+        speed = np.union1d(even, np.geomspace(LEAST_SPEED * most, most, DENSE_SPEEDS))
+        speed[-1] = most  # which geomspace may miss by a rounding
+        speed = np.unique(speed)
+        velocity = np.concatenate([-speed[::-1], speed])
+        force = steady_force(subject, velocity, load)
+        unit, speed_unit = turned("N", subject.rotary), turned("m/s", subject.rotary)
+        what = "torque" if subject.rotary else "force"
+        notes = [
+            *subject.header(),
+            f"Friction of {'long' if law.states else 'any'} sliding"
+            + (f" at a load of {load!r} N." if subject.levels == "per load" else "."),
+            *([f"Contact inputs: {subject.at_text}."] if subject.at else []),
+            *(
+                f"Break-away {words}: {float(law.towards(side).break_away(load))!r} {unit}."
+                for words, side in (("forward", 1), ("backward", -1))
+            ),
+            f"Velocity 0 has no row: there friction is any {what} up to break-away. A table that is"
+            " interpolated between the rows beside it does not hold a body at rest.",
+        ]
+        rows = [f"{v!r},{f!r}" for v, f in zip(velocity.tolist(), force.tolist(), strict=True)]
+        lines = [*commented(notes, "# "), f"velocity [{speed_unit}],friction [{unit}]", *rows]
+        text = "\n".join(lines) + "\n"
+        return Export(target=self.name, files={f"{subject.name}.csv": text})
+
+
+@final
+class JsonDocument(Target):
+    """The law with its parameters, units, intervals and covariance."""
+
+    name: ClassVar[str] = "json"
+    title: ClassVar[str] = "JSON"
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        text = json_text(document("law", _content(subject)))
+        return Export(target=self.name, files={f"{subject.name}.json": text})
+
+
+def _content(subject: Subject) -> dict[str, Any]:
+    law, known = subject.law, subject.estimates
+    return {
+        "law": law.name,
+        "title": law.title,
+        "formula": law.formula,
+        "sources": list(law.sources),
+        "motion": "rotary" if subject.rotary else "linear",
+        "levels": subject.levels,
+        "load": subject.load,
+        "inputs": list(law.inputs),
+        "largest_speed": None if known is None else known.largest_speed,
+        "static_switch": getattr(law, "static_switch", None),
+        "bristles": list(law.states),
+        "parameters": [_parameter(subject, one.name) for one in subject.equations.parameters],
+        "shape": dict(_shape(subject)),
+        "covariance_of": [] if known is None else list(known.covariance_of),
+        "covariance": [] if known is None else [list(row) for row in known.covariance],
+        "provenance": subject.source or None,
+    }
+
+
+def _parameter(subject: Subject, name: str) -> dict[str, Any]:
+    (one,) = (one for one in subject.equations.parameters if one.name == name)
+    known = subject.estimates
+    low, high = (None, None) if known is None else known.intervals.get(name, (None, None))
+    return {
+        "parameter": name,
+        "symbol": one.quantity.symbol,
+        "unit": subject.unit(one.quantity),
+        "value": one.value,
+        "low": low,
+        "high": high,
+        "interval": known.interval if known is not None and low is not None else None,
+        "known": subject.known(name) or None,
+    }
+
+
+def _shape(subject: Subject) -> list[tuple[str, float]]:
+    """Return whole exponents, which shape the equations instead of standing in them."""
+    law = subject.law
+    return [
+        (name, float(getattr(law, name)))
+        for name, one in fields_of(type(law)).items()
+        if one.structural and not one.stands_in_equations(getattr(law, name))
+    ]

@@ -1,0 +1,716 @@
+"""The rigs of the paper, its block and its cart: numbers, motions, stick-slip, rules for rest."""
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+
+from stickslip.drives import Pulse, ThreePhase
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement, Rig, load_rig
+from stickslip.friction import (
+    Coulomb,
+    CoulombViscous,
+    FrictionLaw,
+    LuGre,
+    PrintedCartDynamics,
+    PrintedCoulomb,
+    PrintedForm,
+)
+from stickslip.identification import Estimate
+from stickslip.kinds import TravelVerdict
+from stickslip.mechanisms import PendulumCart, Prescribed, SpringBlock, TowedBlock
+from stickslip.quantities import vary
+from stickslip.selection import Criteria, criteria_of
+from stickslip.simulation import simulate
+from stickslip.solver import EventDriven, FixedStep
+from stickslip.sweep import DrivenCycle, cycles_in
+from stickslip.trajectory import Trajectory
+
+# The numbers of the paper's rig: Table I, and what is assumed where it prints nothing.
+
+OWN = (
+    "give a rig file with a spring-block on the level that a compressed spring sets in motion, and"
+    " its travel."
+)
+"""What another rig than the bundled one has to be."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperValues:
+    """Rig and coefficients in the paper's own terms: forces, not levels."""
+
+    rig: SpringBlock
+    """The block, as the rig file gives it, in the first trial."""
+    measured: float
+    """Measured travel [m], of the first trial."""
+    uncertainty: float
+    """Of that travel [m]: half a digit where it is rounded, else standard; 0 if not stated."""
+    rounded: bool
+    """Whether the uncertainty is that of rounding."""
+    mu_k: float
+    """Kinetic coefficient."""
+    mu_s: float
+    """Static coefficient."""
+    viscous: float
+    """Viscous coefficient [N s/m]; assumed."""
+    stribeck_velocity: float
+    """[m/s]; assumed."""
+    stiffness: float
+    """Of the bristles [N/m]; assumed."""
+    damping: float
+    """Of the bristles [N s/m]; assumed."""
+
+    @property
+    def load(self) -> float:
+        """Weight of the block [N]."""
+        return self.rig.mass * self.rig.gravity
+
+    @property
+    def force(self) -> float:
+        """Force of the compressed spring [N]."""
+        return self.rig.stiffness * self.rig.compression
+
+    @property
+    def own_reading(self) -> str:
+        """B if the block leaves its spring, C if it stays fastened."""
+        return "C" if self.rig.attached else "B"
+
+    @classmethod
+    def of(cls, rig: Rig) -> Self:
+        """Read the values off a rig that has the paper's form."""
+        mechanism, first = check_form(rig)
+        viscous, lugre = rig.laws.get("coulomb-viscous"), rig.laws.get("lugre")
+        if not isinstance(viscous, CoulombViscous) or not isinstance(lugre, LuGre):
+            raise InputError("the audit of the paper needs its laws coulomb-viscous and lugre.")
+        load = mechanism.mass * mechanism.gravity
+        return cls(
+            rig=mechanism,
+            measured=float(first.travel or 0.0),
+            uncertainty=float(first.uncertainty.get("travel", 0.0)),
+            rounded=first.uncertainty_kind == "rounding",
+            mu_k=lugre.kinetic_coefficient,
+            mu_s=lugre.static_coefficient,
+            viscous=viscous.viscous_coefficient,
+            stribeck_velocity=lugre.stribeck_velocity,
+            stiffness=lugre.bristle_stiffness * load,
+            damping=lugre.bristle_damping * load,
+        )
+
+
+def check_form(rig: Rig) -> tuple[SpringBlock, Measurement]:
+    """Return the block and the first of its trials."""
+    mechanism, measurement = rig.mechanism, rig.measurement
+    if not isinstance(mechanism, SpringBlock) or measurement is None:
+        raise InputError(f"the audit of the paper needs a spring-block with its travel: {OWN}")
+    first = measurement.records()[0]
+    mechanism = vary(mechanism, "mechanism", first.overrides)
+    released = mechanism.stiffness > 0.0 and mechanism.compression > 0.0
+    stops = mechanism.lower_stop is not None or mechanism.upper_stop is not None
+    if not released or mechanism.drive is not None or mechanism.incline or stops:
+        raise InputError(
+            "the audit of the paper needs a compressed spring as the only drive, and neither an"
+            f" incline nor stops: {OWN}"
+        )
+    if not all(one.travel is not None and one.travel > 0.0 for one in measurement.records()):
+        raise InputError(f"the audit of the paper needs travels above 0 m: {OWN}")
+    return mechanism, first
+
+
+def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
+    """Return a rig with the laws of the paper at its own levels.
+
+    What its file gives stays. Levels that it does not give are those of Coulomb friction as fitted
+    to its travels, and Coulomb + viscous is as fitted where they bound its viscous part; what the
+    paper does not print either is assumed as for the bundled rig, with the bristles in proportion
+    to the load.
+    """
+    coulomb = rig.laws.get("coulomb")
+    if coulomb is None:
+        named = [one for one in verdict.candidates if one.name == "coulomb"]
+        if not named or named[0].fit is None:
+            raise InputError(
+                "the audit of the paper needs a kinetic coefficient, and Coulomb friction does not"
+                f" reproduce the travels of {rig.heading}: give kinetic_coefficient under"
+                " [friction]."
+            )
+        coulomb = named[0].fit.law
+    assert isinstance(coulomb, Coulomb)
+    levels = {
+        "kinetic_coefficient": coulomb.kinetic_coefficient,
+        "static_coefficient": coulomb.break_away(1.0),
+    }
+    viscous = {one.path: one.value for one in viscous_fit(verdict)}
+    laws: dict[str, FrictionLaw] = {}
+    for name, law in load_rig().laws.items():
+        own = {
+            f"friction.{field}": value
+            for field, value in levels.items()
+            if getattr(law, field, None) is not None
+        }
+        own |= viscous if name.startswith("coulomb-viscous") else {}
+        laws[name] = rig.laws.get(name) or vary(law, "friction", own)
+    return replace(rig, laws=laws, published=())
+
+
+def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
+    """Return the estimates of Coulomb + viscous friction if several travels bound its viscous part.
+
+    One travel is reproduced with any viscous part, so that it bounds none.
+    """
+    for one in verdict.candidates:
+        if one.name == "coulomb-viscous" and one.fit is not None and one.fit.settings > 1:
+            estimates = one.fit.estimates
+            paths = {each.path for each in estimates if each.bounded}
+            return estimates if "friction.viscous_coefficient" in paths else ()
+    return ()
+
+
+# Two readings of how the rig sets the block in motion, and a control.
+
+PUSH_DURATION = 0.1
+"""The paper: "applied time 0.1 s"."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """One reading and what a law makes of it."""
+
+    key: str
+    """A, B or C."""
+    title: str
+    """Words that name the reading."""
+    text: str
+    """What the reading assumes, in one sentence."""
+    mechanism: SpringBlock
+    """The block in that reading."""
+    run: Trajectory
+    """The trajectory."""
+    criteria: Criteria
+    """The paper's criteria of that run."""
+    closed_form: float | None
+    """Travel of Coulomb friction by formula [m], where there is one."""
+
+
+def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
+    """Return title, description and mechanism of the three readings of a released spring."""
+    force = rig.stiffness * rig.compression
+    push = SpringBlock(
+        mass=rig.mass,
+        gravity=rig.gravity,
+        drive=Pulse(level=force, duration=PUSH_DURATION),
+    )
+    return {
+        "A": (
+            "Push",
+            f"{force:g} N for {PUSH_DURATION:g} s, then coasting.",
+            push,
+        ),
+        "B": (
+            "Released spring",
+            f"Compressed {rig.compression:g} m; the block leaves it at its natural length.",
+            replace(rig, attached=False),
+        ),
+        "C": (
+            "Fixed spring",
+            "A control, not in the paper: as B, but the block stays fastened.",
+            replace(rig, attached=True),
+        ),
+    }
+
+
+def excitations(
+    rig: SpringBlock, law: FrictionLaw, *, measured: float, t_end: float
+) -> tuple[Excitation, ...]:
+    """Run a law in the three readings of the rig.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    >>> [f"{e.criteria.travel:.4f}" for e in excitations(rig, law, measured=0.2, t_end=10.0)]
+    ['0.1539', '0.2039', '0.0981']
+    """
+    found = []
+    for key, (title, text, mechanism) in rigs(rig).items():
+        run = simulate(mechanism, law, t_end=t_end)
+        found.append(
+            Excitation(
+                key=key,
+                title=title,
+                text=text,
+                mechanism=mechanism,
+                run=run,
+                criteria=criteria_of(run, mechanism, measured),
+                closed_form=_closed_form(key, rig, law),
+            )
+        )
+    return tuple(found)
+
+
+def _closed_form(key: str, rig: SpringBlock, law: FrictionLaw) -> float | None:
+    """Return the travel of Coulomb friction: A by momentum, B by energy.
+
+    A holds if the push starts the block, B if the block gets as far as to leave the spring.
+    """
+    mu_k = getattr(law, "kinetic_coefficient", None)
+    if law.name != "coulomb" or mu_k is None:
+        return None
+    f = mu_k * rig.mass * rig.gravity
+    force = rig.stiffness * rig.compression
+    held = law.break_away(rig.mass * rig.gravity)
+    if f == 0.0 or held >= force:
+        return None
+    if key == "A":
+        return float((force - f) * PUSH_DURATION**2 * force / (2.0 * rig.mass * f))
+    energy = 0.5 * force * rig.compression
+    if key == "B" and f * rig.compression < energy:
+        return float(energy / f)
+    return None
+
+
+# Stick-slip, the first phenomenon of the paper (its III.B.1), on the block of Table I.
+
+SPEED = 0.02
+"""Of the far end of the spring [m/s]; ours: the paper gives no numbers for its example."""
+PERIODS = 4.5
+"""How long the block is pulled, after its first break-away."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickSlip:
+    """The block of Table I, pulled slowly by its spring."""
+
+    mechanism: TowedBlock
+    """The block with the spring that pulls it."""
+    run: Trajectory
+    """The trajectory."""
+    stick_time: float
+    """Of a period, from the run [s]."""
+    slip_time: float
+    """Of a period, from the run [s]."""
+    stick_formula: float
+    """2 D / V with D = (F_s - F_c) / k [s]."""
+    slip_formula: float
+    """(2 / w)(pi - atan(w D / V)) with w = sqrt(k / m) [s]."""
+
+
+def stick_slip(values: PaperValues) -> StickSlip:
+    """Pull the block of Table I through its spring, and time a period of stick-slip.
+
+    Examples
+    --------
+    >>> from stickslip import load_rig
+    >>> from stickslip.paper import PaperValues, stick_slip
+    >>> found = stick_slip(PaperValues.of(load_rig()))
+    >>> abs(found.slip_time - found.slip_formula) < 1e-9
+    True
+    """
+    rig = values.rig
+    towed = TowedBlock(mass=rig.mass, stiffness=rig.stiffness, speed=SPEED, gravity=rig.gravity)
+    law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
+    surplus = (values.mu_s - values.mu_k) * values.load / rig.stiffness
+    w = math.sqrt(rig.stiffness / rig.mass)
+    stick = 2.0 * surplus / SPEED
+    slip = (2.0 / w) * (math.pi - math.atan(w * surplus / SPEED))
+    first = values.mu_s * values.load / (rig.stiffness * SPEED)
+    run = simulate(towed, law, t_end=first + PERIODS * (stick + slip))
+    starts = [event.t for event in run.events if event.from_mode == 0]
+    stops = [event.t for event in run.events if event.to_mode == 0]
+    return StickSlip(
+        mechanism=towed,
+        run=run,
+        stick_time=starts[2] - stops[1],
+        slip_time=stops[1] - starts[1],
+        stick_formula=stick,
+        slip_formula=slip,
+    )
+
+
+# The pendulum-driven cart of the paper's Figs 2 and 11, as printed and as it is.
+#
+# The paper prints neither the masses nor the length nor the swing of its cart; those here are ours.
+
+CYCLES = 5
+"""Of the swing, in every run."""
+STEP = 0.01
+"""Of the runs as block diagrams [s]."""
+KINETIC = 0.2
+"""Coefficient of the runs that are compared with the printed equations."""
+SAMPLES = 20_000
+"""Times at which forces of a run are evaluated."""
+SURPLUS = (0.0, 0.5, 1.0, 1.5)
+"""Break-away levels that are tried, as shares of the step from the kinetic level to the static."""
+ALONE = 0.4
+"""That step over the kinetic level, where the static level is not known to be higher."""
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CartRun:
+    """What the cart does in some cycles of the swing."""
+
+    key: str
+    """Name by which figures and tables find the run."""
+    title: str
+    """Words that name the run in figures and tables."""
+    law: FrictionLaw | PrintedForm
+    """The law or the printed equation that was run."""
+    run: Trajectory
+    """The trajectory."""
+    cycles: tuple[DrivenCycle, ...]
+    """Travel of each cycle of the swing."""
+
+    @property
+    def travels(self) -> tuple[float, ...]:
+        """Of each cycle [m]."""
+        return tuple(cycle.travel for cycle in self.cycles)
+
+    @property
+    def returns(self) -> tuple[float, ...]:
+        """Way against the direction in which the paper drives the cart, of each cycle [m]."""
+        return tuple(cycle.backward for cycle in self.cycles)
+
+    @property
+    def least_velocities(self) -> tuple[float, ...]:
+        """Of each cycle [m/s]."""
+        return tuple(cycle.least_velocity for cycle in self.cycles)
+
+    @property
+    def least_normal_force(self) -> float:
+        """Of all cycles [N]."""
+        return min(cycle.least_normal_force for cycle in self.cycles)
+
+    @cached_property
+    def largest_friction(self) -> tuple[float, ...]:
+        """Largest friction over the normal force in each cycle."""
+        first, last = self.run.span
+        times = np.union1d(np.linspace(first, last, SAMPLES), self.run.t)
+        seen = self.run.at(times)
+        shares = np.abs(seen["friction"]) / seen["normal_force"]
+        ends = np.linspace(first, last, len(self.cycles) + 1)
+        return tuple(
+            float(shares[(begin <= times) & (times <= end)].max()) for begin, end in pairwise(ends)
+        )
+
+    @property
+    def travel(self) -> float:
+        """All travel [m]."""
+        return math.fsum(self.travels)
+
+    @property
+    def mean_return(self) -> float:
+        """Back-slip in a cycle, the mean of all [m]."""
+        return math.fsum(self.returns) / len(self.returns)
+
+    @property
+    def least_velocity(self) -> float:
+        """Lowest velocity [m/s]."""
+        return min(self.least_velocities)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the numbers, ready for JSON."""
+        return {
+            "run": self.key,
+            "law": self.law.name,
+            "travel": self.travel,
+            "travel_by_cycle": list(self.travels),
+            "back_slip_by_cycle": list(self.returns),
+            "mean_back_slip": self.mean_return,
+            "least_velocity": self.least_velocity,
+            "least_velocity_by_cycle": list(self.least_velocities),
+            "least_normal_force": self.least_normal_force,
+            "largest_friction_by_cycle": list(self.largest_friction),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Share:
+    """One cause of backward motion: what it adds where it is taken into a run."""
+
+    key: str
+    """``misprint``, ``no-stick-rule``, ``step`` or ``friction``."""
+    least_velocity: float
+    """What it adds to the lowest velocity [m/s]."""
+    mean_return: float
+    """What it adds to the back-slip in a cycle [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CartStudy:
+    """The paper's two figures of the cart."""
+
+    cart: PendulumCart
+    """The cart with its pendulum."""
+    runs: tuple[CartRun, ...]
+    """Fig. 2: as printed, corrected in fixed steps, exactly."""
+    table_1: tuple[CartRun, ...]
+    """The scheme of Fig. 2, (1) and (2) in fixed steps, at the levels of Table I; and exactly."""
+    given: bool
+    """Whether the cart is not the one that is assumed here."""
+    break_away: tuple[CartRun, ...]
+    """The exact cart with the kinetic level of Table I and break-away levels around its static one,
+    and with bristles, whose break-away falls with the rate of the force."""
+    choices: tuple[CartRun, ...]
+    """Fig. 11: the law that `select` names for the rig, if it names one, and the paper's choice."""
+
+    @property
+    def swing(self) -> ThreePhase:
+        """The prescribed swing of the pendulum."""
+        return swing_of(self.cart)
+
+    @property
+    def weight(self) -> float:
+        """Weight of cart and ball [N]."""
+        return (self.cart.cart_mass + self.cart.ball_mass) * self.cart.gravity
+
+    @property
+    def period(self) -> float:
+        """Duration of a cycle [s]."""
+        return float(self.swing.period)
+
+    def run(self, key: str) -> CartRun:
+        """Return a run of Fig. 2 or 11."""
+        return next(o for o in (*self.runs, *self.table_1, *self.choices) if o.key == key)
+
+    @cached_property
+    def shares(self) -> tuple[Share, ...]:
+        """What the backward motion of equations (3) and (4) is made of; its parts sum up to it."""
+        printed, free, held, exact = (
+            self.run(key) for key in ("printed-4", "fixed", "fixed-held", "exact")
+        )
+        causes = (("misprint", printed, free), ("no-stick-rule", free, held), ("step", held, exact))
+        differences = [
+            Share(
+                key=key,
+                least_velocity=with_it.least_velocity - without.least_velocity,
+                mean_return=with_it.mean_return - without.mean_return,
+            )
+            for key, with_it, without in causes
+        ]
+        real = Share(
+            key="friction",
+            least_velocity=exact.least_velocity,
+            mean_return=exact.mean_return,
+        )
+        return (*differences, real)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the study as plain numbers and strings, ready for JSON."""
+        return {
+            "cart_mass": self.cart.cart_mass,
+            "ball_mass": self.cart.ball_mass,
+            "length": self.cart.length,
+            "swing": {
+                "amplitude": self.swing.amplitude,
+                "fast": self.swing.fast,
+                "slow": self.swing.slow,
+                "period": self.period,
+            },
+            "cycles": CYCLES,
+            "step": STEP,
+            "kinetic_coefficient": KINETIC,
+            "figure_2": [one.to_dict() for one in self.runs],
+            "levels_of_table_1": [one.to_dict() for one in self.table_1],
+            "break_away": [one.to_dict() for one in self.break_away],
+            "backward_motion": [
+                {
+                    "cause": share.key,
+                    "least_velocity": share.least_velocity,
+                    "mean_back_slip": share.mean_return,
+                }
+                for share in self.shares
+            ],
+            "figure_11": [one.to_dict() for one in self.choices],
+        }
+
+
+def study_cart(
+    chosen: FrictionLaw | None,
+    theirs: FrictionLaw,
+    *,
+    levels: tuple[float, float] = (0.25, 0.35),
+    bristles: FrictionLaw | None = None,
+    cart: PendulumCart = CART,
+) -> CartStudy:
+    """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, CoulombViscous
+    >>> study = study_cart(
+    ...     Coulomb(kinetic_coefficient=0.25),
+    ...     CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5),
+    ... )
+    >>> [f"{one.travel:.2f}" for one in study.runs if one.key in ("printed-4", "exact")]
+    ['-12.67', '0.28']
+    """
+    level = {"kinetic_coefficient": KINETIC}
+    law = Coulomb(**level)
+    printed = FixedStep(dt=STEP, stick_rule=False)
+    free = replace(printed, break_away="zero")
+    held = FixedStep(dt=STEP, stick_rule=True)
+    exact = EventDriven()
+    weight = (cart.cart_mass + cart.ball_mass) * cart.gravity
+    ran = partial(_run, cart)
+    signed = PrintedCartDynamics(kinetic_coefficient=KINETIC, weight=weight)
+    plain = PrintedCoulomb
+    at_table_1 = Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
+    return CartStudy(
+        cart=cart,
+        given=cart != CART,
+        runs=(
+            ran("printed-4", "(3), (4) as printed", signed, printed),
+            ran("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), printed),
+            ran("printed-1", "(1), (2) as printed", plain(**level), printed),
+            ran("fixed", "corrected, no stick rule", law, free),
+            ran("fixed-held", "corrected, stick rule", law, held),
+            ran("exact", "exact", law, exact),
+        ),
+        table_1=(
+            ran("table-1", "(1), (2), Table I", plain(kinetic_coefficient=levels[0]), printed),
+            ran("table-1-exact", "exact, Table I", at_table_1, exact),
+        ),
+        break_away=_break_away(cart, levels, bristles),
+        choices=(
+            *(() if chosen is None else (ran("selected", chosen.title, chosen, exact),)),
+            ran("paper", theirs.title, theirs, exact),
+        ),
+    )
+
+
+def _break_away(
+    cart: PendulumCart, levels: tuple[float, float], bristles: FrictionLaw | None
+) -> tuple[CartRun, ...]:
+    """Vary the break-away level, at the kinetic levels of Table I and of Fig. 2."""
+    (mu_k, mu_s), exact = levels, EventDriven()
+    step = mu_s - mu_k or ALONE * mu_k
+    laws = [
+        Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * step)
+        for kinetic in (mu_k, KINETIC)
+        for share in SURPLUS
+    ]
+    runs = [
+        _run(
+            cart,
+            f"break-away-{index}",
+            f"$mu_k$ = {law.kinetic_coefficient:.3g}, $mu_s$ = {law.break_away(1.0):.3g}",
+            law,
+            exact,
+        )
+        for index, law in enumerate(laws)
+    ]
+    if bristles is not None:
+        runs.append(_run(cart, "break-away-bristles", bristles.title, bristles, exact))
+    return tuple(runs)
+
+
+def swing_of(cart: PendulumCart) -> ThreePhase:
+    """Return the swing that the pendulum of a cart is told."""
+    assert isinstance(cart.pendulum, Prescribed)
+    assert isinstance(cart.pendulum.profile, ThreePhase)
+    return cart.pendulum.profile
+
+
+def _run(
+    cart: PendulumCart,
+    key: str,
+    title: str,
+    law: FrictionLaw | PrintedForm,
+    solver: EventDriven | FixedStep,
+) -> CartRun:
+    """Drive the cart for all cycles."""
+    period = float(swing_of(cart).period)
+    run = simulate(cart, law, t_end=CYCLES * period, solver=solver)
+    return CartRun(key=key, title=title, law=law, run=run, cycles=cycles_in(run, cart, period))
+
+
+# How a block diagram finds rest: the zero-velocity band of the paper's [18] beside others.
+
+REST_RULES: tuple[tuple[float, bool, float], ...] = (
+    (0.01, False, 0.0),
+    (0.01, False, 0.001),
+    (0.01, False, 0.03),
+    (0.01, True, 0.0),
+    (0.001, False, 0.0),
+    (0.001, False, 0.001),
+    (0.001, False, 0.003),
+    (0.001, True, 0.0),
+)
+"""Step [s], whether a change of sign holds the body, half width of the band [m/s]."""
+REST_SECONDS = 1.0
+"""How long the block is followed; exactly, it stops in half of that."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RestRule:
+    """A rule for rest, and what block and cart do with it; Coulomb friction in each."""
+
+    dt: float | None
+    """Step [s]; None where events are located."""
+    stick_rule: bool
+    """Whether a change of sign holds the body, exactly or within a step."""
+    band: float
+    """Half width of the zero-velocity band [m/s]."""
+    block: Criteria
+    """What the released block does."""
+    reversals: int
+    """Sign changes of its velocity."""
+    rests: bool
+    """Whether the block is at rest at the end."""
+    cart_travel: float
+    """Of the cart in all cycles, at the levels of the rig [m]."""
+    cart_back_slip: float
+    """Of the cart in a cycle, the mean of all [m]."""
+
+
+def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule, ...]:
+    """Run the released block and the cart exactly, and in steps with each rule.
+
+    The band is that of Karnopp (1985), the paper's reference [18]: a body slower than it is held
+    while the force needed is within break-away. A step changes the velocity by ``F_c dt / m``, and
+    can jump over a narrower band. With a rule, friction begins at F_s; without one, sgn 0 = 0.
+
+    Examples
+    --------
+    >>> from stickslip import load_rig
+    >>> from stickslip.paper import PaperValues, rest_rules
+    >>> [rule.reversals for rule in rest_rules(PaperValues.of(load_rig()))][:4]
+    [0, 50, 49, 0]
+    """
+    period = float(swing_of(cart).period)
+    law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
+    found = []
+    for dt, stick_rule, band in ((None, True, 0.0), *REST_RULES):
+        solver = None
+        if dt is not None:
+            solver = FixedStep(
+                dt=dt,
+                stick_rule=stick_rule,
+                zero_velocity_band=band,
+                break_away="static" if stick_rule or band else "zero",
+            )
+        block = simulate(values.rig, law, t_end=REST_SECONDS, solver=solver)
+        driven = simulate(cart, law, t_end=CYCLES * period, solver=solver)
+        cycles = cycles_in(driven, cart, period)
+        signs = [1 if value > 0 else -1 for value in block["v"] if value != 0]
+        found.append(
+            RestRule(
+                dt=dt,
+                stick_rule=stick_rule,
+                band=band,
+                block=criteria_of(block, values.rig),
+                reversals=sum(a != b for a, b in itertools.pairwise(signs)),
+                rests=bool(block["v"][-1] == 0.0),
+                cart_travel=sum(one.travel for one in cycles),
+                cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
+            )
+        )
+    return tuple(found)

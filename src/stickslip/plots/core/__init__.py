@@ -1,1 +1,0 @@
-"""What every plot uses: colours, figures, arguments, labels."""

@@ -1,1 +1,0 @@
-"""Friction against displacement: measured loops, and those of laws along the same motion."""

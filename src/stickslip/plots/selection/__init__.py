@@ -1,1 +1,0 @@
-"""Plots of fits and of their residuals."""
