@@ -36,7 +36,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.quantities import vary
+from stickslip.quantities import replaced, vary
 from stickslip.simulation import GivenFriction, event_driven_law, initial_state
 from stickslip.solver import BareRun, EventDriven
 from stickslip.sweep.parameter_grid import (
@@ -319,12 +319,14 @@ class ReturnMap:
         period = self.duration(mechanism)
         # a rate of rounding's size in place of 0 would let what sticks slip for an instant
         y = np.where(np.abs(y) <= np.finfo(float).eps * np.abs(y).max(initial=0.0), 0.0, y)
-        begin = dict(zip(self.names, y.tolist(), strict=True))
-        start = initial_state("orbit", mechanism, law, begin)
+        if not np.isfinite(y).all():
+            raise SimulationError("a step has left all finite states.")
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        start = [float(begin.get(name, 0.0)) for name in self.states]
         run = self.solver.bare(mechanism, law, y0=start, t_end=period)
         if not run.status.complete:
             raise SimulationError(run.status.value)
-        told = tuple(name for name in mechanism.start() if name not in begin)
+        told = tuple(name for name in mechanism.start() if name not in self.names)
         sense = replace(run.differentiate, told=told)
         paths = [f"initial.{name}" for name in self.names]
         ends = np.array([period])
@@ -342,7 +344,7 @@ class ReturnMap:
         slope = np.zeros(n)
         if self.path is not None:
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[free]
-            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(value)
+            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
         size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
         return Shot(
@@ -359,12 +361,13 @@ class ReturnMap:
             run=run,
         )
 
-    def _stretch(self, value: float) -> float:
+    def _stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
         if self.period is not None or str(self.path).startswith("friction."):
             return 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
-        above, below = (self.duration(self.pair(value + s)[0]) for s in (h, -h))
+        near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
+        above, below = map(self.duration, near)
         return (above - below) / (2.0 * h)
 
     def orbit(self, shot: Shot) -> Orbit:
