@@ -81,8 +81,17 @@ TURN: Final = 0.9
 ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
-BISECTIONS = 22
-"""Halvings of a step by which an event is located."""
+MOST_SECTIONS, MOST_FALSE = 40, 12
+"""Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
+ZERO = 1e-9
+"""Share of its value at the ends of a step by which a smooth test function is 0."""
+FAR = 2.0
+"""Longest step, over the last one, into which a cubic through two points is continued."""
+BEND = 0.8
+"""Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
+BESIDE, ALIKE = 0.05, 1e-3
+"""Distance, over the chord of two neighbours, within which a point may be between them, and within
+which it is."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
@@ -366,6 +375,20 @@ class _Point:
     """States after half the cycles less those at the start, scaled; 0 of an odd number."""
 
 
+@dataclass(frozen=True)
+class _Part:
+    """A part of a step."""
+
+    low: float
+    """Arc at which it begins."""
+    high: float
+    """Arc at which it ends."""
+    a: _Point
+    """The orbit at its beginning."""
+    b: _Point
+    """The orbit at its end."""
+
+
 class _Curve:
     """One branch: scales, corrector, events."""
 
@@ -378,6 +401,7 @@ class _Curve:
         self.runs = 0
         self.backward = False
         self.met: Callable[[Shot], int | None] = lambda _: None
+        self.trails: list[list[Array]] = []
 
     # -- unknowns
 
@@ -493,14 +517,15 @@ class _Curve:
 
     def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
-        points, events, ds = [first], list[Event](), min(FIRST_STEP, self.step)
+        points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
+        self.trails.append([self.unknowns(first.shot)])
         while len(points) <= self.most:
             here = points[-1]
             u0 = self.unknowns(here.shot)
-            found = self.correct(u0, here.tangent, ds)
+            found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds))
             there = None if found is None else self.point(found[0], here.tangent)
             if there is None or not self.is_next(here, there, u0, ds):
-                ds *= 0.5
+                ds, held = 0.5 * ds, True
                 if ds > LEAST_STEP:
                     continue
                 there = self.over(here)
@@ -530,8 +555,13 @@ class _Curve:
                 return points, f"It meets branch {known} at {at}.", events
             if len(points) > 3 and self.closes(first, here, there):
                 return points, "It closes.", events
-            if found is not None and found[1] <= EASY:
+            if self.returns(there):
+                at = quantity(there.shot.value, self.unit, 6)
+                return points, f"It returns to itself at {at}.", events
+            self.trails[-1].append(self.unknowns(there.shot))
+            if found is not None and found[1] <= EASY and not held:
                 ds = min(GROWTH * ds, self.step)
+            ds, held = min(ds, self.straight(points)), False
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
@@ -580,6 +610,54 @@ class _Curve:
         gap = float(np.linalg.norm(start - a - share * chord))
         along = float(first.tangent @ there.tangent) > TURN
         return along and 0.0 < share <= 1.0 and gap < 0.05 * float(np.linalg.norm(chord))
+
+    def returns(self, there: _Point) -> bool:
+        """Whether a point lies between two earlier ones of this branch, in either direction.
+
+        So it does where a branch that was stepped over at grazing comes back on another way. What
+        is near is solved for in the plane of the point: another part of the branch differs there.
+        """
+        u = self.unknowns(there.shot)
+        for trail in self.trails:
+            ends = np.array(trail)
+            begins, chords = ends[:-1], np.diff(ends, axis=0)
+            sizes = np.linalg.norm(chords, axis=1)
+            shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2
+            places = begins + shares[:, None] * chords
+            near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
+            near &= (shares > 0.0) & (shares <= 1.0)
+            near &= np.abs(chords @ there.tangent) > TURN * sizes
+            for i in np.flatnonzero(near):
+                found = self.correct(u, there.tangent, 0.0, places[i])
+                if found is not None:
+                    off = float(np.linalg.norm(self.unknowns(found[0]) - u))
+                    if off <= ALIKE * sizes[i]:
+                        return True
+        return False
+
+    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array | None:
+        """Return where a cubic through the last two points goes on; None where there is none."""
+        if len(points) < 2 or points[-2].signature != points[-1].signature:
+            return None
+        before, here = points[-2:]
+        back = self.unknowns(before.shot) - u0
+        h = float(np.linalg.norm(back))
+        if ds > FAR * h:
+            return None
+        x = 1.0 + ds / h
+        found: Array = u0 + (2.0 * x + 1.0) * (1.0 - x) ** 2 * back
+        found += h * x * (x - 1.0) * ((x - 1.0) * before.tangent + x * here.tangent)
+        found += (ds - float(here.tangent @ (found - u0))) * here.tangent
+        return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
+
+    def straight(self, points: list[_Point]) -> float:
+        """Return the step in which the tangent turns as far as it is meant to, as in the last."""
+        before, here = points[-2:]
+        if before.signature != here.signature:
+            return self.step
+        angle = float(np.arccos(np.clip(before.tangent @ here.tangent, -1.0, 1.0)))
+        length = float(np.linalg.norm(self.unknowns(here.shot) - self.unknowns(before.shot)))
+        return BEND * float(np.arccos(TURN)) / max(angle, LEAST_STEP) * length
 
     def over(self, here: _Point) -> _Point | None:
         """Return a point behind what stops the corrector, on whichever side the branch goes on.
@@ -670,64 +748,81 @@ class _Curve:
     def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events between two points, each located."""
         found: list[tuple[float, Event]] = []
+        parts = [_Part(0.0, ds, here, there)]
         if here.signature != there.signature:
             kind, sentence = self.change(here, there)
-            s, a, b = self.located(here, there, u0, ds, lambda p: p.signature == here.signature)
-            if a.tangent[-1] * b.tangent[-1] < 0.0:
-                sentence += TURNS_BACK
-            found.append((s, self.event(kind, a, index, sentence + self.jump(a, b))))
-        for kind, sentence, test in TESTS:
-            first = test(here)
-            if first * test(there) >= 0.0:
-                continue
-            s, a, b = self.located(
-                here,
-                there,
-                u0,
-                ds,
-                lambda p, t=test, f=first: t(p) * f > 0.0,  # type: ignore[misc]
+            near = self.located(
+                parts[0], u0, here.tangent, lambda p: 1.0 if p.signature == here.signature else -1.0
             )
-            if a.signature != b.signature:
-                continue  # the test has jumped there, which the event of the change says
-            found.append((s, self.event(kind, a, index, sentence)))
+            if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
+                sentence += TURNS_BACK
+            sentence += self.jump(near.a, near.b)
+            found.append((near.low, self.event(kind, near.a, index, sentence)))
+            # what a test does at the change itself the event of the change says
+            parts = [_Part(0.0, near.low, here, near.a), _Part(near.high, ds, near.b, there)]
+        for kind, sentence, test in TESTS:
+            for part in parts:
+                if test(part.a) * test(part.b) < 0.0:
+                    near = self.located(part, u0, here.tangent, test, smooth=True)
+                    if near.a.signature == near.b.signature:
+                        found.append((near.low, self.event(kind, near.a, index, sentence)))
         crossed = {event.kind for _, event in found}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
             found = [pair for pair in found if pair[1].kind != "fold"]
-        s_torus = self.torus(here, there, u0, ds)
-        if s_torus is not None:
-            s, a = s_torus
-            found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        for part in parts:
+            near_torus = self.torus(part, u0, here.tangent)
+            if near_torus is not None:
+                s, a = near_torus
+                found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
         return [event for _, event in sorted(found, key=lambda pair: pair[0])]
 
-    def torus(
-        self, here: _Point, there: _Point, u0: Array, ds: float
-    ) -> tuple[float, _Point] | None:
+    def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, _Point] | None:
         """Return where a complex pair of multipliers passes the unit circle, if it does."""
-        if _pair_outside(here) is None or _pair_outside(there) is None:
+        before, after = _pair_outside(part.a), _pair_outside(part.b)
+        if before is None or after is None or before == after:
             return None
-        if _pair_outside(here) == _pair_outside(there):
-            return None
-        before = _pair_outside(here)
-        s, a, b = self.located(here, there, u0, ds, lambda p: _pair_outside(p) == before)
-        near = min(abs(abs(x) - 1.0) for x in a.multipliers)
-        return (s, a) if a.signature == b.signature and near < AT_CIRCLE else None
+        near = self.located(part, u0, normal, lambda p: 1.0 if _pair_outside(p) == before else -1.0)
+        off = min(abs(abs(x) - 1.0) for x in near.a.multipliers)
+        same = near.a.signature == near.b.signature
+        return (near.low, near.a) if same and off < AT_CIRCLE else None
 
     def located(
-        self, here: _Point, there: _Point, u0: Array, ds: float, holds: Callable[[_Point], bool]
-    ) -> tuple[float, _Point, _Point]:
-        """Return the arc up to which something holds, and the points right before and behind."""
-        low, high, a, b = 0.0, ds, here, there
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            found = self.correct(u0, here.tangent, middle)
+        self,
+        part: _Part,
+        u0: Array,
+        normal: Array,
+        test: Callable[[_Point], float],
+        *,
+        smooth: bool = False,
+    ) -> _Part:
+        """Return the least part in which a test function changes its sign.
+
+        One that is smooth by the rule of false position, whose kept end counts half (Illinois);
+        any other by bisection.
+        """
+        low, high, a, b = part.low, part.high, part.a, part.b
+        first, last = test(a), test(b)
+        least, side = ZERO * max(abs(first), abs(last)), 0
+        for count in range(MOST_SECTIONS):
+            if high - low <= LEAST_STEP:
+                break
+            share = first / (first - last) if smooth and count < MOST_FALSE else 0.5
+            ends = self.unknowns(a.shot), self.unknowns(b.shot)
+            middle, start = low + share * (high - low), ends[0] + share * (ends[1] - ends[0])
+            found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
             if found is None:
                 break
-            point = self.point(found[0], here.tangent)
-            if holds(point):
-                low, a = middle, point
+            point = self.point(found[0], normal)
+            value = test(point)
+            if value * first > 0.0:
+                low, a, first, last = middle, point, value, last * (0.5 if side < 0 else 1.0)
+                side = -1
             else:
-                high, b = middle, point
-        return low, a, b
+                high, b, last, first = middle, point, value, first * (0.5 if side > 0 else 1.0)
+                side = 1
+            if smooth and abs(value) <= least and a.signature == b.signature:
+                return _Part(middle, middle, point, point)
+        return _Part(low, high, a, b)
 
     # -- doubled branches
 
