@@ -85,6 +85,8 @@ MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
+OUTGROWN = 2.0
+"""Size of a state over its scale, or the reverse, from which the scales are taken anew."""
 FAR = 2.0
 """Longest step, over the last one, into which a cubic through two points is continued."""
 BEND = 0.8
@@ -402,13 +404,14 @@ class _Curve:
         self.backward = False
         self.met: Callable[[Shot], int | None] = lambda _: None
         self.trails: list[list[Array]] = []
+        self.halved: list[Shot] = []
 
     # -- unknowns
 
     def point(self, shot: Shot, along: Array | None = None) -> _Point:
         """Return a point with its tangent, which goes on in a direction; up in p if none is given.
 
-        The first point sets the scales.
+        The first point sets the scales; they follow as in `fit`.
         """
         if self.scale.size == 1:
             self.scale = np.append(shot.scale, self.high - self.low)
@@ -424,6 +427,15 @@ class _Curve:
             float(np.linalg.det(np.vstack([matrix, tangent]))),
             self.half(shot),
         )
+
+    def fit(self, *points: _Point) -> tuple[_Point, ...]:
+        """Return points in the scales of the last one, which are taken where its states outgrow."""
+        size = np.append(points[-1].shot.scale, self.high - self.low)
+        ratio, old = size / self.scale, self.scale
+        if ratio.max() <= OUTGROWN and ratio.min() >= 1.0 / OUTGROWN:
+            return points
+        self.scale = size
+        return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
 
     def scaled(self, shot: Shot) -> Array:
         """Return dF/du in scaled unknowns (k, k + 1)."""
@@ -445,7 +457,10 @@ class _Curve:
         return found
 
     def unknowns(self, shot: Shot) -> Array:
-        return np.append(shot.y, shot.value) / self.scale
+        return self.unscaled(shot) / self.scale
+
+    def unscaled(self, shot: Shot) -> Array:
+        return np.append(shot.y, shot.value)
 
     def shoot(self, u: Array) -> Shot:
         self.runs += 1
@@ -517,8 +532,10 @@ class _Curve:
 
     def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
+        (first,) = self.fit(first)
         points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
-        self.trails.append([self.unknowns(first.shot)])
+        trail = [self.unscaled(first.shot)]
+        self.trails.append(trail)
         while len(points) <= self.most:
             here = points[-1]
             u0 = self.unknowns(here.shot)
@@ -540,6 +557,7 @@ class _Curve:
             else:
                 events += self.between(here, there, u0, ds, len(points) - 1)
             if float(here.half @ there.half) < 0.0 and _small(here, there):
+                self.halved.append(here.shot)
                 return (
                     points,
                     self.halves(here, there),
@@ -558,10 +576,11 @@ class _Curve:
             if self.returns(there):
                 at = quantity(there.shot.value, self.unit, 6)
                 return points, f"It returns to itself at {at}.", events
-            self.trails[-1].append(self.unknowns(there.shot))
+            trail.append(self.unscaled(there.shot))
             if found is not None and found[1] <= EASY and not held:
                 ds = min(GROWTH * ds, self.step)
             ds, held = min(ds, self.straight(points)), False
+            first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
@@ -619,7 +638,7 @@ class _Curve:
         """
         u = self.unknowns(there.shot)
         for trail in self.trails:
-            ends = np.array(trail)
+            ends = np.array(trail) / self.scale
             begins, chords = ends[:-1], np.diff(ends, axis=0)
             sizes = np.linalg.norm(chords, axis=1)
             shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2

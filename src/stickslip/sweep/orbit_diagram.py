@@ -10,6 +10,7 @@
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
 from typing import TYPE_CHECKING, Final
@@ -73,6 +74,8 @@ BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
+SETTLED = 1e-7
+"""The same of an orbit that was solved for."""
 NEAR_SAMPLES = 0.05
 """Distance within which a sample of a settled run may lie on a branch that is known: then it is
 compared after both were solved for at the same value."""
@@ -409,8 +412,25 @@ class _Search:
             shot = solved(map_, point, value)
         except (SimulationError, InputError):
             return  # at a grazing contact, say: settled runs at other values lead there
-        if not self.is_known(closed, value, self.strobes(shot, closed)):
-            self.followed(map_.orbit(shot), doubled=False)
+        self.follow_shot(shot, closed)
+
+    def follow_shot(self, shot: Shot, cycles: int) -> None:
+        """Follow the branch of an orbit that is on none yet, after the least cycles it closes in.
+
+        A run that comes to rest from either side in turn seems to close after twice as many.
+        """
+        strobes = self.strobes(shot, cycles)
+        off = np.abs(strobes - shot.y) / shot.scale
+        least = next(
+            (m for m in range(1, cycles) if cycles % m == 0 and off[m].max() <= SETTLED), cycles
+        )
+        if least < cycles:
+            try:
+                shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
+            except (SimulationError, InputError):
+                return
+        if not self.is_known(least, shot.value, strobes[:least]):
+            self.followed(replace(self.map, cycles=least).orbit(shot), doubled=False)
 
     def followed(self, orbit: Orbit, *, doubled: bool) -> None:
         try:
@@ -432,6 +452,10 @@ class _Search:
         for event in branch.events:
             if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
                 self.followed(event.orbit, doubled=True)
+        for shot in curve.halved:
+            half = replace(self.map, cycles=branch.cycles // 2)
+            with suppress(SimulationError, InputError):
+                self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
 
     def strobes(self, shot: Shot, cycles: int) -> Array:
         """Return the free states of an orbit once a cycle."""
