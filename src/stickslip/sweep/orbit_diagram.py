@@ -1,12 +1,14 @@
 """Branches of periodic orbits over a range of a parameter, begun from settled runs.
 
-1. At evenly spaced values runs settle, the first from where the mechanism begins, others from
+1. At evenly spaced values runs settle from where the mechanism begins, between them others from
    random states of twice the size of motions so far.
 2. A settled run that closes after at most the cycles asked for is solved for (`orbits`); if it lies
    on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
 3. At period doublings doubled branches begin.
+   Where a branch of twice the period ends in one, that of half the period is followed, too.
 4. Beside each end of a branch within the range further runs settle: what is stable behind it is
-   often not connected to it.
+   often not connected to it. So they do where no orbit is known that is stable, until it is or
+   places are near each other: there something else is, be it of a longer period or of none.
 """
 
 from collections.abc import Mapping
@@ -32,7 +34,7 @@ from stickslip.simulation import (
     initial_state,
 )
 from stickslip.solver import EventDriven, Output, Samples
-from stickslip.sweep.cycles import period_of
+from stickslip.sweep.cycles import CLOSED, period_of
 from stickslip.sweep.orbits import (
     Orbit,
     ReturnMap,
@@ -71,6 +73,10 @@ __all__ = ["OrbitDiagram", "orbit_diagram"]
 
 BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 """Places beside the end of a branch, over the range, where further runs settle."""
+LEAST_GAP = 2e-3
+"""Distance, over the range, of places at which runs settle where no stable orbit is known."""
+EARLY, SOONER = 4, 100.0
+"""Share of the cycles after which a run may have settled, if it closes that much better."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
@@ -171,7 +177,7 @@ def orbit_diagram(
     *,
     cycles: int = 4,
     values: int = 61,
-    starts: int = 3,
+    starts: int = 6,
     settle: int = 200,
     step: float = MOST_STEP,
     seed: int = 0,
@@ -200,10 +206,10 @@ def orbit_diagram(
     cycles : int
         Largest period that is sought, in cycles of the drives.
     values, starts : int
-        Values with settled runs, evenly spaced, and runs at each of them: the first from where the
-        mechanism begins, others from random states.
+        Values with settled runs, evenly spaced, and runs for each of them: the first from where the
+        mechanism begins, others from random states at values between it and the next.
     settle : int
-        Cycles before a run counts as settled.
+        Cycles before a run counts as settled; one that closes well after a quarter has settled.
     step : float
         Largest step along a branch, as in `continue_orbit`.
     seed : int
@@ -264,16 +270,17 @@ def orbit_diagram(
         dict(y0 or {}),
     )
     tally = Tally(len(grid), progress)
+    between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
     for done, value in enumerate(grid.tolist(), 1):
-        search.settle_at(value, int(starts))
+        search.settle_at(value, 1, from_beginning=True)
+        for other in value + between_values:
+            if other < high:
+                search.settle_at(float(other), 1)
         tally.tell(done)
         if not tally.going:
             break
-    while tally.going and (value := search.end()) is not None:
-        for off in BEHIND:
-            beside = value + off * (high - low)
-            if low < beside < high:
-                search.settle_at(beside, 2 * int(starts))
+    while tally.going and (value := search.place()) is not None:
+        search.settle_at(value, int(starts))
     return search.diagram()
 
 
@@ -303,11 +310,11 @@ class _Search:
         self.brute_cycles = 0
         self.looked: list[float] = []
 
-    def settle_at(self, value: float, starts: int) -> None:
+    def settle_at(self, value: float, starts: int, *, from_beginning: bool = False) -> None:
         """Run from several states at a value, and follow each orbit that is new."""
         begun = process_time()
         first = len(self.values)
-        self.run(value, starts)
+        self.run(value, self.starts(value, starts, from_beginning))
         self.seconds["brute"] += process_time() - begun
         begun = process_time()
         for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
@@ -315,52 +322,105 @@ class _Search:
                 self.follow(closed, value, points[-1])
         self.seconds["branches"] += process_time() - begun
 
-    def end(self) -> float | None:
-        """Return a value in the range at which a branch ends and nobody has looked behind yet."""
+    def place(self) -> float | None:
+        """Return a value at which something unknown may be stable, if there is one.
+
+        Beside an end of a branch within the range, then where no orbit is known that is stable.
+        """
         low, high = self.between
-        reach = max(BEHIND) * (high - low)
+        span = high - low
         for branch in self.branches:
-            for value in (float(branch.values[0]), float(branch.values[-1])):
-                inside = low < value < high
-                if inside and all(abs(value - other) > reach for other in self.looked):
-                    self.looked.append(value)
-                    return value
+            for end in (float(branch.values[0]), float(branch.values[-1])):
+                for off in BEHIND if low < end < high else ():
+                    beside = end + off * span
+                    if low < beside < high and self.is_new(beside, LEAST_GAP * span):
+                        return beside
+        for begin, end in self.gaps():
+            known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
+            at = int(np.argmax(np.diff(known)))
+            middle = 0.5 * (known[at] + known[at + 1])
+            if known[at + 1] - known[at] > 2.0 * LEAST_GAP * span and self.is_new(middle, 0.0):
+                return middle
         return None
 
-    def run(self, value: float, starts: int) -> None:
-        """Keep the samples of settled runs at a value."""
+    def is_new(self, value: float, reach: float) -> bool:
+        """Whether nobody has looked within reach of a value, which is noted then."""
+        if any(abs(value - other) <= reach for other in self.looked):
+            return False
+        self.looked.append(value)
+        return True
+
+    def gaps(self) -> list[tuple[float, float]]:
+        """Return the parts of the range in which no stable orbit is known, from below."""
+        parts = []
+        for branch in self.branches:
+            both = branch.stable[:-1] & branch.stable[1:]
+            ends = np.sort(np.column_stack([branch.values[:-1], branch.values[1:]])[both], axis=1)
+            parts += [(float(begin), float(end)) for begin, end in ends]
+        low, high = self.between
+        found, reached = [], low
+        for begin, end in [*sorted(parts), (high, high)]:
+            if begin > reached:
+                found.append((reached, begin))
+            reached = max(reached, end)
+        return found
+
+    def run(self, value: float, columns: Mapping[str, Array]) -> None:
+        """Keep the samples of settled runs at a value.
+
+        Runs that close sooner by far are not run on.
+        """
+        keep, early = 2 * self.cycles, self.settle // EARLY
+        rows, count = np.arange(len(next(iter(columns.values())))), 0
+        samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
+        ways = np.full((len(rows), len(self.map.moving)), np.nan)
+        closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
+        for settle, tolerance in ((early, CLOSED / SOONER), (self.settle - early - keep, CLOSED)):
+            count += max(settle, 0) + keep
+            points, ways[rows], status[rows] = self.sampled(value, columns, max(settle, 0))
+            samples[rows] = points
+            self.brute_cycles += len(rows) * (max(settle, 0) + keep)
+            whole = np.isfinite(points).all(axis=(1, 2))
+            self.sizes = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
+            scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+            closed[rows] = [period_of(one, scale, tolerance) for one in points]
+            going = whole & (closed[rows] == 0)
+            rows, ends = rows[going], points[going, -1]
+            if not len(rows):
+                break
+            columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
+        self.values += [value] * len(samples)
+        self.samples += list(samples)
+        self.closed += closed.tolist()
+        self.status += list(status)
+        self.velocities += list(ways)
+
+    def sampled(
+        self, value: float, columns: Mapping[str, Array], settle: int
+    ) -> tuple[Array, Array, NDArray[np.object_]]:
+        """Return free states once a cycle after some, mean velocities, and how each run ended."""
         mechanism, law = self.map.pair(value)
         cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
         moving = [self.map.states[i] for i in self.map.moving]
-        times = [cycle * (self.settle + i) for i in range(keep + 1)]
+        times = [cycle * (settle + i) for i in range(keep + 1)]
         outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
-        columns = self.starts(mechanism, law, starts)
         runs = ensemble(
             mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
             solver=self.map.solver,
         )  # fmt: skip
+        whole = np.array([status.complete for status in runs.status])
         points = np.stack([runs[name][:, 1:] for name in names], axis=2)
-        places = np.stack([runs[name] for name in moving], axis=1) if moving else None
-        self.brute_cycles += starts * (self.settle + keep)
-        known = np.nan_to_num(np.abs(points)).max(axis=(0, 1))
-        self.sizes = np.maximum(self.sizes, known)
-        scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
-        for i, status in enumerate(runs.status):
-            whole = status.complete
-            self.values.append(value)
-            self.samples.append(points[i] if whole else np.full_like(points[i], np.nan))
-            self.closed.append(period_of(points[i], scale) if whole else 0)
-            self.status.append(status)
-            way = np.full(len(moving), np.nan)
-            if places is not None and whole:
-                way = (places[i, :, -1] - places[i, :, 0]) / (keep * cycle)
-            self.velocities.append(way)
+        ways = [(runs[name][:, -1] - runs[name][:, 0]) / (keep * cycle) for name in moving]
+        velocities = np.stack(ways, axis=1) if ways else np.empty((len(whole), 0))
+        points[~whole], velocities[~whole] = np.nan, np.nan
+        return points, velocities, np.array(runs.status, dtype=object)
 
-    def starts(self, mechanism: Mechanism, law: FrictionLaw | Laws, count: int) -> dict[str, Array]:
-        """Return initial states of runs: the first as told, others of the size of motions so far.
+    def starts(self, value: float, count: int, from_beginning: bool) -> dict[str, Array]:
+        """Return initial states of runs of the size of motions so far, the first as told if asked.
 
         Within hard stops, at which a place beyond is put.
         """
+        mechanism, law = self.map.pair(value)
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
         stops = stops_of(mechanism)
         found = {}
@@ -372,7 +432,8 @@ class _Search:
                 place = float(stop.position)
                 bound = np.minimum if stop.side == "upper" else np.maximum
                 column = bound(column, place)
-            column[0] = begin[i]
+            if from_beginning:
+                column[0] = begin[i]
             found[f"initial.{name}"] = column
         return found
 
@@ -440,8 +501,8 @@ class _Search:
             )  # fmt: skip
             curve.met = self.met
             branch = curve.branch(first)
-        except SimulationError:
-            return
+        except (SimulationError, InputError):
+            return  # nothing leaves there, as where a multiplier jumps across -1
         if doubled:
             middle = len(branch.values) // 2
             value = float(branch.values[middle])
