@@ -85,6 +85,10 @@ MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
+NEARBY = 1e-7
+"""Residual, over the size of the states, below which the last step needs no run of its own."""
+UNSEEN = 1e2
+"""By how much less a first step leaves at least, of such a residual."""
 OUTGROWN = 2.0
 """Size of a state over its scale, or the reverse, from which the scales are taken anew."""
 FAR = 2.0
@@ -472,7 +476,7 @@ class _Curve:
     ) -> tuple[Shot, int] | None:
         """Return the orbit with normal (u - u0) = distance near there, and the steps it took."""
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
-        before = np.inf
+        before = last = np.inf
         for count in range(MOST_NEWTON + 1):
             try:
                 shot = self.shoot(u)
@@ -485,13 +489,18 @@ class _Curve:
                 return shot, count
             if count == MOST_NEWTON or error > 2.0 * before:
                 return None
-            before = error
             lack = np.append(residual, float(normal @ (u - u0)) - distance)
             try:
                 u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
-                u[:-1] = shot.moved(u[:-1] * self.scale[:-1]) / self.scale[:-1]
             except np.linalg.LinAlgError:
                 return None
+            y = shot.moved(u[:-1] * self.scale[:-1])
+            u[:-1] = y / self.scale[:-1]
+            # steps converge quadratically: what the next run would show is known before
+            follows = shot.error * (shot.error / last) ** 2 if count else shot.error / UNSEEN
+            if shot.error <= NEARBY and follows <= self.map.tolerance:
+                return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
+            before, last = error, shot.error
         return None
 
     # -- the walk
@@ -669,6 +678,16 @@ class _Curve:
         found += (ds - float(here.tangent @ (found - u0))) * here.tangent
         return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
 
+    def amid(self, part: _Part, share: float) -> Array:
+        """Return what is at a share of a part, by a cubic if the same happens at both ends."""
+        a, b = self.unknowns(part.a.shot), self.unknowns(part.b.shot)
+        found: Array = a + share * (b - a)
+        if part.a.signature == part.b.signature:
+            h, rest = float(np.linalg.norm(b - a)), 1.0 - share
+            bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
+            found += share * rest * bends
+        return found
+
     def straight(self, points: list[_Point]) -> float:
         """Return the step in which the tangent turns as far as it is meant to, as in the last."""
         before, here = points[-2:]
@@ -748,7 +767,7 @@ class _Curve:
             value=point.shot.value,
             index=index,
             sentence=sentence,
-            orbit=self.map.orbit(point.shot),
+            orbit=self.map.orbit(self.map.shoot(point.shot.y, point.shot.value)),
         )
 
     def jump(self, here: _Point, there: _Point) -> str:
@@ -826,8 +845,8 @@ class _Curve:
             if high - low <= LEAST_STEP:
                 break
             share = first / (first - last) if smooth and count < MOST_FALSE else 0.5
-            ends = self.unknowns(a.shot), self.unknowns(b.shot)
-            middle, start = low + share * (high - low), ends[0] + share * (ends[1] - ends[0])
+            middle = low + share * (high - low)
+            start = self.amid(_Part(low, high, a, b), share)
             found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
             if found is None:
                 break

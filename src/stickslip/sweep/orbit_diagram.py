@@ -447,6 +447,8 @@ class _Search:
                 gaps = np.abs((guess - points) / scale).max(axis=1)
                 if gaps.min() > NEAR_SAMPLES:
                     continue
+                if gaps.min() <= SAME:
+                    return True
                 try:
                     shot = solved(branch.map, guess, value)
                 except (SimulationError, InputError):

@@ -237,6 +237,8 @@ class Shot:
     """Size of each free state in the run (n,)."""
     advance: Array
     """How far each coordinate on which nothing depends has come."""
+    rise: Array
+    """Derivatives of that with respect to y and p (coordinates, n + 1)."""
     run: BareRun
     """The run."""
 
@@ -330,8 +332,9 @@ class ReturnMap:
         sense = replace(run.differentiate, told=told)
         paths = [f"initial.{name}" for name in self.names]
         ends = np.array([period])
-        free = list(self.free)
-        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][free]
+        free, n = list(self.free), len(self.free)
+        kept = [*self.free, *self.moving]
+        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][kept]
         if not np.isfinite(found).all():
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
@@ -340,10 +343,9 @@ class ReturnMap:
         times = np.concatenate([np.linspace(0.0, period, SAMPLES), period * (1 - _BACK)])
         states = run.at(times)
         end = states[SAMPLES - 1]
-        n = len(free)
-        slope = np.zeros(n)
+        slope = np.zeros(len(kept))
         if self.path is not None:
-            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[free]
+            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
         size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
@@ -354,11 +356,27 @@ class ReturnMap:
             law=law,
             period=period,
             residual=end[free] - y,
-            monodromy=found[:, :n],
-            slope=slope,
+            monodromy=found[:n, :n],
+            slope=slope[:n],
+            rise=np.column_stack([found[n:, :n], slope[n:]]),
             scale=size[free],
             advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
             run=run,
+        )
+
+    def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
+        """Return what closes so near a shot that derivatives and events are those of its run."""
+        mechanism, law = self.pair(value)
+        step = np.append(y - shot.y, value - shot.value)
+        return replace(
+            shot,
+            y=y,
+            value=value,
+            mechanism=mechanism,
+            law=law,
+            period=self.duration(mechanism),
+            residual=np.zeros_like(shot.residual),
+            advance=shot.advance + shot.rise @ step,
         )
 
     def _stretch(self, mechanism: Mechanism, value: float) -> float:
