@@ -336,7 +336,7 @@ def begun(
             free=tuple(map_.states.index(name) for name in orbit.free),
             moving=tuple(map_.states.index(name) for name in orbit.advance),
         )
-    check_ends(map_, (low, high))
+    map_ = within(map_, (low, high))
     y = np.array([orbit.start[name] for name in orbit.free])
     curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
@@ -355,10 +355,11 @@ def between_of(owner: str, between: Any) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def check_ends(map_: ReturnMap, between: tuple[float, float]) -> None:
-    """Refuse a range that has values which the parameter cannot have."""
+def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
+    """Return a map in a range, which is refused if the parameter cannot have values of it."""
     for value in between:
         map_.duration(map_.pair(value)[0])
+    return replace(map_, between=between)
 
 
 def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
@@ -551,7 +552,7 @@ class _Curve:
             found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds))
             there = None if found is None else self.point(found[0], here.tangent)
             if there is None or not self.is_next(here, there, u0, ds):
-                ds, held = 0.5 * ds, True
+                ds, held = (0.25 if held else 0.5) * ds, True
                 if ds > LEAST_STEP:
                     continue
                 there = self.over(here)

@@ -65,8 +65,8 @@ from stickslip.sweep.continuation import (
     BranchEvent,
     begun,
     between_of,
-    check_ends,
     units_of,
+    within,
 )
 
 __all__ = ["OrbitDiagram", "orbit_diagram"]
@@ -259,7 +259,7 @@ def orbit_diagram(
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
     first = return_map(mechanism, laws, 1, period, compiled(solver), full)
-    check_ends(first, (low, high))
+    first = within(first, (low, high))
     search = _Search(
         first,
         (low, high),

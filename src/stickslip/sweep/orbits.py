@@ -242,12 +242,12 @@ class Shot:
     run: BareRun
     """The run."""
 
-    @property
+    @cached_property
     def error(self) -> float:
         """Largest residual over the size of its state."""
         return float(np.max(np.abs(self.residual) / self.scale, initial=0.0))
 
-    @property
+    @cached_property
     def lost(self) -> NDArray[np.bool_]:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
         size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * np.append(
@@ -260,7 +260,7 @@ class Shot:
         """Return a start, with what is lost exactly where it ends."""
         return np.where(self.lost, self.y + self.residual, y)
 
-    @property
+    @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
         return np.column_stack([self.monodromy - np.eye(len(self.y)), self.slope])
@@ -288,6 +288,8 @@ class ReturnMap:
     """Indices of the coordinates on which nothing depends."""
     path: str | None = None
     """Full path of the parameter."""
+    between: tuple[float, float] | None = None
+    """Values of it that were checked, as all between them are: what is asked of it are bounds."""
 
     @property
     def tolerance(self) -> float:
@@ -303,10 +305,12 @@ class ReturnMap:
         """Return mechanism and law with a value of the parameter."""
         if self.path is None:
             return self.mechanism, self.law
-        change = {self.path: value}
-        if self.path.startswith("friction."):
-            return self.mechanism, vary(self.law, "friction", change)
-        return vary(self.mechanism, "mechanism", change), self.law
+        checked = self.between is not None and self.between[0] <= value <= self.between[1]
+        root = self.path.partition(".")[0]
+        old = self.law if root == "friction" else self.mechanism
+        new = replaced(old, root, self.path, value) if checked else None
+        new = vary(old, root, {self.path: value}) if new is None else new
+        return (self.mechanism, new) if root == "friction" else (new, self.law)
 
     def duration(self, mechanism: Mechanism) -> float:
         """Return m T [s]."""
@@ -340,8 +344,7 @@ class ReturnMap:
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        times = np.concatenate([np.linspace(0.0, period, SAMPLES), period * (1 - _BACK)])
-        states = run.at(times)
+        states = run.at(period * _SHARES)
         end = states[SAMPLES - 1]
         slope = np.zeros(len(kept))
         if self.path is not None:
@@ -410,7 +413,7 @@ class ReturnMap:
         )
 
 
-_BACK = END_STEP * np.array([1.0, 2.0])
+_SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
 def return_map(
