@@ -102,7 +102,7 @@ AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
-OFF: Final = (0.01, 0.003, 0.03, 0.001)
+OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
 
 

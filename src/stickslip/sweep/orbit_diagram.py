@@ -73,8 +73,11 @@ __all__ = ["OrbitDiagram", "orbit_diagram"]
 
 BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 """Places beside the end of a branch, over the range, where further runs settle."""
-LEAST_GAP = 2e-3
-"""Distance, over the range, of places at which runs settle where no stable orbit is known."""
+BESIDE = 1e-3
+"""Distance, over the range, within which no second place beside an end is looked at."""
+LEAST_GAP, FEW = 5e-4, 2
+"""Distance, over the range, of places at which runs settle where no stable orbit is known, and how
+many of them at each."""
 EARLY, SOONER = 4, 100.0
 """Share of the cycles after which a run may have settled, if it closes that much better."""
 SAME = 2e-3
@@ -268,6 +271,7 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
+        int(starts),
     )
     tally = Tally(len(grid), progress)
     between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
@@ -279,8 +283,8 @@ def orbit_diagram(
         tally.tell(done)
         if not tally.going:
             break
-    while tally.going and (value := search.place()) is not None:
-        search.settle_at(value, int(starts))
+    while tally.going and (found := search.place()) is not None:
+        search.settle_at(*found)
     return search.diagram()
 
 
@@ -296,7 +300,9 @@ class _Search:
         step: float,
         random: np.random.Generator,
         y0: Mapping[str, float],
+        count: int,
     ) -> None:
+        self.count = count
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
@@ -322,10 +328,11 @@ class _Search:
                 self.follow(closed, value, points[-1])
         self.seconds["branches"] += process_time() - begun
 
-    def place(self) -> float | None:
-        """Return a value at which something unknown may be stable, if there is one.
+    def place(self) -> tuple[float, int] | None:
+        """Return a value at which something unknown may be stable, and how many runs settle there.
 
-        Beside an end of a branch within the range, then where no orbit is known that is stable.
+        Beside an end of a branch within the range, then where no orbit is known that is stable. As
+        something attracts there, few runs find it.
         """
         low, high = self.between
         span = high - low
@@ -333,14 +340,16 @@ class _Search:
             for end in (float(branch.values[0]), float(branch.values[-1])):
                 for off in BEHIND if low < end < high else ():
                     beside = end + off * span
-                    if low < beside < high and self.is_new(beside, LEAST_GAP * span):
-                        return beside
+                    if low < beside < high and self.is_new(beside, BESIDE * span):
+                        return beside, self.count
         for begin, end in self.gaps():
             known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
-            at = int(np.argmax(np.diff(known)))
-            middle = 0.5 * (known[at] + known[at + 1])
-            if known[at + 1] - known[at] > 2.0 * LEAST_GAP * span and self.is_new(middle, 0.0):
-                return middle
+            widths = np.diff(known)
+            at = int(np.argmax(widths))
+            if widths[at] > 2.0 * LEAST_GAP * span:
+                middle = 0.5 * (known[at] + known[at + 1])
+                self.looked.append(middle)
+                return middle, FEW
         return None
 
     def is_new(self, value: float, reach: float) -> bool:
