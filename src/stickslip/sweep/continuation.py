@@ -714,8 +714,7 @@ class _Curve:
                 continue
             if signature_of(guess) == here.signature:
                 continue
-            steepest = np.linalg.svd(self.scaled(guess))[2][0]
-            for normal in (steepest, self.null(guess), here.tangent):
+            for normal in (self.null(guess), here.tangent):
                 found = self.correct(u0, normal, float(normal @ (start - u0)), start)
                 if found is None:
                     continue

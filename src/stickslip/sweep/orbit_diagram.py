@@ -6,9 +6,10 @@
    on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
 3. At period doublings doubled branches begin.
    Where a branch of twice the period ends in one, that of half the period is followed, too.
-4. Beside each end of a branch within the range further runs settle: what is stable behind it is
-   often not connected to it. So they do where no orbit is known that is stable, until it is or
-   places are near each other: there something else is, be it of a longer period or of none.
+4. Right behind each loss of stability a run settles from there, as in a sweep: what takes over is
+   often not connected. Beside each end of a branch within the range runs settle from random states;
+   so they do where no orbit is known that is stable, until it is or places are near each other:
+   there something else is, be it of a longer period or of none.
 """
 
 from collections.abc import Mapping
@@ -73,11 +74,13 @@ __all__ = ["OrbitDiagram", "orbit_diagram"]
 
 BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 """Places beside the end of a branch, over the range, where further runs settle."""
+RIGHT_BEHIND = 3e-4
+"""Distance, over the range, behind a loss of stability at which a run settles from there."""
 BESIDE = 1e-3
 """Distance, over the range, within which no second place beside an end is looked at."""
 LEAST_GAP, FEW = 5e-4, 2
 """Distance, over the range, of places at which runs settle where no stable orbit is known, and how
-many of them at each."""
+many of them there as beside an end."""
 EARLY, SOONER = 4, 100.0
 """Share of the cycles after which a run may have settled, if it closes that much better."""
 SAME = 2e-3
@@ -271,15 +274,14 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
-        int(starts),
     )
     tally = Tally(len(grid), progress)
     between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
     for done, value in enumerate(grid.tolist(), 1):
-        search.settle_at(value, 1, from_beginning=True)
-        for other in value + between_values:
+        search.settle_at(value, search.starts(value, 1, from_beginning=True))
+        for other in (value + between_values).tolist():
             if other < high:
-                search.settle_at(float(other), 1)
+                search.settle_at(other, search.starts(other, 1))
         tally.tell(done)
         if not tally.going:
             break
@@ -300,9 +302,7 @@ class _Search:
         step: float,
         random: np.random.Generator,
         y0: Mapping[str, float],
-        count: int,
     ) -> None:
-        self.count = count
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
@@ -315,12 +315,13 @@ class _Search:
         self.seconds = {"brute": 0.0, "branches": 0.0}
         self.brute_cycles = 0
         self.looked: list[float] = []
+        self.lost: list[tuple[float, Mapping[str, Array]]] = []
 
-    def settle_at(self, value: float, starts: int, *, from_beginning: bool = False) -> None:
+    def settle_at(self, value: float, columns: Mapping[str, Array]) -> None:
         """Run from several states at a value, and follow each orbit that is new."""
         begun = process_time()
         first = len(self.values)
-        self.run(value, self.starts(value, starts, from_beginning))
+        self.run(value, columns)
         self.seconds["brute"] += process_time() - begun
         begun = process_time()
         for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
@@ -328,20 +329,22 @@ class _Search:
                 self.follow(closed, value, points[-1])
         self.seconds["branches"] += process_time() - begun
 
-    def place(self) -> tuple[float, int] | None:
-        """Return a value at which something unknown may be stable, and how many runs settle there.
+    def place(self) -> tuple[float, Mapping[str, Array]] | None:
+        """Return a value at which something unknown may be stable, and starts of runs there.
 
-        Beside an end of a branch within the range, then where no orbit is known that is stable. As
-        something attracts there, few runs find it.
+        Behind where stability is lost, beside an end of a branch within the range, then where no
+        orbit is known that is stable. As something attracts there, few runs find it.
         """
         low, high = self.between
         span = high - low
+        if self.lost:
+            return self.lost.pop()
         for branch in self.branches:
             for end in (float(branch.values[0]), float(branch.values[-1])):
                 for off in BEHIND if low < end < high else ():
                     beside = end + off * span
                     if low < beside < high and self.is_new(beside, BESIDE * span):
-                        return beside, self.count
+                        return beside, self.starts(beside, FEW)
         for begin, end in self.gaps():
             known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
             widths = np.diff(known)
@@ -349,8 +352,31 @@ class _Search:
             if widths[at] > 2.0 * LEAST_GAP * span:
                 middle = 0.5 * (known[at] + known[at + 1])
                 self.looked.append(middle)
-                return middle, FEW
+                return middle, self.starts(middle, FEW)
         return None
+
+    def losses(self, branch: Branch) -> list[tuple[float, Mapping[str, Array]]]:
+        """Return values right behind where a branch loses its stability, and its states there.
+
+        Behind is where the stable part would go on.
+        """
+        low, high = self.between
+        found: list[tuple[float, Mapping[str, Array]]] = []
+        values, stable = branch.values, branch.stable
+        steps = [(i, i + way) for i in np.flatnonzero(stable).tolist() for way in (-1, 1)]
+        for i, after in steps:
+            if 0 <= after < len(stable) and stable[after]:
+                continue
+            before = min(max(2 * i - after, 0), len(values) - 1)
+            way = float(np.sign(values[i] - values[before]))
+            columns = {
+                f"initial.{name}": branch.starts[i : i + 1, k]
+                for k, name in enumerate(branch.states)
+            }
+            beyond = float(values[i]) + way * RIGHT_BEHIND * (high - low)
+            if way and low < beyond < high:
+                found.append((beyond, columns))
+        return found
 
     def is_new(self, value: float, reach: float) -> bool:
         """Whether nobody has looked within reach of a value, which is noted then."""
@@ -424,7 +450,9 @@ class _Search:
         points[~whole], velocities[~whole] = np.nan, np.nan
         return points, velocities, np.array(runs.status, dtype=object)
 
-    def starts(self, value: float, count: int, from_beginning: bool) -> dict[str, Array]:
+    def starts(
+        self, value: float, count: int, *, from_beginning: bool = False
+    ) -> dict[str, Array]:
         """Return initial states of runs of the size of motions so far, the first as told if asked.
 
         Within hard stops, at which a place beyond is put.
@@ -521,6 +549,7 @@ class _Search:
             if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles)):
                 return
         self.branches.append(branch)
+        self.lost += self.losses(branch)
         for event in branch.events:
             if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
                 self.followed(event.orbit, doubled=True)
