@@ -87,8 +87,6 @@ ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
 NEARBY = 1e-7
 """Residual, over the size of the states, below which the last step needs no run of its own."""
-UNSEEN = 1e2
-"""By how much less a first step leaves at least, of such a residual."""
 OUTGROWN = 2.0
 """Size of a state over its scale, or the reverse, from which the scales are taken anew."""
 FAR = 2.0
@@ -497,8 +495,8 @@ class _Curve:
                 return None
             y = shot.moved(u[:-1] * self.scale[:-1])
             u[:-1] = y / self.scale[:-1]
-            # steps converge quadratically: what the next run would show is known before
-            follows = shot.error * (shot.error / last) ** 2 if count else shot.error / UNSEEN
+            # the next step leaves no larger a share than the last, what its run would show is known
+            follows = shot.error * shot.error / last if count else np.inf
             if shot.error <= NEARBY and follows <= self.map.tolerance:
                 return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             before, last = error, shot.error
@@ -701,9 +699,7 @@ class _Curve:
     def over(self, here: _Point) -> _Point | None:
         """Return a point behind what stops the corrector, on whichever side the branch goes on.
 
-        Behind a grazing contact the monodromy is a large rank-one matrix and what grows like a
-        square root. In planes of constant penetration the residual is smooth, however: their
-        normal is the direction in which dF/du is largest, and takes the place of the tangent.
+        In the plane across the null vector behind it, which need not be near the tangent before.
         """
         u0 = self.unknowns(here.shot)
         for ds in OVER:
