@@ -3,10 +3,13 @@
 Unknown is u = (y / scale, p / range): the free states of an orbit (see `orbits`) and the parameter.
 Along a branch F(u) = 0, where stability plays no part:
 
-1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp].
-2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The step grows where few of
-   them are needed and the tangent hardly turns, and is halved where they fail.
-3. Events between two points, each located on the arc by bisection:
+1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by the cubic
+   through the last two points and their tangents where the same happens in both.
+2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
+   the two before show what it leaves. The step grows where few of them are needed, up to where the
+   tangent turns by a given angle, and is halved where they fail. Scales follow the states.
+3. Events between two points, each located on the arc: by false position where the test function is
+   smooth, else by bisection.
      fold             the tangent's component along p changes its sign
      period doubling  det(M + 1) changes its sign: a multiplier passes -1
      branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
@@ -18,9 +21,9 @@ Along a branch F(u) = 0, where stability plays no part:
    stability changes without a multiplier at the unit circle: the sentence of the event says it.
 4. At a grazing contact the saltation factor is infinite: the monodromy grows like the inverse
    square root of the distance. Steps are halved in front of it. If none succeeds, the branch is
-   stepped over: the corrector starts on the other side, in a plane of constant penetration, which
-   also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch ends
-   there, and says why.
+   stepped over: the corrector starts on the other side, in the plane across the null vector there,
+   which also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch
+   ends there, and says why. So it does where it comes back to itself.
 5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
    corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
    along the old tangent, so that the old branch is no solution.

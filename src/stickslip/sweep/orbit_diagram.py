@@ -25,7 +25,6 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.simulation import (
     GivenFriction,
@@ -78,8 +77,8 @@ RIGHT_BEHIND = 3e-4
 """Distance, over the range, behind a loss of stability at which a run settles from there."""
 BESIDE = 1e-3
 """Distance, over the range, within which no second place beside an end is looked at."""
-LEAST_GAP, FEW = 5e-4, 2
-"""Distance, over the range, of places at which runs settle where no stable orbit is known, and how
+FINER, FEW = 32, 2
+"""Places between two values at which runs settle, at most, where no stable orbit is known, and how
 many of them there as beside an end."""
 EARLY, SOONER = 4, 100.0
 """Share of the cycles after which a run may have settled, if it closes that much better."""
@@ -274,6 +273,7 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
+        float(grid[1] - grid[0]) / FINER,
     )
     tally = Tally(len(grid), progress)
     between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
@@ -302,7 +302,9 @@ class _Search:
         step: float,
         random: np.random.Generator,
         y0: Mapping[str, float],
+        finest: float,
     ) -> None:
+        self.finest = finest
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
@@ -349,7 +351,7 @@ class _Search:
             known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
             widths = np.diff(known)
             at = int(np.argmax(widths))
-            if widths[at] > 2.0 * LEAST_GAP * span:
+            if widths[at] > 2.0 * self.finest:
                 middle = 0.5 * (known[at] + known[at + 1])
                 self.looked.append(middle)
                 return middle, self.starts(middle, FEW)
@@ -450,9 +452,7 @@ class _Search:
         points[~whole], velocities[~whole] = np.nan, np.nan
         return points, velocities, np.array(runs.status, dtype=object)
 
-    def starts(
-        self, value: float, count: int, *, from_beginning: bool = False
-    ) -> dict[str, Array]:
+    def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
         """Return initial states of runs of the size of motions so far, the first as told if asked.
 
         Within hard stops, at which a place beyond is put.
