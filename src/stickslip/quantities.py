@@ -637,6 +637,32 @@ def unchecked(kind: type[T], /, **values: Any) -> T:
     return made
 
 
+def replaced(root: Any, prefix: str, path: str, value: float) -> Any:
+    """Return `root` with the parameter at a full path replaced, unchecked: by one nearby, say.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> replaced(law, "friction", "friction.kinetic_coefficient", 0.21).kinetic_coefficient
+    0.21
+    """
+    if path == prefix:
+        return value
+    name = path.removeprefix(f"{prefix}.").partition(".")[0]
+    inner = f"{prefix}.{name}"
+    if isinstance(root, tuple):
+        place = int(name)
+        return (*root[:place], replaced(root[place], inner, path, value), *root[place + 1 :])
+    if isinstance(root, Group):
+        members = dict(root.members)
+        members[name] = replaced(members[name], inner, path, value)
+        return unchecked(type(root), members=tuple(members.items()))
+    values = {own: getattr(root, own) for own in _names(type(root))}
+    values[name] = replaced(values[name], inner, path, value)
+    return unchecked(type(root), **values)
+
+
 def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     """Copy `root` with each parameter of the equations replaced by `symbol(path)`, unchecked.
 

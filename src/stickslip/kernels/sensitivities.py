@@ -192,7 +192,8 @@ def series_sensed(
     integral is taken by the rule of Gauss, of which each power of A has a sum of its own.
     """
     y, matrix, point = whole[Y], whole[MATRIX], whole[POINT]
-    size, count = whole[N_STATES] * m, len(NODES)
+    n, count = whole[N_STATES], len(NODES)
+    size = n * m
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     term, forced = columns_at(2, q, m, whole), columns_at(5, q, m, whole)
     if whole[N_CONTACTS] > 0:
@@ -207,10 +208,14 @@ def series_sensed(
     for k in range(MOST_TERMS, -1, -1):
         for i in range(size):
             w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
-            total = 0.0
-            for s in range(count):
-                total += SHARES[k * count + s] * w[forced + s * size + i]
-            w[result + i] = w[now + i] + h * total
+            w[result + i] = w[now + i]
+        for c in range(m):
+            if own[c] >= 0.0:  # nothing acts along an initial state
+                for i in range(n):
+                    total, at = 0.0, forced + i * m + c
+                    for s in range(count):
+                        total += SHARES[k * count + s] * w[at + s * size]
+                    w[result + i * m + c] += h * total
         add_product(w, whole, matrix, term, m, result)
 
 

@@ -6,7 +6,7 @@ Everything is made for many runs at once, whose parameters are arrays; one run i
 import itertools
 import math
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from threading import RLock
 from typing import Any
@@ -129,6 +129,13 @@ def schedule(
 
 
 def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
+    if not _has_pieces(drives, t_end):
+        smooth = [_smooth_bound(drive, side, count) for drive in drives for side in (0, 1)]
+        return Schedule(
+            table=np.tile([BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)], (count, 1)),
+            bounds=np.stack(smooth, axis=1) if smooth else np.zeros((count, 0)),
+            time_scale=_time_scale(drives, count),
+        )
     tables = [[_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives]
     starts = _starts([table[0] for parts in tables for table in parts], count)
     rows = [_merged(parts, starts) for parts in tables]
@@ -155,12 +162,14 @@ def schedule_slopes(
     They are the imaginary parts that the numbers of drives get from those of their parameters.
     `columns` and `tables` are those of a schedule.
     """
-    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     runs, m = len(tables), len(paths)
     if m == 0:
         return np.zeros((runs, 0, 0, 0))
+    width = 1 + 3 * len(mechanism.drives())
+    if tables.shape[1] == width and not _has_pieces(mechanism.drives().values(), t_end):
+        return np.zeros((runs, 1, width, m))
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     if not columns and not _moved(mechanism, values, paths):
-        width = 1 + 3 * len(mechanism.drives())
         return np.zeros((runs, tables.shape[1] // width, width, m))
     own: dict[str, NDArray[Any]] = {path: np.repeat(c, m) for path, c in columns.items()}
     for c, path in enumerate(paths):
@@ -171,9 +180,8 @@ def schedule_slopes(
     drives = list(twin.drives().values())
     parts = [[_columns(part.pieces(t_end), runs * m) for part in _parts(drive)] for drive in drives]
     if not any(np.iscomplexobj(table) for tables_of in parts for table in tables_of):
-        width = 1 + 3 * len(drives)
         return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive
-    begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
+    begins = np.repeat(tables.reshape(runs, -1, width)[:, :, 0], m, axis=0)
     for tables_of in parts:
         for table in tables_of:
             table[0] = _met(table[0], begins)
@@ -235,6 +243,11 @@ def _parts(drive: Drive) -> Iterator[Drive]:
             yield from _parts(part)
     else:
         yield drive
+
+
+def _has_pieces(drives: Iterable[Drive], t_end: float) -> bool:
+    """Whether a part of a drive has linear pieces, as a sine has not."""
+    return any(part.pieces(t_end) for drive in drives for part in _parts(drive))
 
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:

@@ -108,7 +108,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
     along = directions_of(
-        job.mechanism, job.law, job.gradients, columns, plan.table, job.t_end, job.told
+        job.mechanism, model, job.gradients, columns, plan.table, job.t_end, job.told
     )
     width = len(job.kinds) // 2
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * EVIDENCE)

@@ -44,7 +44,10 @@ def start_slopes(
 ) -> dict[str, Array]:
     """Return how the states that a mechanism begins with change along paths, by state."""
     found = {state: np.zeros(len(paths)) for state in told}
-    for c, path in enumerate(paths if told else ()):
+    known = {path for path, _, _ in parameters(mechanism, "mechanism")} if told else set()
+    for c, path in enumerate(paths):
+        if path not in known:
+            continue
         moved = _told(
             mechanism,
             lambda name, value, path=path: (  # type: ignore[misc]

@@ -54,19 +54,18 @@ class Directions:
 
 def directions_of(
     mechanism: Mechanism,
-    law: FrictionLaw | Laws,
+    model: Model,
     paths: Sequence[str],
     columns: Mapping[str, Array],
     tables: Array,
     t_end: float,
     told: Sequence[str] = (),
 ) -> Directions:
-    """Return the directions of full paths, for runs that differ by `columns`.
+    """Return the directions of full paths, for runs of a model that differ by `columns`.
 
     `tables` has a row a run, or one where no drive varies; `told` are the states that begin where
     the mechanism says.
     """
-    model = formulate(mechanism, law)
     for path in paths:
         if path in model.turning:
             raise InputError(
@@ -109,13 +108,15 @@ class Sensing:
     def __call__(self, t: Array, paths: Sequence[str]) -> Array:
         """Return sensitivities (n, states, paths) at times (n,)."""
         model = formulate(self.mechanism, self.law, slopes=True)
-        roots = roots_of(self.mechanism, self.law)
-        known = quantities_of(self.mechanism, self.law, model)
-        full = [standing_path(path, known, roots) for path in paths]
+        full = list(paths)
+        if not {*model.parameter_paths, *map("initial.{}".format, model.states)}.issuperset(paths):
+            roots = roots_of(self.mechanism, self.law)
+            known = quantities_of(self.mechanism, self.law, model)
+            full = [standing_path(path, known, roots) for path in paths]
         record = self.record
         runner = runner_of(model, compiled=self._takes_code(model))
         table = self.inputs.table[None, :]
-        along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, self.told)
+        along = directions_of(self.mechanism, model, full, {}, table, self.t_end, self.told)
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
         log, events = record.log, record.events

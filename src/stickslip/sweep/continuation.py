@@ -3,10 +3,13 @@
 Unknown is u = (y / scale, p / range): the free states of an orbit (see `orbits`) and the parameter.
 Along a branch F(u) = 0, where stability plays no part:
 
-1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp].
-2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The step grows where few of
-   them are needed and the tangent hardly turns, and is halved where they fail.
-3. Events between two points, each located on the arc by bisection:
+1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by the cubic
+   through the last two points and their tangents where the same happens in both.
+2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
+   the two before show what it leaves. The step grows where few of them are needed, up to where the
+   tangent turns by a given angle, and is halved where they fail. Scales follow the states.
+3. Events between two points, each located on the arc: by false position where the test function is
+   smooth, else by bisection.
      fold             the tangent's component along p changes its sign
      period doubling  det(M + 1) changes its sign: a multiplier passes -1
      branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
@@ -18,9 +21,9 @@ Along a branch F(u) = 0, where stability plays no part:
    stability changes without a multiplier at the unit circle: the sentence of the event says it.
 4. At a grazing contact the saltation factor is infinite: the monodromy grows like the inverse
    square root of the distance. Steps are halved in front of it. If none succeeds, the branch is
-   stepped over: the corrector starts on the other side, in a plane of constant penetration, which
-   also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch ends
-   there, and says why.
+   stepped over: the corrector starts on the other side, in the plane across the null vector there,
+   which also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch
+   ends there, and says why. So it does where it comes back to itself.
 5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
    corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
    along the old tangent, so that the old branch is no solution.
@@ -81,13 +84,26 @@ TURN: Final = 0.9
 ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
-BISECTIONS = 22
-"""Halvings of a step by which an event is located."""
+MOST_SECTIONS, MOST_FALSE = 40, 12
+"""Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
+ZERO = 1e-9
+"""Share of its value at the ends of a step by which a smooth test function is 0."""
+NEARBY = 1e-7
+"""Residual, over the size of the states, below which the last step needs no run of its own."""
+OUTGROWN = 2.0
+"""Size of a state over its scale, or the reverse, from which the scales are taken anew."""
+FAR = 2.0
+"""Longest step, over the last one, into which a cubic through two points is continued."""
+BEND = 0.8
+"""Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
+BESIDE, ALIKE = 0.05, 1e-3
+"""Distance, over the chord of two neighbours, within which a point may be between them, and within
+which it is."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
-OFF: Final = (0.01, 0.003, 0.03, 0.001)
+OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
 
 
@@ -321,7 +337,7 @@ def begun(
             free=tuple(map_.states.index(name) for name in orbit.free),
             moving=tuple(map_.states.index(name) for name in orbit.advance),
         )
-    check_ends(map_, (low, high))
+    map_ = within(map_, (low, high))
     y = np.array([orbit.start[name] for name in orbit.free])
     curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
@@ -340,10 +356,11 @@ def between_of(owner: str, between: Any) -> tuple[float, float]:
     return float(pair[0]), float(pair[1])
 
 
-def check_ends(map_: ReturnMap, between: tuple[float, float]) -> None:
-    """Refuse a range that has values which the parameter cannot have."""
+def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
+    """Return a map in a range, which is refused if the parameter cannot have values of it."""
     for value in between:
         map_.duration(map_.pair(value)[0])
+    return replace(map_, between=between)
 
 
 def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
@@ -366,6 +383,20 @@ class _Point:
     """States after half the cycles less those at the start, scaled; 0 of an odd number."""
 
 
+@dataclass(frozen=True)
+class _Part:
+    """A part of a step."""
+
+    low: float
+    """Arc at which it begins."""
+    high: float
+    """Arc at which it ends."""
+    a: _Point
+    """The orbit at its beginning."""
+    b: _Point
+    """The orbit at its end."""
+
+
 class _Curve:
     """One branch: scales, corrector, events."""
 
@@ -378,13 +409,15 @@ class _Curve:
         self.runs = 0
         self.backward = False
         self.met: Callable[[Shot], int | None] = lambda _: None
+        self.trails: list[list[Array]] = []
+        self.halved: list[Shot] = []
 
     # -- unknowns
 
     def point(self, shot: Shot, along: Array | None = None) -> _Point:
         """Return a point with its tangent, which goes on in a direction; up in p if none is given.
 
-        The first point sets the scales.
+        The first point sets the scales; they follow as in `fit`.
         """
         if self.scale.size == 1:
             self.scale = np.append(shot.scale, self.high - self.low)
@@ -400,6 +433,15 @@ class _Curve:
             float(np.linalg.det(np.vstack([matrix, tangent]))),
             self.half(shot),
         )
+
+    def fit(self, *points: _Point) -> tuple[_Point, ...]:
+        """Return points in the scales of the last one, which are taken where its states outgrow."""
+        size = np.append(points[-1].shot.scale, self.high - self.low)
+        ratio, old = size / self.scale, self.scale
+        if ratio.max() <= OUTGROWN and ratio.min() >= 1.0 / OUTGROWN:
+            return points
+        self.scale = size
+        return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
 
     def scaled(self, shot: Shot) -> Array:
         """Return dF/du in scaled unknowns (k, k + 1)."""
@@ -421,7 +463,10 @@ class _Curve:
         return found
 
     def unknowns(self, shot: Shot) -> Array:
-        return np.append(shot.y, shot.value) / self.scale
+        return self.unscaled(shot) / self.scale
+
+    def unscaled(self, shot: Shot) -> Array:
+        return np.append(shot.y, shot.value)
 
     def shoot(self, u: Array) -> Shot:
         self.runs += 1
@@ -433,7 +478,7 @@ class _Curve:
     ) -> tuple[Shot, int] | None:
         """Return the orbit with normal (u - u0) = distance near there, and the steps it took."""
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
-        before = np.inf
+        before = last = np.inf
         for count in range(MOST_NEWTON + 1):
             try:
                 shot = self.shoot(u)
@@ -446,13 +491,18 @@ class _Curve:
                 return shot, count
             if count == MOST_NEWTON or error > 2.0 * before:
                 return None
-            before = error
             lack = np.append(residual, float(normal @ (u - u0)) - distance)
             try:
                 u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
-                u[:-1] = shot.moved(u[:-1] * self.scale[:-1]) / self.scale[:-1]
             except np.linalg.LinAlgError:
                 return None
+            y = shot.moved(u[:-1] * self.scale[:-1])
+            u[:-1] = y / self.scale[:-1]
+            # the next step leaves no larger a share than the last, what its run would show is known
+            follows = shot.error * shot.error / last if count else np.inf
+            if shot.error <= NEARBY and follows <= self.map.tolerance:
+                return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
+            before, last = error, shot.error
         return None
 
     # -- the walk
@@ -493,14 +543,17 @@ class _Curve:
 
     def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
-        points, events, ds = [first], list[Event](), min(FIRST_STEP, self.step)
+        (first,) = self.fit(first)
+        points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
+        trail = [self.unscaled(first.shot)]
+        self.trails.append(trail)
         while len(points) <= self.most:
             here = points[-1]
             u0 = self.unknowns(here.shot)
-            found = self.correct(u0, here.tangent, ds)
+            found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds))
             there = None if found is None else self.point(found[0], here.tangent)
             if there is None or not self.is_next(here, there, u0, ds):
-                ds *= 0.5
+                ds, held = (0.25 if held else 0.5) * ds, True
                 if ds > LEAST_STEP:
                     continue
                 there = self.over(here)
@@ -515,6 +568,7 @@ class _Curve:
             else:
                 events += self.between(here, there, u0, ds, len(points) - 1)
             if float(here.half @ there.half) < 0.0 and _small(here, there):
+                self.halved.append(here.shot)
                 return (
                     points,
                     self.halves(here, there),
@@ -530,8 +584,14 @@ class _Curve:
                 return points, f"It meets branch {known} at {at}.", events
             if len(points) > 3 and self.closes(first, here, there):
                 return points, "It closes.", events
-            if found is not None and found[1] <= EASY:
+            if self.returns(there):
+                at = quantity(there.shot.value, self.unit, 6)
+                return points, f"It returns to itself at {at}.", events
+            trail.append(self.unscaled(there.shot))
+            if found is not None and found[1] <= EASY and not held:
                 ds = min(GROWTH * ds, self.step)
+            ds, held = min(ds, self.straight(points)), False
+            first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
@@ -581,12 +641,68 @@ class _Curve:
         along = float(first.tangent @ there.tangent) > TURN
         return along and 0.0 < share <= 1.0 and gap < 0.05 * float(np.linalg.norm(chord))
 
+    def returns(self, there: _Point) -> bool:
+        """Whether a point lies between two earlier ones of this branch, in either direction.
+
+        So it does where a branch that was stepped over at grazing comes back on another way. What
+        is near is solved for in the plane of the point: another part of the branch differs there.
+        """
+        u = self.unknowns(there.shot)
+        for trail in self.trails:
+            ends = np.array(trail) / self.scale
+            begins, chords = ends[:-1], np.diff(ends, axis=0)
+            sizes = np.linalg.norm(chords, axis=1)
+            shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2
+            places = begins + shares[:, None] * chords
+            near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
+            near &= (shares > 0.0) & (shares <= 1.0)
+            near &= np.abs(chords @ there.tangent) > TURN * sizes
+            for i in np.flatnonzero(near):
+                found = self.correct(u, there.tangent, 0.0, places[i])
+                if found is not None:
+                    off = float(np.linalg.norm(self.unknowns(found[0]) - u))
+                    if off <= ALIKE * sizes[i]:
+                        return True
+        return False
+
+    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array | None:
+        """Return where a cubic through the last two points goes on; None where there is none."""
+        if len(points) < 2 or points[-2].signature != points[-1].signature:
+            return None
+        before, here = points[-2:]
+        back = self.unknowns(before.shot) - u0
+        h = float(np.linalg.norm(back))
+        if ds > FAR * h:
+            return None
+        x = 1.0 + ds / h
+        found: Array = u0 + (2.0 * x + 1.0) * (1.0 - x) ** 2 * back
+        found += h * x * (x - 1.0) * ((x - 1.0) * before.tangent + x * here.tangent)
+        found += (ds - float(here.tangent @ (found - u0))) * here.tangent
+        return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
+
+    def amid(self, part: _Part, share: float) -> Array:
+        """Return what is at a share of a part, by a cubic if the same happens at both ends."""
+        a, b = self.unknowns(part.a.shot), self.unknowns(part.b.shot)
+        found: Array = a + share * (b - a)
+        if part.a.signature == part.b.signature:
+            h, rest = float(np.linalg.norm(b - a)), 1.0 - share
+            bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
+            found += share * rest * bends
+        return found
+
+    def straight(self, points: list[_Point]) -> float:
+        """Return the step in which the tangent turns as far as it is meant to, as in the last."""
+        before, here = points[-2:]
+        if before.signature != here.signature:
+            return self.step
+        angle = float(np.arccos(np.clip(before.tangent @ here.tangent, -1.0, 1.0)))
+        length = float(np.linalg.norm(self.unknowns(here.shot) - self.unknowns(before.shot)))
+        return BEND * float(np.arccos(TURN)) / max(angle, LEAST_STEP) * length
+
     def over(self, here: _Point) -> _Point | None:
         """Return a point behind what stops the corrector, on whichever side the branch goes on.
 
-        Behind a grazing contact the monodromy is a large rank-one matrix and what grows like a
-        square root. In planes of constant penetration the residual is smooth, however: their
-        normal is the direction in which dF/du is largest, and takes the place of the tangent.
+        In the plane across the null vector behind it, which need not be near the tangent before.
         """
         u0 = self.unknowns(here.shot)
         for ds in OVER:
@@ -597,8 +713,7 @@ class _Curve:
                 continue
             if signature_of(guess) == here.signature:
                 continue
-            steepest = np.linalg.svd(self.scaled(guess))[2][0]
-            for normal in (steepest, self.null(guess), here.tangent):
+            for normal in (self.null(guess), here.tangent):
                 found = self.correct(u0, normal, float(normal @ (start - u0)), start)
                 if found is None:
                     continue
@@ -651,7 +766,7 @@ class _Curve:
             value=point.shot.value,
             index=index,
             sentence=sentence,
-            orbit=self.map.orbit(point.shot),
+            orbit=self.map.orbit(self.map.shoot(point.shot.y, point.shot.value)),
         )
 
     def jump(self, here: _Point, there: _Point) -> str:
@@ -670,64 +785,81 @@ class _Curve:
     def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events between two points, each located."""
         found: list[tuple[float, Event]] = []
+        parts = [_Part(0.0, ds, here, there)]
         if here.signature != there.signature:
             kind, sentence = self.change(here, there)
-            s, a, b = self.located(here, there, u0, ds, lambda p: p.signature == here.signature)
-            if a.tangent[-1] * b.tangent[-1] < 0.0:
-                sentence += TURNS_BACK
-            found.append((s, self.event(kind, a, index, sentence + self.jump(a, b))))
-        for kind, sentence, test in TESTS:
-            first = test(here)
-            if first * test(there) >= 0.0:
-                continue
-            s, a, b = self.located(
-                here,
-                there,
-                u0,
-                ds,
-                lambda p, t=test, f=first: t(p) * f > 0.0,  # type: ignore[misc]
+            near = self.located(
+                parts[0], u0, here.tangent, lambda p: 1.0 if p.signature == here.signature else -1.0
             )
-            if a.signature != b.signature:
-                continue  # the test has jumped there, which the event of the change says
-            found.append((s, self.event(kind, a, index, sentence)))
+            if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
+                sentence += TURNS_BACK
+            sentence += self.jump(near.a, near.b)
+            found.append((near.low, self.event(kind, near.a, index, sentence)))
+            # what a test does at the change itself the event of the change says
+            parts = [_Part(0.0, near.low, here, near.a), _Part(near.high, ds, near.b, there)]
+        for kind, sentence, test in TESTS:
+            for part in parts:
+                if test(part.a) * test(part.b) < 0.0:
+                    near = self.located(part, u0, here.tangent, test, smooth=True)
+                    if near.a.signature == near.b.signature:
+                        found.append((near.low, self.event(kind, near.a, index, sentence)))
         crossed = {event.kind for _, event in found}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
             found = [pair for pair in found if pair[1].kind != "fold"]
-        s_torus = self.torus(here, there, u0, ds)
-        if s_torus is not None:
-            s, a = s_torus
-            found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        for part in parts:
+            near_torus = self.torus(part, u0, here.tangent)
+            if near_torus is not None:
+                s, a = near_torus
+                found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
         return [event for _, event in sorted(found, key=lambda pair: pair[0])]
 
-    def torus(
-        self, here: _Point, there: _Point, u0: Array, ds: float
-    ) -> tuple[float, _Point] | None:
+    def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, _Point] | None:
         """Return where a complex pair of multipliers passes the unit circle, if it does."""
-        if _pair_outside(here) is None or _pair_outside(there) is None:
+        before, after = _pair_outside(part.a), _pair_outside(part.b)
+        if before is None or after is None or before == after:
             return None
-        if _pair_outside(here) == _pair_outside(there):
-            return None
-        before = _pair_outside(here)
-        s, a, b = self.located(here, there, u0, ds, lambda p: _pair_outside(p) == before)
-        near = min(abs(abs(x) - 1.0) for x in a.multipliers)
-        return (s, a) if a.signature == b.signature and near < AT_CIRCLE else None
+        near = self.located(part, u0, normal, lambda p: 1.0 if _pair_outside(p) == before else -1.0)
+        off = min(abs(abs(x) - 1.0) for x in near.a.multipliers)
+        same = near.a.signature == near.b.signature
+        return (near.low, near.a) if same and off < AT_CIRCLE else None
 
     def located(
-        self, here: _Point, there: _Point, u0: Array, ds: float, holds: Callable[[_Point], bool]
-    ) -> tuple[float, _Point, _Point]:
-        """Return the arc up to which something holds, and the points right before and behind."""
-        low, high, a, b = 0.0, ds, here, there
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            found = self.correct(u0, here.tangent, middle)
+        self,
+        part: _Part,
+        u0: Array,
+        normal: Array,
+        test: Callable[[_Point], float],
+        *,
+        smooth: bool = False,
+    ) -> _Part:
+        """Return the least part in which a test function changes its sign.
+
+        One that is smooth by the rule of false position, whose kept end counts half (Illinois);
+        any other by bisection.
+        """
+        low, high, a, b = part.low, part.high, part.a, part.b
+        first, last = test(a), test(b)
+        least, side = ZERO * max(abs(first), abs(last)), 0
+        for count in range(MOST_SECTIONS):
+            if high - low <= LEAST_STEP:
+                break
+            share = first / (first - last) if smooth and count < MOST_FALSE else 0.5
+            middle = low + share * (high - low)
+            start = self.amid(_Part(low, high, a, b), share)
+            found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
             if found is None:
                 break
-            point = self.point(found[0], here.tangent)
-            if holds(point):
-                low, a = middle, point
+            point = self.point(found[0], normal)
+            value = test(point)
+            if value * first > 0.0:
+                low, a, first, last = middle, point, value, last * (0.5 if side < 0 else 1.0)
+                side = -1
             else:
-                high, b = middle, point
-        return low, a, b
+                high, b, last, first = middle, point, value, first * (0.5 if side > 0 else 1.0)
+                side = 1
+            if smooth and abs(value) <= least and a.signature == b.signature:
+                return _Part(middle, middle, point, point)
+        return _Part(low, high, a, b)
 
     # -- doubled branches
 

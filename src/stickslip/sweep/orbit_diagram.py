@@ -1,15 +1,19 @@
 """Branches of periodic orbits over a range of a parameter, begun from settled runs.
 
-1. At evenly spaced values runs settle, the first from where the mechanism begins, others from
+1. At evenly spaced values runs settle from where the mechanism begins, between them others from
    random states of twice the size of motions so far.
 2. A settled run that closes after at most the cycles asked for is solved for (`orbits`); if it lies
    on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
 3. At period doublings doubled branches begin.
-4. Beside each end of a branch within the range further runs settle: what is stable behind it is
-   often not connected to it.
+   Where a branch of twice the period ends in one, that of half the period is followed, too.
+4. Right behind each loss of stability a run settles from there, as in a sweep: what takes over is
+   often not connected. Beside each end of a branch within the range runs settle from random states;
+   so they do where no orbit is known that is stable, until it is or places are near each other:
+   there something else is, be it of a longer period or of none.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
 from typing import TYPE_CHECKING, Final
@@ -21,7 +25,6 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.simulation import (
     GivenFriction,
@@ -31,7 +34,7 @@ from stickslip.simulation import (
     initial_state,
 )
 from stickslip.solver import EventDriven, Output, Samples
-from stickslip.sweep.cycles import period_of
+from stickslip.sweep.cycles import CLOSED, period_of
 from stickslip.sweep.orbits import (
     Orbit,
     ReturnMap,
@@ -62,17 +65,28 @@ from stickslip.sweep.continuation import (
     BranchEvent,
     begun,
     between_of,
-    check_ends,
     units_of,
+    within,
 )
 
 __all__ = ["OrbitDiagram", "orbit_diagram"]
 
 BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 """Places beside the end of a branch, over the range, where further runs settle."""
+RIGHT_BEHIND = 3e-4
+"""Distance, over the range, behind a loss of stability at which a run settles from there."""
+BESIDE = 1e-3
+"""Distance, over the range, within which no second place beside an end is looked at."""
+FINER, FEW = 32, 2
+"""Places between two values at which runs settle, at most, where no stable orbit is known, and how
+many of them there as beside an end."""
+EARLY, SOONER = 4, 100.0
+"""Share of the cycles after which a run may have settled, if it closes that much better."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
+SETTLED = 1e-7
+"""The same of an orbit that was solved for."""
 NEAR_SAMPLES = 0.05
 """Distance within which a sample of a settled run may lie on a branch that is known: then it is
 compared after both were solved for at the same value."""
@@ -168,7 +182,7 @@ def orbit_diagram(
     *,
     cycles: int = 4,
     values: int = 61,
-    starts: int = 3,
+    starts: int = 6,
     settle: int = 200,
     step: float = MOST_STEP,
     seed: int = 0,
@@ -197,10 +211,10 @@ def orbit_diagram(
     cycles : int
         Largest period that is sought, in cycles of the drives.
     values, starts : int
-        Values with settled runs, evenly spaced, and runs at each of them: the first from where the
-        mechanism begins, others from random states.
+        Values with settled runs, evenly spaced, and runs for each of them: the first from where the
+        mechanism begins, others from random states at values between it and the next.
     settle : int
-        Cycles before a run counts as settled.
+        Cycles before a run counts as settled; one that closes well after a quarter has settled.
     step : float
         Largest step along a branch, as in `continue_orbit`.
     seed : int
@@ -250,7 +264,7 @@ def orbit_diagram(
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
     first = return_map(mechanism, laws, 1, period, compiled(solver), full)
-    check_ends(first, (low, high))
+    first = within(first, (low, high))
     search = _Search(
         first,
         (low, high),
@@ -259,18 +273,20 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
+        float(grid[1] - grid[0]) / FINER,
     )
     tally = Tally(len(grid), progress)
+    between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
     for done, value in enumerate(grid.tolist(), 1):
-        search.settle_at(value, int(starts))
+        search.settle_at(value, search.starts(value, 1, from_beginning=True))
+        for other in (value + between_values).tolist():
+            if other < high:
+                search.settle_at(other, search.starts(other, 1))
         tally.tell(done)
         if not tally.going:
             break
-    while tally.going and (value := search.end()) is not None:
-        for off in BEHIND:
-            beside = value + off * (high - low)
-            if low < beside < high:
-                search.settle_at(beside, 2 * int(starts))
+    while tally.going and (found := search.place()) is not None:
+        search.settle_at(*found)
     return search.diagram()
 
 
@@ -286,7 +302,9 @@ class _Search:
         step: float,
         random: np.random.Generator,
         y0: Mapping[str, float],
+        finest: float,
     ) -> None:
+        self.finest = finest
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
@@ -299,12 +317,13 @@ class _Search:
         self.seconds = {"brute": 0.0, "branches": 0.0}
         self.brute_cycles = 0
         self.looked: list[float] = []
+        self.lost: list[tuple[float, Mapping[str, Array]]] = []
 
-    def settle_at(self, value: float, starts: int) -> None:
+    def settle_at(self, value: float, columns: Mapping[str, Array]) -> None:
         """Run from several states at a value, and follow each orbit that is new."""
         begun = process_time()
         first = len(self.values)
-        self.run(value, starts)
+        self.run(value, columns)
         self.seconds["brute"] += process_time() - begun
         begun = process_time()
         for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
@@ -312,52 +331,133 @@ class _Search:
                 self.follow(closed, value, points[-1])
         self.seconds["branches"] += process_time() - begun
 
-    def end(self) -> float | None:
-        """Return a value in the range at which a branch ends and nobody has looked behind yet."""
+    def place(self) -> tuple[float, Mapping[str, Array]] | None:
+        """Return a value at which something unknown may be stable, and starts of runs there.
+
+        Behind where stability is lost, beside an end of a branch within the range, then where no
+        orbit is known that is stable. As something attracts there, few runs find it.
+        """
         low, high = self.between
-        reach = max(BEHIND) * (high - low)
+        span = high - low
+        if self.lost:
+            return self.lost.pop()
         for branch in self.branches:
-            for value in (float(branch.values[0]), float(branch.values[-1])):
-                inside = low < value < high
-                if inside and all(abs(value - other) > reach for other in self.looked):
-                    self.looked.append(value)
-                    return value
+            for end in (float(branch.values[0]), float(branch.values[-1])):
+                for off in BEHIND if low < end < high else ():
+                    beside = end + off * span
+                    if low < beside < high and self.is_new(beside, BESIDE * span):
+                        return beside, self.starts(beside, FEW)
+        for begin, end in self.gaps():
+            known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
+            widths = np.diff(known)
+            at = int(np.argmax(widths))
+            if widths[at] > 2.0 * self.finest:
+                middle = 0.5 * (known[at] + known[at + 1])
+                self.looked.append(middle)
+                return middle, self.starts(middle, FEW)
         return None
 
-    def run(self, value: float, starts: int) -> None:
-        """Keep the samples of settled runs at a value."""
+    def losses(self, branch: Branch) -> list[tuple[float, Mapping[str, Array]]]:
+        """Return values right behind where a branch loses its stability, and its states there.
+
+        Behind is where the stable part would go on.
+        """
+        low, high = self.between
+        found: list[tuple[float, Mapping[str, Array]]] = []
+        values, stable = branch.values, branch.stable
+        steps = [(i, i + way) for i in np.flatnonzero(stable).tolist() for way in (-1, 1)]
+        for i, after in steps:
+            if 0 <= after < len(stable) and stable[after]:
+                continue
+            before = min(max(2 * i - after, 0), len(values) - 1)
+            way = float(np.sign(values[i] - values[before]))
+            columns = {
+                f"initial.{name}": branch.starts[i : i + 1, k]
+                for k, name in enumerate(branch.states)
+            }
+            beyond = float(values[i]) + way * RIGHT_BEHIND * (high - low)
+            if way and low < beyond < high:
+                found.append((beyond, columns))
+        return found
+
+    def is_new(self, value: float, reach: float) -> bool:
+        """Whether nobody has looked within reach of a value, which is noted then."""
+        if any(abs(value - other) <= reach for other in self.looked):
+            return False
+        self.looked.append(value)
+        return True
+
+    def gaps(self) -> list[tuple[float, float]]:
+        """Return the parts of the range in which no stable orbit is known, from below."""
+        parts = []
+        for branch in self.branches:
+            both = branch.stable[:-1] & branch.stable[1:]
+            ends = np.sort(np.column_stack([branch.values[:-1], branch.values[1:]])[both], axis=1)
+            parts += [(float(begin), float(end)) for begin, end in ends]
+        low, high = self.between
+        found, reached = [], low
+        for begin, end in [*sorted(parts), (high, high)]:
+            if begin > reached:
+                found.append((reached, begin))
+            reached = max(reached, end)
+        return found
+
+    def run(self, value: float, columns: Mapping[str, Array]) -> None:
+        """Keep the samples of settled runs at a value.
+
+        Runs that close sooner by far are not run on.
+        """
+        keep, early = 2 * self.cycles, self.settle // EARLY
+        rows, count = np.arange(len(next(iter(columns.values())))), 0
+        samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
+        ways = np.full((len(rows), len(self.map.moving)), np.nan)
+        closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
+        for settle, tolerance in ((early, CLOSED / SOONER), (self.settle - early - keep, CLOSED)):
+            count += max(settle, 0) + keep
+            points, ways[rows], status[rows] = self.sampled(value, columns, max(settle, 0))
+            samples[rows] = points
+            self.brute_cycles += len(rows) * (max(settle, 0) + keep)
+            whole = np.isfinite(points).all(axis=(1, 2))
+            self.sizes = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
+            scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+            closed[rows] = [period_of(one, scale, tolerance) for one in points]
+            going = whole & (closed[rows] == 0)
+            rows, ends = rows[going], points[going, -1]
+            if not len(rows):
+                break
+            columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
+        self.values += [value] * len(samples)
+        self.samples += list(samples)
+        self.closed += closed.tolist()
+        self.status += list(status)
+        self.velocities += list(ways)
+
+    def sampled(
+        self, value: float, columns: Mapping[str, Array], settle: int
+    ) -> tuple[Array, Array, NDArray[np.object_]]:
+        """Return free states once a cycle after some, mean velocities, and how each run ended."""
         mechanism, law = self.map.pair(value)
         cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
         moving = [self.map.states[i] for i in self.map.moving]
-        times = [cycle * (self.settle + i) for i in range(keep + 1)]
+        times = [cycle * (settle + i) for i in range(keep + 1)]
         outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
-        columns = self.starts(mechanism, law, starts)
         runs = ensemble(
             mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
             solver=self.map.solver,
         )  # fmt: skip
+        whole = np.array([status.complete for status in runs.status])
         points = np.stack([runs[name][:, 1:] for name in names], axis=2)
-        places = np.stack([runs[name] for name in moving], axis=1) if moving else None
-        self.brute_cycles += starts * (self.settle + keep)
-        known = np.nan_to_num(np.abs(points)).max(axis=(0, 1))
-        self.sizes = np.maximum(self.sizes, known)
-        scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
-        for i, status in enumerate(runs.status):
-            whole = status.complete
-            self.values.append(value)
-            self.samples.append(points[i] if whole else np.full_like(points[i], np.nan))
-            self.closed.append(period_of(points[i], scale) if whole else 0)
-            self.status.append(status)
-            way = np.full(len(moving), np.nan)
-            if places is not None and whole:
-                way = (places[i, :, -1] - places[i, :, 0]) / (keep * cycle)
-            self.velocities.append(way)
+        ways = [(runs[name][:, -1] - runs[name][:, 0]) / (keep * cycle) for name in moving]
+        velocities = np.stack(ways, axis=1) if ways else np.empty((len(whole), 0))
+        points[~whole], velocities[~whole] = np.nan, np.nan
+        return points, velocities, np.array(runs.status, dtype=object)
 
-    def starts(self, mechanism: Mechanism, law: FrictionLaw | Laws, count: int) -> dict[str, Array]:
-        """Return initial states of runs: the first as told, others of the size of motions so far.
+    def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
+        """Return initial states of runs of the size of motions so far, the first as told if asked.
 
         Within hard stops, at which a place beyond is put.
         """
+        mechanism, law = self.map.pair(value)
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
         stops = stops_of(mechanism)
         found = {}
@@ -369,7 +469,8 @@ class _Search:
                 place = float(stop.position)
                 bound = np.minimum if stop.side == "upper" else np.maximum
                 column = bound(column, place)
-            column[0] = begin[i]
+            if from_beginning:
+                column[0] = begin[i]
             found[f"initial.{name}"] = column
         return found
 
@@ -383,6 +484,8 @@ class _Search:
                 gaps = np.abs((guess - points) / scale).max(axis=1)
                 if gaps.min() > NEAR_SAMPLES:
                     continue
+                if gaps.min() <= SAME:
+                    return True
                 try:
                     shot = solved(branch.map, guess, value)
                 except (SimulationError, InputError):
@@ -409,8 +512,25 @@ class _Search:
             shot = solved(map_, point, value)
         except (SimulationError, InputError):
             return  # at a grazing contact, say: settled runs at other values lead there
-        if not self.is_known(closed, value, self.strobes(shot, closed)):
-            self.followed(map_.orbit(shot), doubled=False)
+        self.follow_shot(shot, closed)
+
+    def follow_shot(self, shot: Shot, cycles: int) -> None:
+        """Follow the branch of an orbit that is on none yet, after the least cycles it closes in.
+
+        A run that comes to rest from either side in turn seems to close after twice as many.
+        """
+        strobes = self.strobes(shot, cycles)
+        off = np.abs(strobes - shot.y) / shot.scale
+        least = next(
+            (m for m in range(1, cycles) if cycles % m == 0 and off[m].max() <= SETTLED), cycles
+        )
+        if least < cycles:
+            try:
+                shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
+            except (SimulationError, InputError):
+                return
+        if not self.is_known(least, shot.value, strobes[:least]):
+            self.followed(replace(self.map, cycles=least).orbit(shot), doubled=False)
 
     def followed(self, orbit: Orbit, *, doubled: bool) -> None:
         try:
@@ -420,8 +540,8 @@ class _Search:
             )  # fmt: skip
             curve.met = self.met
             branch = curve.branch(first)
-        except SimulationError:
-            return
+        except (SimulationError, InputError):
+            return  # nothing leaves there, as where a multiplier jumps across -1
         if doubled:
             middle = len(branch.values) // 2
             value = float(branch.values[middle])
@@ -429,9 +549,14 @@ class _Search:
             if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles)):
                 return
         self.branches.append(branch)
+        self.lost += self.losses(branch)
         for event in branch.events:
             if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
                 self.followed(event.orbit, doubled=True)
+        for shot in curve.halved:
+            half = replace(self.map, cycles=branch.cycles // 2)
+            with suppress(SimulationError, InputError):
+                self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
 
     def strobes(self, shot: Shot, cycles: int) -> Array:
         """Return the free states of an orbit once a cycle."""

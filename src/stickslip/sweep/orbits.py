@@ -36,7 +36,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.quantities import vary
+from stickslip.quantities import replaced, vary
 from stickslip.simulation import GivenFriction, event_driven_law, initial_state
 from stickslip.solver import BareRun, EventDriven
 from stickslip.sweep.parameter_grid import (
@@ -237,15 +237,17 @@ class Shot:
     """Size of each free state in the run (n,)."""
     advance: Array
     """How far each coordinate on which nothing depends has come."""
+    rise: Array
+    """Derivatives of that with respect to y and p (coordinates, n + 1)."""
     run: BareRun
     """The run."""
 
-    @property
+    @cached_property
     def error(self) -> float:
         """Largest residual over the size of its state."""
         return float(np.max(np.abs(self.residual) / self.scale, initial=0.0))
 
-    @property
+    @cached_property
     def lost(self) -> NDArray[np.bool_]:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
         size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * np.append(
@@ -258,7 +260,7 @@ class Shot:
         """Return a start, with what is lost exactly where it ends."""
         return np.where(self.lost, self.y + self.residual, y)
 
-    @property
+    @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
         return np.column_stack([self.monodromy - np.eye(len(self.y)), self.slope])
@@ -286,6 +288,8 @@ class ReturnMap:
     """Indices of the coordinates on which nothing depends."""
     path: str | None = None
     """Full path of the parameter."""
+    between: tuple[float, float] | None = None
+    """Values of it that were checked, as all between them are: what is asked of it are bounds."""
 
     @property
     def tolerance(self) -> float:
@@ -301,10 +305,12 @@ class ReturnMap:
         """Return mechanism and law with a value of the parameter."""
         if self.path is None:
             return self.mechanism, self.law
-        change = {self.path: value}
-        if self.path.startswith("friction."):
-            return self.mechanism, vary(self.law, "friction", change)
-        return vary(self.mechanism, "mechanism", change), self.law
+        checked = self.between is not None and self.between[0] <= value <= self.between[1]
+        root = self.path.partition(".")[0]
+        old = self.law if root == "friction" else self.mechanism
+        new = replaced(old, root, self.path, value) if checked else None
+        new = vary(old, root, {self.path: value}) if new is None else new
+        return (self.mechanism, new) if root == "friction" else (new, self.law)
 
     def duration(self, mechanism: Mechanism) -> float:
         """Return m T [s]."""
@@ -319,30 +325,31 @@ class ReturnMap:
         period = self.duration(mechanism)
         # a rate of rounding's size in place of 0 would let what sticks slip for an instant
         y = np.where(np.abs(y) <= np.finfo(float).eps * np.abs(y).max(initial=0.0), 0.0, y)
-        begin = dict(zip(self.names, y.tolist(), strict=True))
-        start = initial_state("orbit", mechanism, law, begin)
+        if not np.isfinite(y).all():
+            raise SimulationError("a step has left all finite states.")
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        start = [float(begin.get(name, 0.0)) for name in self.states]
         run = self.solver.bare(mechanism, law, y0=start, t_end=period)
         if not run.status.complete:
             raise SimulationError(run.status.value)
-        told = tuple(name for name in mechanism.start() if name not in begin)
+        told = tuple(name for name in mechanism.start() if name not in self.names)
         sense = replace(run.differentiate, told=told)
         paths = [f"initial.{name}" for name in self.names]
         ends = np.array([period])
-        free = list(self.free)
-        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][free]
+        free, n = list(self.free), len(self.free)
+        kept = [*self.free, *self.moving]
+        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][kept]
         if not np.isfinite(found).all():
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        times = np.concatenate([np.linspace(0.0, period, SAMPLES), period * (1 - _BACK)])
-        states = run.at(times)
+        states = run.at(period * _SHARES)
         end = states[SAMPLES - 1]
-        n = len(free)
-        slope = np.zeros(n)
+        slope = np.zeros(len(kept))
         if self.path is not None:
-            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[free]
-            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(value)
+            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
+            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
         size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
         return Shot(
@@ -352,19 +359,36 @@ class ReturnMap:
             law=law,
             period=period,
             residual=end[free] - y,
-            monodromy=found[:, :n],
-            slope=slope,
+            monodromy=found[:n, :n],
+            slope=slope[:n],
+            rise=np.column_stack([found[n:, :n], slope[n:]]),
             scale=size[free],
             advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
             run=run,
         )
 
-    def _stretch(self, value: float) -> float:
+    def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
+        """Return what closes so near a shot that derivatives and events are those of its run."""
+        mechanism, law = self.pair(value)
+        step = np.append(y - shot.y, value - shot.value)
+        return replace(
+            shot,
+            y=y,
+            value=value,
+            mechanism=mechanism,
+            law=law,
+            period=self.duration(mechanism),
+            residual=np.zeros_like(shot.residual),
+            advance=shot.advance + shot.rise @ step,
+        )
+
+    def _stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
         if self.period is not None or str(self.path).startswith("friction."):
             return 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
-        above, below = (self.duration(self.pair(value + s)[0]) for s in (h, -h))
+        near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
+        above, below = map(self.duration, near)
         return (above - below) / (2.0 * h)
 
     def orbit(self, shot: Shot) -> Orbit:
@@ -389,7 +413,7 @@ class ReturnMap:
         )
 
 
-_BACK = END_STEP * np.array([1.0, 2.0])
+_SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
 def return_map(
