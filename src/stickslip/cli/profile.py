@@ -1,8 +1,8 @@
 """``stickslip profile optimise``."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from stickslip.cli.console import (
     folder_of,
@@ -12,7 +12,12 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.law_choice import friction_content, friction_of, rig_and_friction
+from stickslip.cli.law_choice import (
+    friction_content,
+    friction_of,
+    laws_drawn,
+    rig_and_friction,
+)
 from stickslip.cli.numbers import range_of
 from stickslip.cli.options import LawOptions, ProfileOptions
 from stickslip.cli.process_pool import workers
@@ -63,7 +68,10 @@ def run(
         refuse_overwriting(folder, folder, force=force, files=FILES)
     asked = LawOptions(law=settings.law, load=settings.load)
     rig, chosen = rig_and_friction(path, settings.changes or [], asked)
-    found = _found(rig, friction_of(chosen), settings)
+    laws = None
+    if settings.draws is not None:
+        laws, _ = laws_drawn(rig, chosen, asked, settings.draws, settings.seed)
+    found = _found(rig, friction_of(chosen), laws, settings)
     head = {"rig": rig.heading, "digest": rig.digest}
     head |= friction_content(chosen, rig.mechanism)
     content = document("profile", head | found.to_dict())
@@ -78,7 +86,12 @@ def run(
         note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optimum:
+def _found(
+    rig: Rig,
+    law: FrictionLaw | Laws,
+    laws: Sequence[FrictionLaw] | None,
+    settings: ProfileOptions,
+) -> Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
     goal = named(GOALS, settings.goal, "goal")
     limits = _limits(rig.mechanism, settings)
@@ -95,6 +108,8 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optim
             goal=cast("GoalName", settings.goal),  # names are checked where they are used
             kind=cast("KindName", settings.kind),
             interval=interval,
+            scenarios=laws,
+            quantile=_quantile(settings.quantile),
             knots=settings.knots,
             evaluations=settings.evaluations,
             seed=settings.seed,
@@ -102,6 +117,15 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optim
             executor=executor,
             progress=watch,
         )
+
+
+def _quantile(text: str) -> float | Literal["mean"]:
+    if text == "mean":
+        return "mean"
+    try:
+        return read_number(text, Quantity("quantile", low=0, high=1))
+    except ParameterError as error:
+        raise ParameterError(f"--quantile {error}") from None
 
 
 def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:

@@ -1,13 +1,20 @@
 """``stickslip sweep``."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip.cli.console import print_json, refuse_inputs, refuse_overwriting, show_table, stdout
-from stickslip.cli.law_choice import friction_content, friction_of, friction_title, rig_and_friction
+from stickslip.cli.law_choice import (
+    friction_content,
+    friction_of,
+    friction_title,
+    laws_drawn,
+    rig_and_friction,
+)
 from stickslip.cli.options import LawOptions
 from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Drawing
@@ -15,8 +22,10 @@ from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.documents import document, write_files
 from stickslip.errors import InputError, check_size
 from stickslip.executors import Inline
-from stickslip.formatting import number, printable
-from stickslip.sweep import VelocityMap, average_velocity
+from stickslip.experiments import Rig, settled_speed
+from stickslip.formatting import joined, number, percent, printable
+from stickslip.friction import FrictionLaw
+from stickslip.sweep import VelocityBand, VelocityMap, average_velocity, velocity_band
 
 SIZE = (800, 360)
 MOST_AXES = 2
@@ -32,6 +41,8 @@ def run(
     coordinate: str | None,
     output: Path,
     *,
+    draws: int | None,
+    seed: int,
     count: int | None,
     executor: str | None,
     allow_import: bool,
@@ -44,34 +55,76 @@ def run(
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
+    if draws is not None and (coordinate is not None or len(axes) > 1):
+        raise InputError("--ensemble takes one --vary, and no --coordinate.")
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
-    start = rig.start(law)
-    with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
-        found = average_velocity(
-            rig.mechanism,
-            law,
-            axes,
-            coordinate=coordinate,
-            cycles=cycles,
-            settle=settle,
-            y0=start,
-            executor=pool or (Inline() if count == 1 else None),
-            progress=progress,
-        )
-    _write(found, output, figure)
-    turns = found.reversals().tolist() if len(found.axes) == 1 else []
+    options: dict[str, Any] = {"cycles": cycles, "settle": settle, "y0": rig.start(law)}
+    turns: Sequence[float] = []
+    measured: dict[float, float] = {}
+    found: VelocityMap | VelocityBand
+    if draws is not None:
+        laws, options["error"] = laws_drawn(rig, chosen, asked, draws, seed)
+        with Drawing("Running", "laws") as progress:
+            found = velocity_band(rig.mechanism, laws, axes, progress=progress, **options)
+        measured = _filmed(rig, found.path)
+        content = _band_content(found, laws, measured)
+    else:
+        with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
+            found = average_velocity(
+                rig.mechanism,
+                law,
+                axes,
+                coordinate=coordinate,
+                executor=pool or (Inline() if count == 1 else None),
+                progress=progress,
+                **options,
+            )
+        turns = found.reversals().tolist() if len(found.axes) == 1 else []
+        content = _content(found, turns)
+    _write(found, measured, output, figure)
     if as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
         head |= friction_content(chosen, rig.mechanism)
         files = [str(output), str(figure)]
-        print_json(document("sweep", head | _content(found, turns) | {"files": files}))
+        print_json(document("sweep", head | content | {"files": files}))
         return
     stdout().print(printable(rig.heading), markup=False, style="bold", end="")
-    stdout().print(f", {friction_title(chosen)} friction", markup=False)
-    _show(found, turns)
+    if isinstance(found, VelocityBand):
+        stdout().print(f", {content['sentence']}", markup=False)
+        _show_band(found, measured)
+    else:
+        stdout().print(f", {friction_title(chosen)} friction", markup=False)
+        _show(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+
+
+def _filmed(rig: Rig, path: str) -> dict[float, float]:
+    """Return the speeds of films in which a parameter was set, by its value."""
+    films = [] if rig.measurement is None else rig.measurement.records()
+    set_ = [one for one in films if path in one.overrides and one.position is not None]
+    return {one.overrides[path]: settled_speed(rig.mechanism, one)[0] for one in set_}
+
+
+def _band_content(
+    found: VelocityBand, laws: Sequence[FrictionLaw], measured: Mapping[float, float]
+) -> dict[str, Any]:
+    names = Counter("measured curve" if "table[" in one.name else one.name for one in laws)
+    counts = joined([f"{name} {times}" for name, times in names.most_common()])
+    return {
+        "sentence": f"{percent(found.level)} band over {len(laws)} laws: {counts}",
+        "path": found.path,
+        "unit": found.unit,
+        "values": found.values.tolist(),
+        **{end: getattr(found, end).tolist() for end in ("low", "median", "high")},
+        "velocity_unit": found.velocity_unit,
+        "level": found.level,
+        "error": found.error,
+        "laws": dict(names),
+        "measured": [list(pair) for pair in measured.items()],
+        "early_ends": list(found.reasons),
+    }
 
 
 def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
@@ -88,13 +141,43 @@ def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
     }
 
 
-def _write(found: VelocityMap, output: Path, figure: Path) -> None:
-    from stickslip.plots import draw_velocity_map, standalone_svg
+def _write(
+    found: VelocityMap | VelocityBand, measured: Mapping[float, float], output: Path, figure: Path
+) -> None:
+    from stickslip.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
-    svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
-    units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
-    table = table_bytes(found.to_dataframe(), output, units)
-    write_files({output: table, figure: svg})
+    if isinstance(found, VelocityBand):
+        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
+        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
+    else:
+        drawing = draw_velocity_map(found)
+        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    svg = standalone_svg(drawing, size=SIZE, title="Mean velocity")
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+
+
+def _show_band(found: VelocityBand, measured: Mapping[float, float]) -> None:
+    name = found.path.rpartition(".")[2]
+    rows = []
+    for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
+        if np.isfinite(found.median).any():
+            i = int(pick(found.median))
+            ends = [number(one[i] + 0.0, 4) for one in (found.low, found.median, found.high)]
+            rows.append([word, *ends, f"{number(found.values[i], 6)} {found.unit}"])
+    heads = ["mean velocity", "2.5 %", "median", f"97.5 %, {found.velocity_unit}", name]
+    show_table("", heads, rows)
+    off = [
+        at
+        for at, speed in measured.items()
+        if not np.interp(at, found.values, found.low) <= speed
+        or not speed <= np.interp(at, found.values, found.high)
+    ]
+    if measured:
+        where = f", not at {joined([number(at, 6) for at in off])} {found.unit}" if off else ""
+        inside = len(measured) - len(off)
+        stdout().print(f"{inside} of {len(measured)} measured speeds lie in it{where}.")
+    for reason in found.reasons:
+        stdout().print(reason, markup=False)
 
 
 def _show(found: VelocityMap, turns: Sequence[float]) -> None:

@@ -84,9 +84,9 @@ def scenarios_of(
 def _samples(laws: Sequence[FrictionLaw | Laws], quantile: float | Literal["mean"]) -> Scenarios:
     if not laws or not all(isinstance(law, FrictionLaw | Laws) for law in laws):
         raise InputError(f"scenarios must be friction laws, at least one, got {laws!r}.")
-    if quantile == "mean":
-        share, words = quantile, "the mean"
-    else:
+    share: float | Literal["mean"] = "mean"
+    words = "the mean"
+    if quantile != "mean":
         share = SHARE.check("optimise_profile", "quantile", quantile)
         words = f"the {percent(share)} quantile" if share else "the worst"
     return Scenarios(
