@@ -110,7 +110,7 @@ def _filmed(rig: Rig, path: str) -> dict[float, float]:
 def _band_content(
     found: VelocityBand, laws: Sequence[FrictionLaw], measured: Mapping[float, float]
 ) -> dict[str, Any]:
-    names = Counter("measured curve" if "table[" in one.name else one.name for one in laws)
+    names = Counter(one.name for one in laws)
     counts = joined([f"{name} {times}" for name, times in names.most_common()])
     return {
         "sentence": f"{percent(found.level)} band over {len(laws)} laws: {counts}",

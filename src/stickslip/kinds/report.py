@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import astuple, fields
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,9 @@ import numpy as np
 from stickslip.documents import document, json_text, sha256_of, write_folder
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, law_type, laws
-from stickslip.identify import BandVerdict
+from stickslip.identify import BandVerdict, CurvePoint, MeasuredCurve
 from stickslip.kinds.registry import kind_of_route
 from stickslip.kinds.travels.verdict import TravelVerdict
-from stickslip.quantities import Parametrised
 from stickslip.report import Origin, Page, Section, SectionMaker, colophon, made_sections, render
 from stickslip.selection import Verdict
 
@@ -184,8 +183,6 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
     if not isinstance(verdict, BandVerdict | TravelVerdict):
         return None
     rows = [_row(one) for one in verdict.sample(DRAWS)]
-    if any(isinstance(value, dict | Parametrised) for row in rows for value in row.values()):
-        return None
     error = None
     if isinstance(verdict, TravelVerdict) and all(t.cycles is not None for t in verdict.trials):
         error = verdict.prediction_error
@@ -194,8 +191,20 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
 
 
 def _row(law: FrictionLaw) -> dict[str, Any]:
+    if isinstance(law, MeasuredCurve):
+        return {"law": law.name, "points": [astuple(one) for one in law.points]}
     name = law.name if law.name in laws() else str(law.composition)
     return {"law": name} | {one.name: getattr(law, one.name) for one in fields(law)}
+
+
+def _law(row: dict[str, Any]) -> FrictionLaw:
+    name, values = row["law"], {key: value for key, value in row.items() if key != "law"}
+    if name == MeasuredCurve.name:
+        keys = [one.name for one in fields(CurvePoint)]
+        points = [CurvePoint(**dict(zip(keys, x, strict=True))) for x in values["points"]]
+        return MeasuredCurve(points=tuple(points))
+    found: FrictionLaw = law_type(name)(**values)
+    return found
 
 
 def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
@@ -231,8 +240,4 @@ def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
     found = json.loads(file.read_text(encoding="utf-8"))
     if found["law_file"] != sha256_of(Path(law_file)):
         return None
-    drawn = []
-    for row in found["laws"]:
-        values = {k: tuple(v) if isinstance(v, list) else v for k, v in row.items() if k != "law"}
-        drawn.append(law_type(row["law"])(**values))
-    return drawn, found["velocity_error"] or 0.0
+    return [_law(row) for row in found["laws"]], found["velocity_error"] or 0.0
