@@ -93,7 +93,8 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     assert "Coulomb" in result.stdout
     assert "The report could not be drawn (ValueError: no ink)" in result.stderr
     # the page of an earlier verdict does not stand beside this one
-    assert {path.name for path in folder.glob("[!.]*")} == {"verdict.json", "law.toml", "draws.json"}
+    kept = {path.name for path in folder.glob("[!.]*")}
+    assert kept == {"verdict.json", "law.toml", "draws.json"}
     verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
     law = load_rig(folder / "law.toml").laws["coulomb"]
     (estimate,) = verdict["candidates"][0]["fit"]["estimates"]
