@@ -126,7 +126,7 @@ def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(fil
     assert code == 0, err
     told = json.loads(out)
     assert [at for at, _ in told["measured"]] == [*FREQUENCIES]
-    assert told["values"] == pytest.approx([2.7, 4.65, 6.6])
+    assert told["values"] == pytest.approx([2.7, 3.0, 4.5, 4.65, 6.0, 6.6])
 
 
 def test_a_film_with_another_frequency_than_its_name_says_is_doubted(filmed, tmp_path):

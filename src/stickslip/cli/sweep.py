@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.cli.console import print_json, refuse_inputs, refuse_overwriting, show_table, stdout
 from stickslip.cli.law_choice import (
@@ -23,10 +24,12 @@ from stickslip.documents import document, write_files
 from stickslip.errors import InputError, check_size
 from stickslip.executors import Inline
 from stickslip.experiments import Rig, settled_speed
-from stickslip.formatting import joined, number, percent, printable
+from stickslip.formatting import joined, number, printable
 from stickslip.friction import FrictionLaw
+from stickslip.quantities import full_path, parameters
 from stickslip.sweep import VelocityBand, VelocityMap, average_velocity, velocity_band
 
+Array = NDArray[np.float64]
 SIZE = (800, 360)
 MOST_AXES = 2
 
@@ -66,9 +69,11 @@ def run(
     found: VelocityMap | VelocityBand
     if draws is not None:
         laws, options["error"] = laws_drawn(rig, chosen, asked, draws, seed)
+        ((name, values),) = axes.items()
+        measured = _filmed(rig, name, values)
+        values = np.union1d(values, [*measured])  # a curve with jumps tells nothing in between
         with Drawing("Running", "laws") as progress:
-            found = velocity_band(rig.mechanism, laws, axes, progress=progress, **options)
-        measured = _filmed(rig, found.path)
+            found = velocity_band(rig.mechanism, laws, {name: values}, progress=progress, **options)
         content = _band_content(found, laws, measured)
     else:
         with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
@@ -92,7 +97,8 @@ def run(
         return
     stdout().print(printable(rig.heading), markup=False, style="bold", end="")
     if isinstance(found, VelocityBand):
-        stdout().print(f", {content['sentence']}", markup=False)
+        counts = [f"{name} {times}" for name, times in content["laws"].items()]
+        stdout().print(f", laws drawn: {joined(counts)}", markup=False)
         _show_band(found, measured)
     else:
         stdout().print(f", {friction_title(chosen)} friction", markup=False)
@@ -100,20 +106,22 @@ def run(
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
 
 
-def _filmed(rig: Rig, path: str) -> dict[float, float]:
-    """Return the speeds of films in which a parameter was set, by its value."""
+def _filmed(rig: Rig, name: str, values: Array) -> dict[float, float]:
+    """Return the speeds of films in which a parameter was set within a range, by its value."""
+    known = {path: quantity for path, quantity, _ in parameters(rig.mechanism, "mechanism")}
     films = [] if rig.measurement is None else rig.measurement.records()
-    set_ = [one for one in films if path in one.overrides and one.position is not None]
-    return {one.overrides[path]: settled_speed(rig.mechanism, one)[0] for one in set_}
+    found = {}
+    for film in films if any(film.overrides for film in films) else ():
+        at = film.overrides.get(full_path(name, known))
+        if at is not None and film.position is not None and values.min() <= at <= values.max():
+            found[at] = settled_speed(rig.mechanism, film)[0]
+    return found
 
 
 def _band_content(
     found: VelocityBand, laws: Sequence[FrictionLaw], measured: Mapping[float, float]
 ) -> dict[str, Any]:
-    names = Counter(one.name for one in laws)
-    counts = joined([f"{name} {times}" for name, times in names.most_common()])
     return {
-        "sentence": f"{percent(found.level)} band over {len(laws)} laws: {counts}",
         "path": found.path,
         "unit": found.unit,
         "values": found.values.tolist(),
@@ -121,7 +129,7 @@ def _band_content(
         "velocity_unit": found.velocity_unit,
         "level": found.level,
         "error": found.error,
-        "laws": dict(names),
+        "laws": dict(Counter(one.name for one in laws)),
         "measured": [list(pair) for pair in measured.items()],
         "early_ends": list(found.reasons),
     }
@@ -157,27 +165,13 @@ def _write(
 
 
 def _show_band(found: VelocityBand, measured: Mapping[float, float]) -> None:
-    name = found.path.rpartition(".")[2]
-    rows = []
-    for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
-        if np.isfinite(found.median).any():
-            i = int(pick(found.median))
-            ends = [number(one[i] + 0.0, 4) for one in (found.low, found.median, found.high)]
-            rows.append([word, *ends, f"{number(found.values[i], 6)} {found.unit}"])
-    heads = ["mean velocity", "2.5 %", "median", f"97.5 %, {found.velocity_unit}", name]
-    show_table("", heads, rows)
-    off = [
-        at
-        for at, speed in measured.items()
-        if not np.interp(at, found.values, found.low) <= speed
-        or not speed <= np.interp(at, found.values, found.high)
-    ]
-    if measured:
-        where = f", not at {joined([number(at, 6) for at in off])} {found.unit}" if off else ""
-        inside = len(measured) - len(off)
-        stdout().print(f"{inside} of {len(measured)} measured speeds lie in it{where}.")
-    for reason in found.reasons:
-        stdout().print(reason, markup=False)
+    stdout().print(str(found), markup=False)
+    ends = zip(found.values.tolist(), found.low, found.high, strict=True)
+    seen = [(at, low <= measured[at] <= high) for at, low, high in ends if at in measured]
+    if seen:
+        off = [number(at, 6) for at, inside in seen if not inside]
+        where = f", not at {joined(off)} {found.unit}" if off else ""
+        stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
 
 
 def _show(found: VelocityMap, turns: Sequence[float]) -> None:
@@ -200,7 +194,7 @@ def _show(found: VelocityMap, turns: Sequence[float]) -> None:
         console.print(reason, markup=False)
 
 
-def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:
+def _axes(vary: Sequence[str]) -> dict[str, Array]:
     """Read ``path=low:high:n``, once or twice."""
     if not 1 <= len(vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(vary)}.")

@@ -210,16 +210,8 @@ def _law(row: dict[str, Any]) -> FrictionLaw:
 def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
     """Return the laws that were drawn beside a law file, and the error of mean velocities [m/s].
 
-    Parameters
-    ----------
-    law_file : path
-        The ``law.toml`` that a selection wrote.
-
-    Returns
-    -------
-    tuple of list of FrictionLaw and float, or None
-        Laws that the readings do not exclude, by their shares, and by how much predictions of mean
-        velocities are off beside that; None where none were drawn, or for another law file.
+    The file is the ``law.toml`` that a selection wrote; None where no laws were drawn beside it, or
+    for another one. By the error predictions of mean velocities are off beside what the laws tell.
 
     Examples
     --------
