@@ -272,7 +272,8 @@ def run(case: Case) -> Output:
                 files |= printed(command, folder, places)
             for path in sorted(set(folder.rglob("*")) - given):
                 form = FORMS.get(path.suffix)
-                if form is not None and path.is_file():
+                # of laws that are drawn, the verdict keeps the set, the shares and the band
+                if form is not None and path.is_file() and path.name != "draws.json":
                     kept = path.relative_to(folder).as_posix()
                     kept = re.sub(r"\.html$", ".txt", kept)
                     files[kept] = plain(form(path.read_text(encoding="utf-8")), places)

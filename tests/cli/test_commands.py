@@ -666,7 +666,7 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
     assert run(*select)[0] == 0
     assert run(*select)[0] == 0
     names = {path.name for path in folder.glob("[!.]*")}
-    assert names == {"index.html", "verdict.json", "law.toml", "own.toml"}
+    assert names == {"draws.json", "index.html", "verdict.json", "law.toml", "own.toml"}
     assert (folder / "own.toml").read_text() == "mine"
     (folder / "index.html").write_text("edited")
     assert "index.html was changed since" in complaint(run, *select)

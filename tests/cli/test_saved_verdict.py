@@ -63,7 +63,7 @@ def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     result = run("select", "rig.toml", "--laws", "lugre")
     assert result.exit_code == 0, result.output
     files = {path.name for path in (rig.parent / "stickslip-report").glob("[!.]*")}
-    assert files == {"index.html", "verdict.json", "law.toml"}
+    assert files == {"index.html", "verdict.json", "law.toml", "draws.json"}
     page = (rig.parent / "stickslip-report" / "index.html").read_text(encoding="utf-8")
     assert "The bristles of this law need steps below" in page
 
@@ -93,7 +93,8 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     assert "Coulomb" in result.stdout
     assert "The report could not be drawn (ValueError: no ink)" in result.stderr
     # the page of an earlier verdict does not stand beside this one
-    assert {path.name for path in folder.glob("[!.]*")} == {"verdict.json", "law.toml"}
+    kept = {path.name for path in folder.glob("[!.]*")}
+    assert kept == {"verdict.json", "law.toml", "draws.json"}
     verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
     law = load_rig(folder / "law.toml").laws["coulomb"]
     (estimate,) = verdict["candidates"][0]["fit"]["estimates"]

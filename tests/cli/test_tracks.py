@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from tests.commands import commands
 
+from stickslip import Axis, Coulomb, Measurement, select
+from stickslip.kinds import write_verdict
+
 MU = 0.21
 SPEED = 1.4
 TIME = np.arange(72) / 60
@@ -103,6 +106,27 @@ def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(
     assert "capsule_mass (M) must be a number" in err
     (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
     assert filmed("check", "capsule.toml")[0] == 0
+
+
+def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(filmed, tmp_path):
+    code, out, _ = filmed("init", *[f"capsule_{one:g}Hz.txt" for one in FREQUENCIES])
+    assert code == 0
+    check, choose, sweep = " ".join(out.split()).partition("Next: ")[2].split("; ")
+    assert choose == "stickslip select capsule.toml --route travel"
+    text = (tmp_path / "capsule.toml").read_text()
+    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    assert filmed(*check.split()[1:])[0] == 0
+    speed = np.linspace(0.02, 0.6, 8)
+    noise = 0.01 * np.random.default_rng(1).normal(size=8)
+    table = Measurement(velocity=speed, friction=0.5 + noise)
+    verdict = select(Axis(inertia=1.0, load=2.0), [Coulomb], table)
+    write_verdict(tmp_path / "stickslip-report", verdict, {})
+    short = sweep.replace(":45", ":3").replace("--ensemble 24", "--ensemble 2").split()[1:]
+    code, out, err = filmed(*short, "--settle", "2", "--cycles", "2", "--json")
+    assert code == 0, err
+    told = json.loads(out)
+    assert [at for at, _ in told["measured"]] == [*FREQUENCIES]
+    assert told["values"] == pytest.approx([2.7, 3.0, 4.5, 4.65, 6.0, 6.6])
 
 
 def test_a_film_with_another_frequency_than_its_name_says_is_doubted(filmed, tmp_path):

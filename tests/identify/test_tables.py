@@ -1,16 +1,29 @@
 """Tables of friction: the law, the band, and the intervals, against truths that are known."""
 
 import json
+import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Measurement, Stribeck, fit, load_rig, select
+from stickslip import (
+    Axis,
+    Coulomb,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    fit,
+    load_rig,
+    select,
+    simulate,
+)
 from stickslip.errors import InputError
+from stickslip.formulation import formulate
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.tables import TableProblem
-from stickslip.identify.laws import compose
+from stickslip.identify.laws import MeasuredCurve, compose, curve_law, drawn_curve
 from stickslip.identify.requests import families_of
 
 AXIS = Axis(inertia=1.0)
@@ -247,6 +260,38 @@ def test_samples_are_laws_whose_spread_is_that_of_the_band(verdict):
     band = verdict.band([0.1])
     assert np.mean((at > band.low[0]) & (at < band.high[0])) > 0.9
     assert at.std() > 0.05 * (band.high[0] - band.low[0])
+
+
+def test_measured_curves_among_the_samples_share_the_equations_of_one(verdict):
+    laws = verdict.sample(60, seed=1)
+    drawn = [law for law in laws if isinstance(law, MeasuredCurve)]
+    assert len(drawn) > 2
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    assert all(formulate(block, law) is formulate(block, drawn[0]) for law in drawn[1:])
+    one, other = drawn[:2]
+    assert one != other
+    assert pickle.loads(pickle.dumps(one)) == one
+
+
+def test_a_measured_curve_with_points_as_parameters_is_that_of_the_notation(verdict):
+    law = next(one for one in verdict.sample(60, seed=1) if isinstance(one, MeasuredCurve))
+    speeds, levels = (np.array([getattr(p, n) for p in law.points]) for n in ("speed", "level"))
+    known = curve_law(speeds, levels, 1.0)  # with six digits of each
+    at = np.concatenate([[0.1 * speeds[0], 3.0 * speeds[-1]], speeds, speeds[:-1] * 1.07])
+    both = np.array([[float(one.force(v, 2.0)) for v in at.tolist()] for one in (law, known)])
+    np.testing.assert_allclose(*both, rtol=1e-4)
+    assert law.break_away(2.0) == pytest.approx(known.break_away(2.0), rel=1e-5)
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.3)
+    runs = [simulate(block, one, t_end=2.0) for one in (law, known)]
+    assert runs[0]["x"][-1] == pytest.approx(runs[1]["x"][-1], rel=1e-4)
+    assert runs[0].certificate.certified
+    first = replace(law, points=(replace(law.points[0], level=2.0), *law.points[1:]))
+    assert first.break_away(1.0) == 2.0
+
+
+def test_a_curve_that_was_measured_at_rest_keeps_its_first_point():
+    law = drawn_curve(np.array([0.0, 0.1, 1.0]), np.array([2.0, 3.0, 4.0]), 1.0)
+    assert law.name.startswith("table[0: 2, ")
 
 
 def test_a_verdict_is_a_document_and_its_law_a_rig_file(verdict):

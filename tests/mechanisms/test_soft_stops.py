@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stickslip import Capsule, Coulomb, simulate
+from stickslip import Capsule, Coulomb, EventDriven, simulate
 from stickslip.drives import Sine, SineSwing
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
@@ -124,3 +124,25 @@ def test_a_prescribed_motion_cannot_come_from_outside():
         replace(FROM_OUTSIDE, drive=motion)
     with pytest.raises(ParameterError, match="drive_on must be 'both' or 'inner mass', got 'it'"):
         replace(CAPSULE, drive_on="it")
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_a_soft_stop_at_a_hard_one_is_left_as_often_as_it_is_met(restitution, damping):
+    hard = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, upper_stop=2e-3,
+        restitution=restitution, drive=Torque(drive=Sine(amplitude=0.2, frequency=7.0)),
+    )  # fmt: skip
+    soft = SoftStop(place=2e-3, stiffness=3000.0, damping=damping)
+    both = replace(hard, upper_soft_stop=soft)
+    own = Coulomb(kinetic_coefficient=0.2)
+    alone, run = (simulate(one, own, t_end=0.6) for one in (hard, both))
+    reasons = [event.reason for event in run.events if "soft" in event.reason]
+    assert reasons.count("meets upper soft stop") >= 4
+    assert reasons[::2] == ["meets upper soft stop"] * (len(reasons) // 2)
+    assert reasons[1::2] == ["leaves upper soft stop"] * (len(reasons) // 2)
+    assert run["x"][-1] == pytest.approx(alone["x"][-1], rel=1e-9)  # it is never pressed in
+    tiers = [
+        simulate(both, own, t_end=0.06, solver=EventDriven(tier=t)) for t in ("compiled", "python")
+    ]
+    assert [(e.t, e.reason) for e in tiers[0].events] == [(e.t, e.reason) for e in tiers[1].events]

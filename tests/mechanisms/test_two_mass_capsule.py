@@ -11,7 +11,7 @@ from stickslip import Capsule, Coulomb, EventDriven, PendulumCart, TwoMassCapsul
 from stickslip.drives import Rotation, Sine, SineSwing
 from stickslip.errors import ParameterError
 from stickslip.experiments import load_rig
-from stickslip.mechanisms import InnerMass, Prescribed, Torque
+from stickslip.mechanisms import InnerMass, Prescribed, SoftStop, Torque
 from stickslip.results import Status
 from stickslip.sweep import periodic_orbit
 
@@ -55,6 +55,30 @@ def test_two_halves_do_what_one_mass_does(incline):
     # 8 impacts, one after the other in the twin: each doubles roundings a few times
     assert run["x"][-1] == pytest.approx(known["x"][-1], rel=1e-7)
     np.testing.assert_allclose(run["xi"], run["zeta"], atol=1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.4])
+def test_two_halves_with_soft_stops_do_what_one_mass_does(damping):
+    lower, upper = (SoftStop(place=x, stiffness=3000.0, damping=damping) for x in (-2e-3, 2e-3))
+    soft = replace(STRUCK, upper_stop=None, lower_soft_stop=lower, upper_soft_stop=upper)
+    half = replace(
+        halved(soft),
+        lower_soft_stop=replace(lower, stiffness=1500.0, damping=0.5 * damping),
+        upper_soft_stop=replace(upper, stiffness=1500.0, damping=0.5 * damping),
+    )
+    twin = TwoMassCapsule(capsule_mass=0.08, first=half, second=half)
+    alone = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, drive=STRUCK.drive,
+        lower_soft_stop=lower, upper_soft_stop=upper,
+    )  # fmt: skip
+    run, known = (simulate(one, ROUGH, t_end=0.4) for one in (twin, alone))
+    assert run.certificate.certified
+    assert run["x"][-1] == pytest.approx(known["x"][-1], rel=1e-7)
+    met, own = ([e.reason for e in one.events if "soft stop" in e.reason] for one in (run, known))
+    assert len(own) > 10
+    for whose in ("first", "second"):
+        prefix = f"{whose} mass "
+        assert [one.removeprefix(prefix) for one in met if one.startswith(prefix)] == own
 
 
 def test_a_mass_that_moves_upwards_changes_the_normal_force():

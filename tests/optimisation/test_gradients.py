@@ -60,13 +60,19 @@ def test_a_sine_brings_nothing_however_it_is_changed(cart):
     np.testing.assert_allclose(found, 0.0, atol=1e-8)
 
 
-def test_a_quantile_has_the_gradient_of_the_laws_between_which_it_lies(cart):
+@pytest.mark.parametrize(
+    ("quantile", "statistic"), [(0.3, lambda x: np.quantile(x, 0.3)), ("mean", np.mean)]
+)
+def test_what_counts_of_several_laws_has_the_gradient_of_those_that_count(
+    cart, quantile, statistic
+):
     laws = tuple(Coulomb(kinetic_coefficient=mu) for mu in (0.18, 0.2, 0.22))
-    problem, space = problem_of(cart, laws=laws, quantile=0.3), space_of("three-phase", LIMITS, 12)
+    problem = problem_of(cart, laws=laws, quantile=quantile)
+    space = space_of("three-phase", LIMITS, 12)
     u = np.array(POINTS["three-phase"])
     judged = problem.judge(space.profile(u))
     found = goal_gradient(problem, space, u, judged)
     known = by_differences(problem, space, u, lambda judged: judged.value)
     np.testing.assert_allclose(found, known, atol=1e-5 * np.abs(known).max())
     values = problem.values(judged.cycles)
-    assert judged.value == pytest.approx(np.quantile(values, 0.3), rel=1e-12)
+    assert judged.value == pytest.approx(statistic(values), rel=1e-12)

@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 from tests.optimisation.conftest import STROKE
 
-from stickslip import Coulomb, load_rig, optimise_profile, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    Measurement,
+    load_rig,
+    optimise_profile,
+    select,
+    simulate,
+)
 from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
@@ -264,13 +272,45 @@ def test_worst_case_of_an_interval_is_no_better_than_any_of_its_points(
     assert found.best.feasible
 
 
-def test_a_quantile_of_samples_is_that_of_their_values(capsule, short_polishes):
+@pytest.mark.parametrize(
+    ("quantile", "statistic"), [(0.25, lambda x: np.quantile(x, 0.25)), ("mean", np.mean)]
+)
+def test_what_counts_of_samples_is_that_of_their_values(
+    capsule, short_polishes, quantile, statistic
+):
     laws = [Coulomb(kinetic_coefficient=mu) for mu in (0.18, 0.19, 0.2, 0.21)]
     found = optimise_profile(
-        capsule, laws[2], limits=WIDE_LIMITS, scenarios=laws, quantile=0.25, evaluations=FEW
+        capsule, laws[2], limits=WIDE_LIMITS, scenarios=laws, quantile=quantile, evaluations=FEW
     )
     values = [measure(found.mechanism, law).travel for law in laws]
-    assert found.value == pytest.approx(np.quantile(values, 0.25), rel=1e-9)
+    assert found.value == pytest.approx(statistic(values), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("quantile", "statistic", "gain"), [("mean", np.mean, 1.0001), (0.0, np.min, 1.02)]
+)
+def test_the_motion_for_the_laws_of_a_verdict_beats_that_for_the_named_law_over_them(
+    capsule, monkeypatch, quantile, statistic, gain
+):
+    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 8)
+    speed = np.linspace(0.02, 0.6, 8)
+    noise = 1.0 + 0.2 * np.random.default_rng(3).normal(size=8)
+    table = Measurement(velocity=speed, friction=9.81 * 0.2 * noise)
+    verdict = select(Axis(inertia=1.0, load=9.81), [Coulomb], table)
+    drawn = [law for law in verdict.sample(24) if isinstance(law, Coulomb)]
+    laws = sorted(drawn, key=lambda law: law.kinetic_coefficient)[::8]
+    limits = Limits(position=0.01, rate=5.0, acceleration=100.0)
+    options = {"limits": limits, "goal": "speed", "evaluations": FEW}
+    named = optimise_profile(capsule, verdict.law, **options)
+    robust = optimise_profile(capsule, verdict.law, scenarios=laws, quantile=quantile, **options)
+
+    def over(mechanism):
+        cycles = [measure(mechanism, law) for law in laws]
+        return statistic([cycle.travel / cycle.period for cycle in cycles])
+
+    assert robust.value == pytest.approx(over(robust.mechanism), rel=1e-9)
+    assert robust.value > gain * over(named.mechanism)
+    assert f"of {len(laws)} laws" in robust.to_dict()["scenarios"]
 
 
 def test_limit_of_the_motor_holds_beside_the_limits(capsule, law, short_polishes):
@@ -311,6 +351,7 @@ def test_limits_that_no_motion_keeps_are_said_to_be_so(cart, law, short_polishes
         ({"interval": {"friction.kinetic_coefficient": (0.3, 0.2)}}, "must increase"),
         ({"interval": {"mechanism.drive.profile.fast": (0.1, 0.2)}}, "unknown parameter"),
         ({"scenarios": []}, "at least one"),
+        ({"scenarios": [Coulomb(kinetic_coefficient=0.2)], "quantile": "medium"}, "quantile"),
         ({"seed": -1}, "at least 0"),
         ({"evaluations": 0}, "at least 1"),
         ({"kind": 3}, "kind must be one of three-phase"),

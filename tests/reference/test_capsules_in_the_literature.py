@@ -1,6 +1,8 @@
 """What others published on capsules, as docs/explanation/capsule-literature.md recomputes it."""
 
 import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
@@ -10,14 +12,21 @@ from stickslip import (
     Coulomb,
     DirectionDependent,
     LuGre,
+    Mechanism,
     PendulumCart,
     SpringBlock,
+    Stribeck,
+    TowedBlock,
     Viscous,
+    ensemble,
     simulate,
 )
-from stickslip.drives import Pulse, Rotation, Sine, SineSwing, Square, ThreePhase
+from stickslip.drives import Drive, Pulse, Rotation, Sine, SineSwing, Square, ThreePhase
 from stickslip.friction import law
-from stickslip.mechanisms import Prescribed, Torque
+from stickslip.mechanisms import Contact, Prescribed, Torque
+from stickslip.quantities import Quantity
+from stickslip.solver import Samples
+from stickslip.sweep import periodic_orbit
 
 G = 9.81
 
@@ -34,6 +43,87 @@ def test_the_source_papers_block_goes_as_far_as_its_table_says_but_for_four_perc
     spring = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     assert simulate(push, own, t_end=5.0)["x"][-1] == pytest.approx(0.16, rel=0.04)
     assert simulate(spring, own, t_end=5.0)["x"][-1] == pytest.approx(0.20, rel=0.02)
+
+
+@pytest.mark.parametrize(("speed", "share", "error"), [(1.25, 0.08, 0.0061), (1.5, 0.304, 0.0065)])
+def test_a_mass_on_a_belt_rests_from_as_many_starts_as_bstab_found(speed, share, error):
+    """bSTAB, case_friction; its shares with their standard errors, as the tests of pybasin keep."""
+    own = Stribeck(
+        kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.5, fading_exponent=1.0
+    )
+    belt = TowedBlock(mass=1.0, stiffness=1.0, damping=0.1, speed=speed, load=1.0)
+    middles = (np.arange(20) + 0.5) / 20
+    x, v = (one.ravel() for one in np.meshgrid(4.0 * middles - 2.0, 2.0 * middles))
+    late = Samples("v", np.linspace(400.0, 500.0, 201).tolist())
+    starts = {"initial.x": -x, "initial.v": speed - v}
+    runs = ensemble(belt, own, starts, t_end=500.0, outputs={"v": late})
+    still = np.mean(np.abs(speed - runs["v"]).max(axis=1) < 0.2)
+    # a basin with an edge of a few cells in a row is known to a cell in each row
+    assert still == pytest.approx(share, abs=2.0 * error + 1.0 / 20**1.5)
+
+
+@pytest.mark.parametrize(("share", "sliding"), [(1.0 - 1e-4, False), (1.0 + 1e-4, True)])
+def test_a_machine_slides_steadily_above_the_speed_of_veraszto_and_stepan(share, sliding):
+    """Their Tables 1 and 2, and equation (11), as SKHiPPR quotes them."""
+    mass, stiffness, damping = 0.538, 6957.0, 5.746
+    speed = share * math.log(10.0 * (6.0 - 2.0) / (damping + 0.2)) / 10.0
+    own = Stribeck(
+        kinetic_coefficient=2.0, static_coefficient=6.0, stribeck_velocity=0.1,
+        fading_exponent=1.0, viscous_coefficient=0.2,
+    )  # fmt: skip
+    machine = TowedBlock(mass=mass, stiffness=stiffness, damping=damping, speed=speed, load=1.0)
+    level = 2.0 + 4.0 * math.exp(-10.0 * speed) + 0.2 * speed
+    start = {"x": -level / stiffness, "v": speed + 1e-6}
+    run = simulate(machine, own, t_end=20.0, y0=start)
+    off = np.abs(run.at(np.linspace(0.0, 20.0, 20001))["v"] - speed)
+    assert (off[-2000:].max() < off[:2000].max()) == sliding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Microactuator(Mechanism):
+    """A body of mass 5, and a mass of 1 on a spring of 1 inside."""
+
+    name: ClassVar[str] = "microactuator"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "xi")
+    rates: ClassVar[tuple[str, ...]] = ("v", "xi_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "m")
+    voltage: Annotated[float, Quantity("V", low=0)]
+    signal: Drive
+
+    def kinetic_energy(self, q, q_dot):
+        inner = q_dot["x"] + q_dot["xi"]
+        return 2.5 * q_dot["x"] * q_dot["x"] + 0.5 * inner * inner
+
+    def potential_energy(self, t, q):
+        return 0.5 * q["xi"] * q["xi"]
+
+    def forces(self, t, q, q_dot, drives):
+        pull = self.voltage**2 * drives["signal"] ** 2 / (1.0 - q["xi"]) ** 2
+        return {"xi": pull - 0.04 * q_dot["xi"]}
+
+    def contacts(self):
+        return (Contact(slip="x", load=1.0),)
+
+    def drives(self):
+        return {"signal": self.signal}
+
+
+def test_an_unstable_orbit_of_a_microactuator_is_that_of_recipes_for_continuation():
+    """Dankowicz and Schilder 2013, Example 9.3: values with five digits, close to a fold."""
+    phase, rate = -0.0095526, 0.9189
+    signal = Sine(amplitude=1.0, frequency=rate / math.tau, phase=phase)
+    orbit = periodic_orbit(
+        Microactuator(voltage=0.58762, signal=signal),
+        Coulomb(kinetic_coefficient=5.0 * 3.1784),
+        start={"xi": 0.5},
+        settle=0,
+    )
+    turn = orbit.run().at([(0.5 * math.pi - phase) / rate])
+    assert not orbit.stable
+    assert orbit.start["xi"] == pytest.approx(0.5, rel=5e-4)
+    assert orbit.start["xi_dot"] == pytest.approx(0.0, abs=2e-6)
+    assert turn["xi"][0] == pytest.approx(0.25073, rel=5e-4)
+    assert turn["xi_dot"][0] == pytest.approx(0.0043073, rel=2e-5)
 
 
 @pytest.mark.parametrize(("forward", "backward"), [(0.2, 0.2), (0.1, 0.3)])

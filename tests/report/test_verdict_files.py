@@ -28,7 +28,7 @@ SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)
 FRICTION = 2.0 * np.sign(SPEED) + 0.5 * SPEED
 FRICTION += 0.02 * np.random.default_rng(0).normal(size=SPEED.size)
 TABLE = Measurement(velocity=SPEED, friction=FRICTION, load=4.0)
-FILES = ["index.html", "law.toml", "verdict.json"]
+FILES = ["draws.json", "index.html", "law.toml", "verdict.json"]
 pytestmark = pytest.mark.usefixtures("sketches")
 
 

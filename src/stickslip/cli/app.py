@@ -14,6 +14,7 @@ from stickslip.cli.options import (
     ApplyOptions,
     Columns,
     Data,
+    Draws,
     EndTime,
     Enforce,
     EstimationOptions,
@@ -35,6 +36,7 @@ from stickslip.cli.options import (
     Record,
     Rig,
     RunOptions,
+    Seed,
     Set,
     Units,
     Workers,
@@ -404,6 +406,8 @@ def sweep(
             help="Coordinate whose mean rate is taken, where contacts slip along several.",
         ),
     ] = None,
+    draws: Draws = None,
+    seed: Seed = 0,
     count: Workers = None,
     executor: ExecutorAt = None,
     dry_run: Annotated[
@@ -425,6 +429,8 @@ def sweep(
     """Run a campaign, or the mean velocity over a parameter grid.
 
     With --vary: simulates a driven rig at every point of the grid; writes a table and a figure.
+    With --ensemble as well: the band of the mean velocity over the laws that a selection does not
+    exclude (give its law.toml as --law), beside the speeds of films if the rig file names some.
     Without: makes the runs of a campaign file, as Parquet files in a folder. The same command goes
     on where a campaign was ended.
     """
@@ -434,13 +440,19 @@ def sweep(
         if dry_run:
             raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
         start = partial(run_sweep, allow_import=allow_import, force=force, as_json=as_json)
-        start = partial(start, count=count, executor=executor)
+        start = partial(start, count=count, executor=executor, draws=draws, seed=seed)
         table = output or Path("stickslip-sweep.csv")
         start(rig, changes or [], law, vary, cycles, settle, coordinate, table)
         return
     from stickslip.cli.campaign import run as run_campaign
 
-    given = {"--law": law.law, "--law-load": law.load, "--set": changes, "--coordinate": coordinate}
+    given = {
+        "--law": law.law,
+        "--law-load": law.load,
+        "--set": changes,
+        "--coordinate": coordinate,
+        "--ensemble": draws,
+    }
     if unused := [option for option, value in given.items() if value]:
         raise InputError(
             f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"

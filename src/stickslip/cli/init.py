@@ -98,11 +98,13 @@ def _films(
         )
         return
     typed = shlex.quote(str(target))
+    low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
     stdout().print(str(found), markup=False)
     stdout().print(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
-        " travel",
+        f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"
+        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24",
         markup=False,
     )
 

@@ -52,9 +52,9 @@ from stickslip.identification import (
     refuse_of_laws,
     starting_law,
 )
-from stickslip.kinds import AnyKind, Law, Request, kind_of, refuse_unused
+from stickslip.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
 from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
-from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters
+from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
 from stickslip.selection import Wording
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
@@ -378,6 +378,43 @@ def _rig_and_law(
     for remark in found.remarks:
         note(plain(remark))
     return rig, ChosenLaw(carried=found, source=source)
+
+
+def laws_drawn(
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, asked: LawOptions, count: int, seed: int
+) -> tuple[list[FrictionLaw], float]:
+    """Return laws for an ensemble, and by how much mean velocities are off beside them [m/s].
+
+    They are those that a selection drew beside its law file; of another file, draws of the
+    parameters of its law from their estimates.
+    """
+    if not isinstance(chosen, ChosenLaw):
+        raise InputError("--ensemble draws the law of one contact: leave it out.")
+    source, known = chosen.source, chosen.estimates
+    drawn = None if source is None or source.overridden else drawn_laws(source.path)
+    if drawn is not None and source is not None:
+        laws, error = drawn
+        if count > len(laws):
+            raise InputError(f"--ensemble takes up to {len(laws)} laws, as {source.path} has.")
+        load, levels = _load(asked.load), source.estimates and source.estimates.levels
+        own = [
+            dataclasses.replace(
+                source,
+                laws={one.name: one},
+                named=(one.name,),
+                estimates=LawEstimates(law=one.name, levels=levels) if levels else None,
+            )
+            for one in laws[:count]
+        ]
+        return [carried(one, rig.mechanism, load=load).law for one in own], error
+    if known is None:
+        raise InputError(
+            "--ensemble needs laws to draw: give the law.toml that `stickslip select` writes as"
+            " --law, or a law with estimates."
+        )
+    values = known.draw(chosen.law, count, seed=seed)
+    rows = zip(*(column.tolist() for column in values.values()), strict=True)
+    return [vary(chosen.law, "friction", dict(zip(values, row, strict=True))) for row in rows], 0.0
 
 
 def _of(law: str, key: str) -> str:

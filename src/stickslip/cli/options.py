@@ -300,6 +300,25 @@ ExecutorAt = Annotated[
     ),
 ]
 
+Draws = Annotated[
+    int | None,
+    typer.Option(
+        "--ensemble",
+        metavar="N",
+        min=2,
+        help="Take N laws: those drawn beside the law.toml of a selection that --law names, or"
+        " draws from the estimates of the law.",
+    ),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")]
+Quantile = Annotated[
+    str,
+    typer.Option(
+        "--quantile",
+        help="What counts of --ensemble: a quantile of the objective, 0 for the worst case, or"
+        " mean.",
+    ),
+]
 Goal = Annotated[
     str,
     typer.Option(
@@ -504,7 +523,7 @@ class RunOptions:
             " estimates in its file, and of the mechanism.",
         ),
     ] = None
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")] = 0
+    seed: Seed = 0
     refit: Annotated[
         bool,
         typer.Option(
@@ -721,6 +740,8 @@ class ProfileOptions:
     law: Law = None
     load: LawLoad = None
     interval: Interval = None
+    draws: Draws = None
+    quantile: Quantile = "0.05"
     changes: Set = None
     knots: Knots = 12
     evaluations: Evaluations = 2000

@@ -1,10 +1,12 @@
 """``stickslip sweep``, ``stickslip orbits`` and ``stickslip profile optimise``."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.cli.console import (
     folder_of,
@@ -16,15 +18,21 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.inputs import friction_content, friction_of, friction_title, rig_and_friction
+from stickslip.cli.inputs import (
+    friction_content,
+    friction_of,
+    friction_title,
+    laws_drawn,
+    rig_and_friction,
+)
 from stickslip.cli.options import LawOptions, ProfileOptions
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.documents import document, json_text, write_files, write_folder
 from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.executors import Inline
-from stickslip.experiments import Rig, read_number
-from stickslip.formatting import number, printable, quantity
+from stickslip.experiments import Rig, read_number, settled_speed
+from stickslip.formatting import joined, number, printable, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
@@ -37,7 +45,14 @@ from stickslip.optimisation import (
     units_of_limits,
 )
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
-from stickslip.sweep import OrbitDiagram, VelocityMap, average_velocity, orbit_diagram
+from stickslip.sweep import (
+    OrbitDiagram,
+    VelocityBand,
+    VelocityMap,
+    average_velocity,
+    orbit_diagram,
+    velocity_band,
+)
 
 if TYPE_CHECKING:
     from stickslip.optimisation import GoalName, KindName
@@ -45,6 +60,7 @@ if TYPE_CHECKING:
 
 # ``stickslip sweep``.
 
+Array = NDArray[np.float64]
 MAP_SIZE = (800, 360)
 MOST_AXES = 2
 
@@ -59,6 +75,8 @@ def run_sweep(
     coordinate: str | None,
     output: Path,
     *,
+    draws: int | None,
+    seed: int,
     count: int | None,
     executor: str | None,
     allow_import: bool,
@@ -71,34 +89,81 @@ def run_sweep(
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
+    if draws is not None and (coordinate is not None or len(axes) > 1):
+        raise InputError("--ensemble takes one --vary, and no --coordinate.")
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
-    start = rig.start(law)
-    with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
-        found = average_velocity(
-            rig.mechanism,
-            law,
-            axes,
-            coordinate=coordinate,
-            cycles=cycles,
-            settle=settle,
-            y0=start,
-            executor=pool or (Inline() if count == 1 else None),
-            progress=progress,
-        )
-    _write_map(found, output, figure)
-    turns = found.reversals().tolist() if len(found.axes) == 1 else []
+    options: dict[str, Any] = {"cycles": cycles, "settle": settle, "y0": rig.start(law)}
+    turns: Sequence[float] = []
+    measured: dict[float, float] = {}
+    found: VelocityMap | VelocityBand
+    if draws is not None:
+        laws, options["error"] = laws_drawn(rig, chosen, asked, draws, seed)
+        ((name, values),) = axes.items()
+        measured = _filmed(rig, name, values)
+        values = np.union1d(values, [*measured])  # a curve with jumps tells nothing in between
+        with Drawing("Running", "laws") as progress:
+            found = velocity_band(rig.mechanism, laws, {name: values}, progress=progress, **options)
+        content = _band_content(found, laws, measured)
+    else:
+        with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
+            found = average_velocity(
+                rig.mechanism,
+                law,
+                axes,
+                coordinate=coordinate,
+                executor=pool or (Inline() if count == 1 else None),
+                progress=progress,
+                **options,
+            )
+        turns = found.reversals().tolist() if len(found.axes) == 1 else []
+        content = _map_content(found, turns)
+    _write_map(found, measured, output, figure)
     if as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
         head |= friction_content(chosen, rig.mechanism)
         files = [str(output), str(figure)]
-        print_json(document("sweep", head | _map_content(found, turns) | {"files": files}))
+        print_json(document("sweep", head | content | {"files": files}))
         return
     stdout().print(printable(rig.heading), markup=False, style="bold", end="")
-    stdout().print(f", {friction_title(chosen)} friction", markup=False)
-    _show_map(found, turns)
+    if isinstance(found, VelocityBand):
+        counts = [f"{name} {times}" for name, times in content["laws"].items()]
+        stdout().print(f", laws drawn: {joined(counts)}", markup=False)
+        _show_band(found, measured)
+    else:
+        stdout().print(f", {friction_title(chosen)} friction", markup=False)
+        _show_map(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+
+
+def _filmed(rig: Rig, name: str, values: Array) -> dict[float, float]:
+    """Return the speeds of films in which a parameter was set within a range, by its value."""
+    known = {path: quantity for path, quantity, _ in parameters(rig.mechanism, "mechanism")}
+    films = [] if rig.measurement is None else rig.measurement.records()
+    found = {}
+    for film in films if any(film.overrides for film in films) else ():
+        at = film.overrides.get(full_path(name, known))
+        if at is not None and film.position is not None and values.min() <= at <= values.max():
+            found[at] = settled_speed(rig.mechanism, film)[0]
+    return found
+
+
+def _band_content(
+    found: VelocityBand, laws: Sequence[FrictionLaw], measured: Mapping[float, float]
+) -> dict[str, Any]:
+    return {
+        "path": found.path,
+        "unit": found.unit,
+        "values": found.values.tolist(),
+        **{end: getattr(found, end).tolist() for end in ("low", "median", "high")},
+        "velocity_unit": found.velocity_unit,
+        "level": found.level,
+        "error": found.error,
+        "laws": dict(Counter(one.name for one in laws)),
+        "measured": [list(pair) for pair in measured.items()],
+        "early_ends": list(found.reasons),
+    }
 
 
 def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
@@ -115,13 +180,29 @@ def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
     }
 
 
-def _write_map(found: VelocityMap, output: Path, figure: Path) -> None:
-    from stickslip.plots import draw_velocity_map, standalone_svg
+def _write_map(
+    found: VelocityMap | VelocityBand, measured: Mapping[float, float], output: Path, figure: Path
+) -> None:
+    from stickslip.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
-    svg = standalone_svg(draw_velocity_map(found), size=MAP_SIZE, title="Mean velocity")
-    units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
-    table = table_bytes(found.to_dataframe(), output, units)
-    write_files({output: table, figure: svg})
+    if isinstance(found, VelocityBand):
+        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
+        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
+    else:
+        drawing = draw_velocity_map(found)
+        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
+
+
+def _show_band(found: VelocityBand, measured: Mapping[float, float]) -> None:
+    stdout().print(str(found), markup=False)
+    ends = zip(found.values.tolist(), found.low, found.high, strict=True)
+    seen = [(at, low <= measured[at] <= high) for at, low, high in ends if at in measured]
+    if seen:
+        off = [number(at, 6) for at, inside in seen if not inside]
+        where = f", not at {joined(off)} {found.unit}" if off else ""
+        stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
 
 
 def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
@@ -144,7 +225,7 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
         console.print(reason, markup=False)
 
 
-def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:
+def _axes(vary: Sequence[str]) -> dict[str, Array]:
     """Read ``path=low:high:n``, once or twice."""
     if not 1 <= len(vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(vary)}.")
@@ -325,7 +406,10 @@ def run_profile(
         refuse_overwriting(folder, folder, force=force, files=FILES)
     asked = LawOptions(law=settings.law, load=settings.load)
     rig, chosen = rig_and_friction(path, settings.changes or [], asked)
-    found = _found(rig, friction_of(chosen), settings)
+    laws = None
+    if settings.draws is not None:
+        laws, _ = laws_drawn(rig, chosen, asked, settings.draws, settings.seed)
+    found = _found(rig, friction_of(chosen), laws, settings)
     head = {"rig": rig.heading, "digest": rig.digest}
     head |= friction_content(chosen, rig.mechanism)
     content = document("profile", head | found.to_dict())
@@ -340,7 +424,12 @@ def run_profile(
         note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optimum:
+def _found(
+    rig: Rig,
+    law: FrictionLaw | Laws,
+    laws: Sequence[FrictionLaw] | None,
+    settings: ProfileOptions,
+) -> Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
     goal = named(GOALS, settings.goal, "goal")
     limits = _limits(rig.mechanism, settings)
@@ -357,6 +446,8 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optim
             goal=cast("GoalName", settings.goal),  # names are checked where they are used
             kind=cast("KindName", settings.kind),
             interval=interval,
+            scenarios=laws,
+            quantile=_quantile(settings.quantile),
             knots=settings.knots,
             evaluations=settings.evaluations,
             seed=settings.seed,
@@ -364,6 +455,15 @@ def _found(rig: Rig, law: FrictionLaw | Laws, settings: ProfileOptions) -> Optim
             executor=executor,
             progress=watch,
         )
+
+
+def _quantile(text: str) -> float | Literal["mean"]:
+    if text == "mean":
+        return "mean"
+    try:
+        return read_number(text, Quantity("quantile", low=0, high=1))
+    except ParameterError as error:
+        raise ParameterError(f"--quantile {error}") from None
 
 
 def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:

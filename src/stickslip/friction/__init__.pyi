@@ -25,7 +25,9 @@ from stickslip.friction.by_contact import law_of as law_of
 from stickslip.friction.classes import said_of as said_of
 from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.parts import PARTS as PARTS
+from stickslip.friction.parts.curves import curve_through as curve_through
 from stickslip.friction.parts.curves import curves_beside as curves_beside
+from stickslip.friction.parts.curves import monotone_slopes as monotone_slopes
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics

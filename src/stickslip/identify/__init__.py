@@ -13,7 +13,9 @@ HOMES = {
 
 INSIDE = {
     "BandDrawing": "figures",
+    "CurvePoint": "laws",
     "INSENSITIVE": "kinds.travels",
+    "MeasuredCurve": "laws",
     "THRESHOLDS": "thresholds",
     "TITLES": "laws",
     "TravelJudgement": "kinds.travels",

@@ -15,6 +15,8 @@ from stickslip.identify.kinds.travels import fitted_travels as fitted_travels
 from stickslip.identify.kinds.travels import judged_travels as judged_travels
 from stickslip.identify.kinds.travels import knob_of as knob_of
 from stickslip.identify.kinds.travels import propagated as propagated
+from stickslip.identify.laws import CurvePoint as CurvePoint
+from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import TITLES as TITLES
 from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section

@@ -7,15 +7,17 @@ a law through measured levels (``table[...]``).
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias, final
+from typing import Annotated, ClassVar, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, SetValuedLaw, curve_through, monotone_slopes
 from stickslip.friction import law as law_class
-from stickslip.quantities import Quantity, fields_of
+from stickslip.maths import Scalar
+from stickslip.quantities import Parametrised, Quantity, fields_of
 
 Array: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...]
@@ -264,6 +266,83 @@ def _is_law(text: str) -> bool:
     return True
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class CurvePoint(Parametrised):
+    """A point of a measured curve."""
+
+    speed: Annotated[float, Quantity("v", "m/s", above=0)]
+    """Its speed."""
+    level: Annotated[float, Quantity("mu", above=0)]
+    """Friction over the normal force there."""
+    slope: Annotated[float, Quantity("mu'", "s/m")]
+    """Slope of the curve there."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class MeasuredCurve(SetValuedLaw):
+    """The law ``table[...]`` with its points as parameters: draws of one curve share their kernels.
+
+    Examples
+    --------
+    >>> law = MeasuredCurve.through(np.array([0.1, 1.0]), np.array([2.0, 3.0]))
+    >>> law.force(1.0, 1.0), law.break_away(2.0)
+    (3.0, 4.0)
+    """
+
+    name: ClassVar[str] = "measured-curve"
+    title: ClassVar[str] = "Measured curve"
+    formula: ClassVar[str] = r"F = c\, \mu(|v|)\, N"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    points: tuple[CurvePoint, ...]
+    """Between them are cubics without overshoot; beyond them it is constant."""
+    curve_factor: Annotated[
+        float,
+        Quantity("c", low=0, scale="none", bounds=(0.1, 10.0), start=1.0, per_load=True),
+    ] = 1.0
+    """Factor on the measured levels."""
+
+    @classmethod
+    def through(cls, speeds: Array, levels: Array) -> "MeasuredCurve":
+        """Return the curve through levels at rising speeds (n,)."""
+        pairs = list(zip(speeds.tolist(), levels.tolist(), strict=True))
+        each = zip(pairs, monotone_slopes(pairs), strict=True)
+        points = [CurvePoint(speed=v, level=mu, slope=slope) for (v, mu), slope in each]
+        return cls(points=tuple(points))
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        pairs = [(one.speed, one.level) for one in self.points]
+        slopes = [one.slope for one in self.points]
+        return self.curve_factor * curve_through(pairs, slopes, speed) * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.curve_factor * self.points[0].level * load
+
+
+def drawn_curve(speed: Array, force: Array, load: float) -> FrictionLaw:
+    """Return the law of `curve_law` with its points as parameters, if it has none at rest.
+
+    Examples
+    --------
+    >>> law = drawn_curve(np.array([0.1, 1.0]), np.array([2.0, 3.0]), 1.0)
+    >>> law.name, float(law.force(1.0, 1.0))
+    ('measured-curve', 3.0)
+    """
+    if np.min(speed) <= 0.0:
+        return curve_law(speed, force, load)
+    return MeasuredCurve.through(np.asarray(speed), _levels(force, load))
+
+
+def _levels(force: Array, load: float) -> Array:
+    """Return levels over the load that are above 0."""
+    level = np.asarray(force, dtype=float) / load
+    return np.maximum(level, 1e-9 * max(float(np.max(np.abs(level))), 1e-300))
+
+
 def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:
     """Return the law through levels at speeds (n,), constant beyond them.
 
@@ -273,8 +352,7 @@ def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:
     >>> float(law.force(1.0, 1.0))
     3.0
     """
-    level = np.asarray(force, dtype=float) / load
-    level = np.maximum(level, 1e-9 * max(float(np.max(np.abs(level))), 1e-300))
+    level = _levels(force, load)
     points = ", ".join(f"{u:.6g}: {f:.6g}" for u, f in zip(speed, level, strict=True))
     found: FrictionLaw = law_class(f"table[{points}]")()
     return found

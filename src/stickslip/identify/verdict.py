@@ -25,7 +25,7 @@ from stickslip.identify.advice import Proposal
 from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Interval, Judgement
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law
+from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
 from stickslip.identify.spans import same_span
 from stickslip.identify.thresholds import THRESHOLDS
@@ -382,7 +382,7 @@ class BandVerdict(Verdict[LawCandidate]):
         found = []
         for structure, row in (rows[k] for k in np.resize(order, count)):
             law = judgement.problem.composition(structure, row[None]).law()
-            found.append(law_through(judgement, structure, row) if law is None else law)
+            found.append(drawn_curve(*levels_of(judgement, structure, row)) if law is None else law)
         return found
 
     @override
@@ -632,8 +632,10 @@ def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -
     return NOT_DISTINGUISHED if structure in together else ""
 
 
-def law_through(judgement: Judgement, structure: Structure, coefficients: Array) -> FrictionLaw:
-    """Return the law through levels of a structure over the measured speeds, without its rig."""
+def levels_of(
+    judgement: Judgement, structure: Structure, coefficients: Array
+) -> tuple[Array, Array, float]:
+    """Return measured speeds, the friction of a structure there without its rig, and the load."""
     speeds, rows, load = judgement.problem.curve_rows()
     at, force = 0, np.zeros(len(speeds))
     for name, shape in structure:
@@ -642,7 +644,7 @@ def law_through(judgement: Judgement, structure: Structure, coefficients: Array)
         if term.role in ("law", "curve"):
             force += x @ coefficients[at : at + x.shape[1]]
         at += x.shape[1]
-    return curve_law(speeds, force, load)
+    return speeds, force, load
 
 
 def fit_of(
@@ -657,7 +659,7 @@ def fit_of(
         structure = judgement.estimated
     fit = judgement.ensemble.fit(structure)
     composed = judgement.problem.composition(structure, fit.coefficients[None])
-    law = composed.law() or law_through(judgement, structure, fit.coefficients)
+    law = composed.law() or curve_law(*levels_of(judgement, structure, fit.coefficients))
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
     rig, remarks = _rig_of(composed, law, mechanism, measurement)

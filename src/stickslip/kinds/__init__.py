@@ -52,6 +52,7 @@ INSIDE = {
     "PAGE": "report",
     "TRAVEL_COLUMN": "travels.plan.sheet",
     "VERDICT_FILES": "report",
+    "drawn_laws": "report",
     "known_by": "travels.plan.tables",
     "plan_page": "travels.plan.page",
     "refuse_uninformed": "registry",

@@ -27,6 +27,7 @@ from stickslip.kinds.registry import unused_text as unused_text
 from stickslip.kinds.report import DOCUMENT as DOCUMENT
 from stickslip.kinds.report import PAGE as PAGE
 from stickslip.kinds.report import VERDICT_FILES as VERDICT_FILES
+from stickslip.kinds.report import drawn_laws as drawn_laws
 from stickslip.kinds.report import verdict_page as verdict_page
 from stickslip.kinds.report import write_report as write_report
 from stickslip.kinds.report import write_verdict as write_verdict

@@ -1,12 +1,20 @@
 """A verdict as files: a page, a JSON document, the law as a rig."""
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple, fields
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from stickslip.documents import document, json_text, write_folder
+import numpy as np
+
+from stickslip.documents import document, json_text, sha256_of, write_folder
 from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw, law_type, laws
+from stickslip.identify import BandVerdict, CurvePoint, MeasuredCurve
 from stickslip.kinds.registry import kind_of_route
+from stickslip.kinds.travels.verdict import TravelVerdict
 from stickslip.report import Origin, Page, Section, SectionMaker, colophon, made_sections, render
 from stickslip.selection import Verdict
 
@@ -45,9 +53,11 @@ def verdict_page(
     )
 
 
-PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
-VERDICT_FILES = (PAGE, DOCUMENT, LAW_FILE)
+PAGE, DOCUMENT, LAW_FILE, DRAWS_FILE = "index.html", "verdict.json", "law.toml", "draws.json"
+VERDICT_FILES = (PAGE, DOCUMENT, LAW_FILE, DRAWS_FILE)
 """What is written into a folder."""
+DRAWS = 100
+"""Laws that are drawn for ensembles of runs: the most that a command takes."""
 
 
 def write_report(
@@ -108,7 +118,7 @@ def write_report(
     ...     page = write_report(verdict, folder, title="Block")
     ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
     ...     sorted(file.name for file in page.parent.glob("[!.]*"))
-    ['index.html', 'law.toml', 'verdict.json']
+    ['draws.json', 'index.html', 'law.toml', 'verdict.json']
     >>> f"{law.kinetic_coefficient:.3f}"
     '0.255'
     """
@@ -155,11 +165,71 @@ def write_verdict(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_verdict(Path(folder), verdict, {})
     ...     sorted(file.name for file in Path(folder).glob("[!.]*"))
-    ['law.toml', 'verdict.json']
+    ['draws.json', 'law.toml', 'verdict.json']
     """
     files: dict[str, str | bytes] = {} if page is None else {PAGE: page}
     files[DOCUMENT] = json_text(content)
     saved = kind_of_route(verdict.route).simulated
     if saved and verdict.best is not None and verdict.best.fit is not None:
-        files[LAW_FILE] = verdict.best.fit.to_toml()
+        law = verdict.best.fit.to_toml()
+        files[LAW_FILE] = law
+        if (draws := _draws(verdict, law)) is not None:
+            files[DRAWS_FILE] = json_text(document("draws", draws))
     write_folder(folder, files, stale=VERDICT_FILES)
+
+
+def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
+    """Return laws that are not excluded, for runs elsewhere; None of joints, or of other parts."""
+    if not isinstance(verdict, BandVerdict | TravelVerdict):
+        return None
+    rows = [_row(one) for one in verdict.sample(DRAWS)]
+    error = None
+    if isinstance(verdict, TravelVerdict) and all(t.cycles is not None for t in verdict.trials):
+        error = verdict.prediction_error
+        error = error if np.isfinite(error) else None
+    return {"law_file": sha256(law.encode()).hexdigest(), "velocity_error": error, "laws": rows}
+
+
+def _row(law: FrictionLaw) -> dict[str, Any]:
+    if isinstance(law, MeasuredCurve):
+        return {"law": law.name, "points": [astuple(one) for one in law.points]}
+    name = law.name if law.name in laws() else str(law.composition)
+    return {"law": name} | {one.name: getattr(law, one.name) for one in fields(law)}
+
+
+def _law(row: dict[str, Any]) -> FrictionLaw:
+    name, values = row["law"], {key: value for key, value in row.items() if key != "law"}
+    if name == MeasuredCurve.name:
+        keys = [one.name for one in fields(CurvePoint)]
+        points = [CurvePoint(**dict(zip(keys, x, strict=True))) for x in values["points"]]
+        return MeasuredCurve(points=tuple(points))
+    found: FrictionLaw = law_type(name)(**values)
+    return found
+
+
+def drawn_laws(law_file: str | Path) -> tuple[list[FrictionLaw], float] | None:
+    """Return the laws that were drawn beside a law file, and the error of mean velocities [m/s].
+
+    The file is the ``law.toml`` that a selection wrote; None where no laws were drawn beside it, or
+    for another one. By the error predictions of mean velocities are off beside what the laws tell.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Axis, Coulomb, Measurement, select
+    >>> v = np.linspace(0.1, 1.0, 10)
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=10)
+    >>> verdict = select(Axis(inertia=1.0), [Coulomb], Measurement(velocity=v, friction=2 + noise))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_verdict(Path(folder), verdict, {})
+    ...     drawn, error = drawn_laws(Path(folder) / "law.toml")
+    >>> len(drawn), drawn[0] == verdict.sample(1)[0], error
+    (100, True, 0.0)
+    """
+    file = Path(law_file).with_name(DRAWS_FILE)
+    if not file.is_file():
+        return None
+    found = json.loads(file.read_text(encoding="utf-8"))
+    if found["law_file"] != sha256_of(Path(law_file)):
+        return None
+    return [_law(row) for row in found["laws"]], found["velocity_error"] or 0.0

@@ -191,6 +191,8 @@ class DiscBrake(_DiscBrake):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class InnerMass(_InnerMass):  # type: ignore[misc]  # final but for this
+    lower_soft_stop: SoftStop | None = ...
+    upper_soft_stop: SoftStop | None = ...
     def __init__(
         self,
         *,
@@ -202,6 +204,8 @@ class InnerMass(_InnerMass):  # type: ignore[misc]  # final but for this
         lower_stop: _Given | None = ...,
         upper_stop: _Given | None = ...,
         restitution: _Given = ...,
+        lower_soft_stop: _SoftStop | None = ...,
+        upper_soft_stop: _SoftStop | None = ...,
     ) -> None: ...
 
 @final

@@ -63,6 +63,24 @@ class SoftStop(Parametrised):
         return -side * where(depth > 0.0, pull, 0.0, events)
 
 
+def soft_stops(
+    lower: SoftStop | None, upper: SoftStop | None, whose: str = ""
+) -> list[tuple[SoftStop, int, tuple[str, str]]]:
+    """Return the soft stops of a mass with their sides and the names of their events.
+
+    Examples
+    --------
+    >>> [events for _, _, events in soft_stops(None, SoftStop(place=2e-3, stiffness=1.0), "first ")]
+    [('first meets upper soft stop', 'first leaves upper soft stop')]
+    """
+    sides = ((lower, -1, "lower"), (upper, 1, "upper"))
+    return [
+        (stop, side, (f"{whose}meets {name} soft stop", f"{whose}leaves {name} soft stop"))
+        for stop, side, name in sides
+        if stop is not None
+    ]
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class Capsule(BoundedMechanism):
@@ -246,18 +264,9 @@ class Capsule(BoundedMechanism):
         capsule = self.capsule_mass * height(self.incline, q["x"], q["y"])
         inner = self.inner_mass * height(self.incline, q["x"] + q["xi"], q["y"])
         springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
-        for stop, side, events in self._soft_stops():
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             springs = springs + stop.energy(q["xi"], side, events)
         return self.gravity * (capsule + inner) + self.squeeze * q["y"] + springs
-
-    def _soft_stops(self) -> list[tuple[SoftStop, int, tuple[str, str]]]:
-        """Return the soft stops with their sides and the names of their events."""
-        sides = ((self.lower_soft_stop, -1, "lower"), (self.upper_soft_stop, 1, "upper"))
-        return [
-            (stop, side, (f"meets {name} soft stop", f"leaves {name} soft stop"))
-            for stop, side, name in sides
-            if stop is not None
-        ]
 
     @override
     def forces(
@@ -269,7 +278,7 @@ class Capsule(BoundedMechanism):
     ) -> Mapping[str, Scalar]:
         drive = self.drive.force(drives)
         between = drive - self.damping * q_dot["xi"]
-        for stop, side, events in self._soft_stops():
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             between = between + stop.damper_force(q["xi"], q_dot["xi"], side, events)
         return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
 

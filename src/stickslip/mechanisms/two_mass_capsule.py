@@ -19,6 +19,7 @@ from stickslip.mechanisms.base import (
     height,
     stops_between,
 )
+from stickslip.mechanisms.capsule import SoftStop, soft_stops
 from stickslip.quantities import Parametrised, Quantity
 
 
@@ -49,6 +50,14 @@ class InnerMass(Parametrised):
     """Hard stop above; none if not given."""
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Relative speed after an impact over the speed before."""
+    lower_soft_stop: SoftStop | None = None
+    """Elastic stop below; none if not given."""
+    upper_soft_stop: SoftStop | None = None
+    """Elastic stop above; none if not given."""
+
+    def soft_stops(self, whose: str) -> list[tuple[SoftStop, int, tuple[str, str]]]:
+        """Return the elastic stops with their sides and the names of their events."""
+        return soft_stops(self.lower_soft_stop, self.upper_soft_stop, f"{whose} mass ")
 
 
 @final
@@ -113,10 +122,12 @@ class TwoMassCapsule(BoundedMechanism):
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         x, y = q["x"], q["y"]
         found = self.gravity * self.capsule_mass * height(self.incline, x, y) + self.squeeze * y
-        for _, place, _, one in self._inner():
+        for name, place, _, one in self._inner():
             along, up = x + cos(one.angle) * q[place], y + sin(one.angle) * q[place]
             found = found + self.gravity * one.mass * height(self.incline, along, up)
             found = found + 0.5 * one.stiffness * q[place] * q[place]
+            for stop, side, events in one.soft_stops(name):
+                found = found + stop.energy(q[place], side, events)
         return found
 
     @override
@@ -130,7 +141,10 @@ class TwoMassCapsule(BoundedMechanism):
         found: dict[str, Scalar] = {}
         for name, place, _, one in self._inner():
             own = {DRIVE: drives[motor]} if (motor := f"{name}_{DRIVE}") in drives else {}
-            found[place] = one.drive.force(own) - one.damping * q_dot[place]
+            force = one.drive.force(own) - one.damping * q_dot[place]
+            for stop, side, events in one.soft_stops(name):
+                force = force + stop.damper_force(q[place], q_dot[place], side, events)
+            found[place] = force
         return found
 
     @override

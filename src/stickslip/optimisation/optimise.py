@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ def optimise_profile(
     kind: KindName = "three-phase",
     interval: Mapping[str, tuple[float, float]] | None = None,
     scenarios: Sequence[Friction] | None = None,
-    quantile: float = 0.05,
+    quantile: float | Literal["mean"] = 0.05,
     points: int = 5,
     knots: int = 12,
     evaluations: int = 2000,
@@ -82,10 +82,10 @@ def optimise_profile(
         ``{"friction.kinetic_coefficient": (0.15, 0.25)}``: the goal is the worst case, and the
         limits hold in all cases, of `points` even values each, ends included.
     scenarios : sequence of FrictionLaw, optional
-        Samples instead, such as those of a bootstrap: the goal is a quantile of theirs, and the
-        limits hold for all of them.
-    quantile : float
-        Which quantile of the samples; 0 is the worst case.
+        Samples instead, such as the laws that ``verdict.sample`` draws: the goal is a quantile of
+        theirs or their mean, and the limits hold for all of them.
+    quantile : float or "mean"
+        Which quantile of the samples, 0 of which is the worst case; or their mean.
     points : int
         Values of each parameter in `interval`.
     knots : int

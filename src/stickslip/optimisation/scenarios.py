@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +40,8 @@ class Scenarios(metaclass=Described):
     """A law for each scenario."""
     changes: tuple[Mapping[str, float], ...]
     """Values of the mechanism by path, for each scenario."""
-    quantile: float
-    """Which quantile of the goal counts; 0 is the worst case."""
+    quantile: float | Literal["mean"]
+    """Which quantile of the goal counts, 0 of which is the worst case; or that its mean does."""
     words: str
     """What they are, as reports say it."""
 
@@ -50,7 +50,9 @@ class Scenarios(metaclass=Described):
         return len(self.laws)
 
     def weights(self, values: Array) -> Array:
-        """Return what each value counts in the quantile (n,): the quantile is their sum."""
+        """Return what each value counts (n,): the quantile, or the mean, is their sum."""
+        if self.quantile == "mean":
+            return np.full(len(values), 1.0 / len(values))
         place = self.quantile * (len(values) - 1)
         low = int(place)
         found = np.zeros(len(values))
@@ -66,7 +68,7 @@ def scenarios_of(
     law: FrictionLaw | Laws,
     interval: Mapping[str, tuple[float, float]] | None,
     laws: Sequence[FrictionLaw | Laws] | None,
-    quantile: float,
+    quantile: float | Literal["mean"],
     points: int,
 ) -> Scenarios:
     """Return the scenarios that the arguments of `optimise_profile` stand for."""
@@ -79,16 +81,19 @@ def scenarios_of(
     return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the given law")
 
 
-def _samples(laws: Sequence[FrictionLaw | Laws], quantile: float) -> Scenarios:
+def _samples(laws: Sequence[FrictionLaw | Laws], quantile: float | Literal["mean"]) -> Scenarios:
     if not laws or not all(isinstance(law, FrictionLaw | Laws) for law in laws):
         raise InputError(f"scenarios must be friction laws, at least one, got {laws!r}.")
-    share = SHARE.check("optimise_profile", "quantile", quantile)
+    share: float | Literal["mean"] = "mean"
+    words = "the mean"
+    if quantile != "mean":
+        share = SHARE.check("optimise_profile", "quantile", quantile)
+        words = f"the {percent(share)} quantile" if share else "the worst"
     return Scenarios(
         laws=tuple(laws),
         changes=({},) * len(laws),
         quantile=share,
-        words=(f"the {percent(share)} quantile" if share else "the worst")
-        + f" of {len(laws)} laws",
+        words=f"{words} of {len(laws)} laws",
     )
 
 

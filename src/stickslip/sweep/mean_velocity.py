@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
-from stickslip.formatting import quantity, span
+from stickslip.formatting import percent, quantity, span
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Mean, Output
@@ -324,7 +324,7 @@ class VelocityBand(OnAxes, Tabular):
         ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
         over = span(float(self.values.min()), float(self.values.max()), self.unit, 4)
         return Summary(
-            sentence=f"{self.level:.0%} band over {len(self.velocities)} laws.",
+            sentence=f"{percent(self.level)} band over {len(self.velocities)} laws.",
             rows=[
                 (self.path, f"{over}, {len(self.values)} values"),
                 ("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"),

@@ -55,33 +55,57 @@ class Table(Extra):
 
     @override
     def sliding(self, p: Values, s: Slip) -> Scalar:
-        slopes = _slopes(self.points)
-        return p.curve_factor * self._within(slopes, 0, len(self.points), s.speed)
-
-    def _within(self, slopes: Sequence[float], low: int, high: int, v: Scalar) -> Scalar:
-        """Return the level at a speed below point `high` and not below the point before `low`."""
-        if low < high:
-            middle = (low + high) // 2
-            edge = self.points[middle][0]
-            beyond = self._within(slopes, middle + 1, high, v)
-            if edge == 0.0:
-                return beyond
-            return where(v < edge, self._within(slopes, low, middle, v), beyond)
-        if low in (0, len(self.points)):
-            return self.points[min(low, len(self.points) - 1)][1] + 0.0 * v
-        (x, y), (x_1, y_1) = self.points[low - 1 : low + 1]
-        h, rise = x_1 - x, (y_1 - y) / (x_1 - x)
-        m, m_1 = slopes[low - 1 : low + 1]
-        u = v - x
-        b, c = (3.0 * rise - 2.0 * m - m_1) / h, (m + m_1 - 2.0 * rise) / (h * h)
-        return y + u * (m + u * (b + u * c))
+        return p.curve_factor * curve_through(self.points, monotone_slopes(self.points), s.speed)
 
 
-def _slopes(points: Sequence[tuple[float, float]]) -> list[float]:
+def curve_through(
+    points: Sequence[tuple[Scalar, Scalar]], slopes: Sequence[Scalar], v: Scalar
+) -> Scalar:
+    """Return the level at a speed on cubics between points, constant beyond them.
+
+    Examples
+    --------
+    >>> curve_through([(0.1, 2.0), (0.3, 4.0)], [10.0, 10.0], 0.2)
+    3.0
+    """
+    return _within(points, slopes, 0, len(points), v)
+
+
+def _within(
+    points: Sequence[tuple[Scalar, Scalar]],
+    slopes: Sequence[Scalar],
+    low: int,
+    high: int,
+    v: Scalar,
+) -> Scalar:
+    """Return the level at a speed below point `high` and not below the point before `low`."""
+    if low < high:
+        middle = (low + high) // 2
+        edge = points[middle][0]
+        beyond = _within(points, slopes, middle + 1, high, v)
+        if isinstance(edge, float) and edge == 0.0:
+            return beyond
+        return where(v < edge, _within(points, slopes, low, middle, v), beyond)
+    if low in (0, len(points)):
+        return points[min(low, len(points) - 1)][1] + 0.0 * v
+    (x, y), (x_1, y_1) = points[low - 1 : low + 1]
+    h, rise = x_1 - x, (y_1 - y) / (x_1 - x)
+    m, m_1 = slopes[low - 1 : low + 1]
+    u = v - x
+    b, c = (3.0 * rise - 2.0 * m - m_1) / h, (m + m_1 - 2.0 * rise) / (h * h)
+    return y + u * (m + u * (b + u * c))
+
+
+def monotone_slopes(points: Sequence[tuple[float, float]]) -> list[float]:
     """Return slopes at the points with which cubics between them are monotonic.
 
     Source: F. N. Fritsch and J. Butland, "A method for constructing local monotone piecewise cubic
     interpolants", 1984; at the ends the parabola through three points.
+
+    Examples
+    --------
+    >>> monotone_slopes([(0.0, 1.0), (1.0, 2.0), (3.0, 2.0)])
+    [1.3333333333333333, 0.0, 0.0]
     """
     h = [b - a for (a, _), (b, _) in itertools.pairwise(points)]
     rise = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in itertools.pairwise(points)]

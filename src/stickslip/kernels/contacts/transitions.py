@@ -363,12 +363,13 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     for other in range(first_contact_guard(whole)):
         if other == guard or (other // 2 != guard // 2 and fires_too(other, exact, w, whole)):
             stop_or_break(other, w, whole)
-    lifted = -1
+    lifted, flags = -1, whole[FLAGS]
     if guard >= whole[FIRST_WALL]:
         bounce(guard, w, whole)
     elif guard >= first_own_switch(whole):
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
+        flags = whole[FLAGS]
         write_unchanged(guard, 0, w, whole)
         if w[TIME] == 0.0 and whole[STEPS] == 0:
             decide_start(w, whole)  # as if it had begun so
@@ -386,6 +387,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     turn_at_once(guard, w, whole)
     write_impacts(guard, w, whole)
     write_changes(guard, w, whole)
+    write_turned(flags, w, whole)
     end_beyond_limits(w, whole)
     if lifted >= 0:  # after what falls with it: the last event is what ends the run
         lift_off(guard, lifted, w, whole)
@@ -585,6 +587,14 @@ def write_remark(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
     )
     now = mode_of(contact, mode, is_open, w, whole, whole[Y])
     write_event(guard, contact, now, now, 0.0, w, whole)
+
+
+def write_turned(flags: int, w: Vector, whole: Wholes) -> None:
+    """Write an event for each of the mechanism's switches that an impact or a stop has turned."""
+    first = first_own_switch(whole)
+    for j in range(whole[N_SWITCHES]):
+        if (whole[FLAGS] ^ flags) & (1 << j):
+            write_remark(first + j, 0, w, whole)
 
 
 def write_event(
