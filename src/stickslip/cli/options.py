@@ -310,7 +310,7 @@ Draws = Annotated[
         " draws from the estimates of the law.",
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")]
+DrawSeed = Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")]
 Quantile = Annotated[
     str,
     typer.Option(
@@ -523,7 +523,7 @@ class RunOptions:
             " estimates in its file, and of the mechanism.",
         ),
     ] = None
-    seed: Seed = 0
+    seed: DrawSeed = 0
     refit: Annotated[
         bool,
         typer.Option(

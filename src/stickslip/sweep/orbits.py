@@ -26,7 +26,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -305,10 +305,10 @@ class ReturnMap:
         """Return mechanism and law with a value of the parameter."""
         if self.path is None:
             return self.mechanism, self.law
-        checked = self.between is not None and self.between[0] <= value <= self.between[1]
         root = self.path.partition(".")[0]
-        old = self.law if root == "friction" else self.mechanism
-        new = replaced(old, root, self.path, value) if checked else None
+        old: Any = self.law if root == "friction" else self.mechanism
+        checked = self.between is not None and self.between[0] <= value <= self.between[1]
+        new: Any = replaced(old, root, self.path, value) if checked else None
         new = vary(old, root, {self.path: value}) if new is None else new
         return (self.mechanism, new) if root == "friction" else (new, self.law)
 
