@@ -22,8 +22,6 @@ from stickslip.experiments.checking.mains import words_of as words_of
 from stickslip.experiments.checking.map_coverage import resting_readings as resting_readings
 from stickslip.experiments.checking.order import speeds_in_order as speeds_in_order
 from stickslip.experiments.checking.order import with_order as with_order
-from stickslip.experiments.checking.stationarity import Level as Level
-from stickslip.experiments.checking.stationarity import drift as drift
 from stickslip.experiments.differentiation import GAP as GAP
 from stickslip.experiments.differentiation import interval_of as interval_of
 from stickslip.experiments.differentiation import noise_of as noise_of

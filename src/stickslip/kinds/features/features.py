@@ -16,10 +16,9 @@ from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import (
     CURE,
     Finding,
-    Level,
     MainsLine,
     Measurement,
-    drift,
+    check,
     is_narrow,
     lines_of,
     sentences_of,
@@ -260,8 +259,7 @@ def _refuse_contradiction(
             "the spectrum and the slips disagree: the power per octave is largest at"
             f" {quantity(top, 'Hz')}, but {found}"
         )
-        cure = f"Find the cause of the force at {quantity(top, 'Hz')}, or remove it with a "
-        cure += "notch filter."
+        cure = f"Find the cause of the force at {quantity(top, 'Hz')}, or use a notch filter."
     raise InputError(f"{said}: the features would mix two motions. {cure}")
 
 
@@ -463,7 +461,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
         "thirds": thirds,
         "halves": halves,
-        "drifts": _drifts(force),
+        "drifts": bool(check(measurement).of("drift")),
         "regime": regime,
         "covariance": covariance,
     }
@@ -521,11 +519,6 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
             " stiffness of the block."
         )
     return step, np.interp(time[0] + step * np.arange(count), time, force)
-
-
-def _drifts(force: Array) -> bool:
-    size = float(np.sqrt(np.mean(force**2)))
-    return any(drift([Level("spring_force", "spring force", force, size)]))
 
 
 def _is_slow(waiting: Array, natural: float) -> bool:

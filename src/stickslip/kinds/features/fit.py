@@ -375,17 +375,12 @@ def _searched(
             f"none of {len(places)} simulated runs has a limit cycle: check the mass, stiffness"
             " and speed of the block."
         )
-    best = min(ends, key=lambda end: end.cost)
-    inverse = np.linalg.inv(problem.observed.covariance)
+    i = int(np.argmin([end.cost for end in ends]))
+    best, inverse = ends[i], np.linalg.inv(problem.observed.covariance)
     sizes = np.array([end.residual @ inverse @ end.residual for end in ends])
     room = chi2.isf(THRESHOLDS.pattern_chance, len(COMPARED))
-    alike = [
-        end.values
-        for end, size in zip(ends, sizes, strict=True)
-        if end is best or size <= sizes.min() + room
-    ]
     runs = len(places) + counter.count * (1 + len(problem.free_parameters))
-    best.memory = np.array(alike)
+    best.memory = np.array([end.values for end in ends])[sizes <= sizes[i] + room]
     return _End(best, runs, cancelled)
 
 

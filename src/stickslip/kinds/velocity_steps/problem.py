@@ -38,10 +38,8 @@ PATHS = (
     "friction.second_critical_distance",
 )
 DRIFT = "drift"
-DIRECT, EVOLVED, STRESS, SECOND = (
-    PATHS.index(f"friction.{effect}")
-    for effect in ("direct_effect", "evolution_effect", "stress_effect", "second_evolution_effect")
-)
+EFFECTS = ("direct_effect", "evolution_effect", "stress_effect", "second_evolution_effect")
+DIRECT, EVOLVED, STRESS, SECOND = (PATHS.index(f"friction.{effect}") for effect in EFFECTS)
 """Places in `PATHS` of effects on friction; the distance of a state is next to its effect."""
 MEASURED = ("pull", "friction")
 """What a load point and a load cell measure."""
@@ -342,8 +340,8 @@ class Slider(Problem):
                 continue
             size = values[i]
             if i in (DIRECT, EVOLVED, SECOND):
-                effects = values[[DIRECT, EVOLVED]]
-                size = max(*np.abs(effects), THRESHOLDS.negligible * abs(values[4]))
+                level = THRESHOLDS.negligible * values[4]
+                size = np.abs([values[DIRECT], values[EVOLVED], level]).max()
             elif i == STRESS:
                 size = 1.0 + values[STRESS]
             step = NUDGE * size

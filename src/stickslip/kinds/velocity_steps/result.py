@@ -176,18 +176,13 @@ class RateStateFit(Fit[RateState]):
         return self.rmse / scatter if scatter > 0.0 else 0.0
 
     @property
-    def far_above_scatter(self) -> bool:
-        """Whether residuals are many times the scatter of neighbouring samples."""
-        return self.over_scatter > THRESHOLDS.misfit
-
-    @property
     def misses(self) -> bool:
         """Whether what the fit leaves is not noise alone, as far as neighbouring samples tell.
 
         The law misses something then, or the noise remembers more than a few samples.
         """
         remembered = self.inference.effective < REMEMBERED * len(self.best.residual)
-        return remembered or self.far_above_scatter
+        return remembered or self.over_scatter > THRESHOLDS.misfit
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
@@ -568,6 +563,6 @@ def _remarks(fit: RateStateFit) -> tuple[str, ...]:
         f" {quantity(way / fastest, 's', 2)} that the slider takes for"
         f" {quantity(way, 'm', 2)} at the highest speed"
     )
-    if 2.0 * math.pi * swing * fastest > way:  # a period of the block
-        return (f"The fit neglects the mass, which could matter: {told}.",)
-    return (f"The fit neglects the mass, which does not matter: {told}.",)
+    # a period of the block
+    matters = "could" if 2.0 * math.pi * swing * fastest > way else "does not"
+    return (f"The fit neglects the mass, which {matters} matter: {told}.",)

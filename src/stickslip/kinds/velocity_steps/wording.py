@@ -129,7 +129,7 @@ def _verdict(
             f"{capital(name)} predicts best, but not all of its parameters are identified:"
             f" {closest.dropped}"
         )
-    elif fit.far_above_scatter:
+    elif fit.over_scatter > THRESHOLDS.misfit:
         told = (
             f"{capital(name)} predicts best, but its residuals are {ratio(fit.over_scatter)} the"
             " scatter of neighbouring samples"

@@ -76,9 +76,6 @@ MOST = 10
 SURE = 23.0
 """Evidence of readings without errors with which a law leaves the set in nine of ten sets with
 errors, which leave a third to a half of it (of 30 sets each, 24 at 19, 26 at 21 and 29 at 25)."""
-RESOLVED = THRESHOLDS.negligible
-"""Share of a travel that no reading resolves: uncertainty of the one that is assumed where none was
-measured, difference of travels that are alike, step of a level for the slope of travels."""
 HALF = 0.5
 """Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
 large widen the interval by a third."""
@@ -307,11 +304,9 @@ class _Bench:
         path = self.now.law_of(self.named).model.free[0]
         level = {p: value for p, _, value in parameters(law, "friction")}[path]
         model = TravelModel(law, [path], self.now.t_end)
-        trials = self.trials(self.named, 1, units)
-        ends = [
-            model.travels(trials, [factor * level]) for factor in (1.0 - RESOLVED, 1.0 + RESOLVED)
-        ]
-        slope = (ends[1] - ends[0]) / (2.0 * RESOLVED)
+        trials, step = self.trials(self.named, 1, units), THRESHOLDS.negligible
+        ends = [model.travels(trials, [factor * level]) for factor in (1.0 - step, 1.0 + step)]
+        slope = (ends[1] - ends[0]) / (2.0 * step)
         gain = slope / float(slope @ slope)
         alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
         found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
@@ -452,7 +447,7 @@ def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float 
             f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
         )
     signed = float(_travels(law, [trial], t_end)[0])
-    return replace(trial, travel=signed, half_width=RESOLVED * travel)
+    return replace(trial, travel=signed, half_width=THRESHOLDS.negligible * travel)
 
 
 def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> Array:
@@ -472,7 +467,7 @@ def _typical(now: TravelJudgement, name: str, places: Array) -> FrictionLaw:
     travels = law.table(now.at(places), draws.unknowns)
     further = np.abs(draws.unknowns[:, 1 : law.count])
     # those without a part are of another law by name only, too
-    full = np.all(further > RESOLVED * further.max(axis=0, initial=0.0), axis=1)
+    full = np.all(further > THRESHOLDS.negligible * further.max(axis=0, initial=0.0), axis=1)
     travels[~full & full.any()] = np.nan
     off = np.sum((travels - np.nanmedian(travels, axis=0)) ** 2, axis=1)
     return law.with_unknowns(draws.unknowns[int(np.nanargmin(off))])
@@ -712,7 +707,7 @@ def _telling(
     return Telling(
         holds=holds, rival=rival, gap=float(left[worst]), setting=rows[worst], repeats=repeats,
         most=MOST,
-        alike=float(left[worst]) <= RESOLVED * float(np.max(np.abs(travels[holds]))),
+        alike=float(left[worst]) <= THRESHOLDS.negligible * float(np.max(np.abs(travels[holds]))),
     )  # fmt: skip
 
 
