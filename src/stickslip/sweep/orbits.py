@@ -26,7 +26,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ from stickslip.trajectory import Event, Trajectory
 
 __all__ = ["Orbit", "periodic_orbit"]
 
+T = TypeVar("T", Mechanism, FrictionLaw | Laws)
 Signature: TypeAlias = tuple[tuple[str, str, int], ...]
 """How often each contact does what in an orbit: contact, what, count."""
 
@@ -305,12 +306,16 @@ class ReturnMap:
         """Return mechanism and law with a value of the parameter."""
         if self.path is None:
             return self.mechanism, self.law
-        root = self.path.partition(".")[0]
-        old: Any = self.law if root == "friction" else self.mechanism
-        checked = self.between is not None and self.between[0] <= value <= self.between[1]
-        new: Any = replaced(old, root, self.path, value) if checked else None
-        new = vary(old, root, {self.path: value}) if new is None else new
-        return (self.mechanism, new) if root == "friction" else (new, self.law)
+        if self.path.startswith("friction."):
+            return self.mechanism, self._varied(self.law, "friction", value)
+        return self._varied(self.mechanism, "mechanism", value), self.law
+
+    def _varied(self, root: T, prefix: str, value: float) -> T:
+        path = str(self.path)
+        if self.between is not None and self.between[0] <= value <= self.between[1]:
+            found: T = replaced(root, prefix, path, value)
+            return found
+        return vary(root, prefix, {path: value})
 
     def duration(self, mechanism: Mechanism) -> float:
         """Return m T [s]."""
