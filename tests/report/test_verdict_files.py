@@ -2,6 +2,8 @@
 
 import json
 import re
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
@@ -22,7 +24,10 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.drives import Square
 from stickslip.errors import InputError
+from stickslip.friction import SetValuedLaw
+from stickslip.kinds import drawn_laws, write_verdict
 from stickslip.mechanisms import Torque
+from stickslip.quantities import Quantity
 
 SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])
 FRICTION = 2.0 * np.sign(SPEED) + 0.5 * SPEED
@@ -140,3 +145,36 @@ def test_travels_per_cycle_have_a_page(tmp_path):
     verdict = select(capsule, ["coulomb"], reading, t_end=2.0)
     page = write_report(verdict, tmp_path, title="Capsule").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Own(SetValuedLaw):
+    """A level, as somebody may write it."""
+
+    name: ClassVar[str] = "own"
+    title: ClassVar[str] = "Own"
+    formula: ClassVar[str] = r"F = \mu N"
+    sources: ClassVar[tuple[str, ...]] = ()
+    level: Annotated[float, Quantity("mu", low=0, scale="level", bounds=(0.0, 10.0), start=0.3)]
+
+    def sliding(self, speed, load):
+        return self.level * load + 0.0 * speed
+
+    def break_away(self, load):
+        return self.level * load
+
+
+@pytest.mark.parametrize(("law", "kept"), [(Own, False), ("level + drag", True)])
+def test_laws_are_drawn_for_runs_elsewhere_where_a_file_can_name_them(law, kept, tmp_path):
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    trials = [
+        Measurement(travel=s, uncertainty=1e-3, overrides={"mechanism.compression": x})
+        for x, s in ((0.08, 0.13), (0.1, 0.204))
+    ]
+    found = select(block, [law], Measurement(trials=trials), t_end=2.0)
+    write_verdict(tmp_path, found, {})
+    drawn = drawn_laws(tmp_path / "law.toml")
+    assert (tmp_path / "draws.json").exists() == kept
+    assert (drawn is not None) == kept
+    if drawn is not None:
+        assert drawn == (found.sample(100), 0.0)  # of travels that are no cycles of a drive

@@ -179,10 +179,17 @@ def write_verdict(
 
 
 def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
-    """Return laws that are not excluded, for runs elsewhere; None of joints, or of other parts."""
+    """Return laws that are not excluded, for runs elsewhere; None of joints, or of own classes."""
     if not isinstance(verdict, BandVerdict | TravelVerdict):
         return None
-    rows = [_row(one) for one in verdict.sample(DRAWS)]
+    drawn = verdict.sample(DRAWS)
+    known = laws()
+    if any(
+        not isinstance(one, MeasuredCurve) and one.composition is None and one.name not in known
+        for one in drawn
+    ):
+        return None  # of a class of somebody, which no file names
+    rows = [_row(one) for one in drawn]
     error = None
     if isinstance(verdict, TravelVerdict) and all(t.cycles is not None for t in verdict.trials):
         error = verdict.prediction_error
