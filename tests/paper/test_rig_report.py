@@ -10,7 +10,6 @@ from stickslip.kinds.report import verdict_page
 from stickslip.paper import beside
 from stickslip.report import render
 from stickslip.report.blocks import Origin
-from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """
 title = "Thrown"
@@ -82,11 +81,3 @@ def test_a_rig_that_is_thrown_or_shot_backwards_has_a_report(tmp_path, v, compre
     assert page.startswith("<!doctype html>")
     assert verdict.best is not None
     assert {"verdict", "band", "models"} <= {*ids(page)}
-
-
-@pytest.mark.parametrize(
-    ("value", "step"),
-    [(0.0095, 0.01), (0.95, 1.0), (3.1, 2.0), (3.3, 5.0), (1e-6, 1e-6), (7.9e3, 1e4)],
-)
-def test_a_nice_step_is_the_nearest_of_one_two_five(value, step):
-    assert rounded_step(value) == step

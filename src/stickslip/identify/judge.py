@@ -154,38 +154,24 @@ class Judgement:
         """
         own, every = self.named_values, self.values(self.ensemble.draws())
         tail = 0.5 * (1.0 - THRESHOLDS.interval)
-        rivals = [self.values(draws) for draws in self._rival_draws()]
+        evidence, (named, *rivals) = self.comparison.evidence, self.comparison.set
+        drawn = []
+        for rival in rivals:
+            odds = math.exp(evidence[rival] - evidence[named])
+            count = math.ceil(THRESHOLDS.ensemble * math.sqrt(odds))
+            drawn.append(self.values(self._family_draws(self.problem.family(rival), count)))
         found = []
         for path, x in self.composition.paths().items():
             low, high = np.quantile(own[path], (tail, 1.0 - tail)).tolist()
             others = every.get(path, own[path])
             # as many draws of the named family as of all that have the parameter
-            rest = [rival[path] for rival in rivals if path in rival]
+            rest = [values[path] for values in drawn if path in values]
             both = np.concatenate([own[path], np.resize(others, len(own[path])), *rest])
             low_any, high_any = np.quantile(both, (tail, 1.0 - tail)).tolist()
-            found.append(
-                Interval(
-                    path=path,
-                    value=float(x[0]),
-                    low=low,
-                    high=high,
-                    low_any=min(low, low_any),
-                    high_any=max(high, high_any),
-                )
-            )
+            ends = {"low": low, "high": high}
+            ends |= {"low_any": min(low, low_any), "high_any": max(high, high_any)}
+            found.append(Interval(path=path, value=float(x[0]), **ends))
         return tuple(found)
-
-    def _rival_draws(self) -> list[list[Draw]]:
-        """Return draws of the families that are not told apart from the named one."""
-        evidence, (named, *rivals) = self.comparison.evidence, self.comparison.set
-        counts = {
-            rival: THRESHOLDS.ensemble * math.exp(0.5 * (evidence[rival] - evidence[named]))
-            for rival in rivals
-        }
-        return [
-            self._family_draws(self.problem.family(rival), math.ceil(count))
-            for rival, count in counts.items()
-        ]
 
     @cached_property
     def correlation(self) -> Array:

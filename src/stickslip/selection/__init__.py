@@ -28,7 +28,6 @@ INSIDE = {
     "check_apart": "candidates",
     "checked": "candidates",
     "choose": "choice",
-    "control": "candidates",
     "corrections": "verdict",
     "effective_aic": "choice",
     "errs_more": "choice",

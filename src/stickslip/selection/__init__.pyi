@@ -4,7 +4,6 @@ from stickslip.selection.candidates import Watch as Watch
 from stickslip.selection.candidates import check_any as check_any
 from stickslip.selection.candidates import check_apart as check_apart
 from stickslip.selection.candidates import checked as checked
-from stickslip.selection.candidates import control as control
 from stickslip.selection.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.selection.candidates import specifications as specifications
 from stickslip.selection.candidates import watched as watched

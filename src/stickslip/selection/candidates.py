@@ -22,7 +22,6 @@ from stickslip.experiments import (
 )
 from stickslip.friction import (
     CandidateSpec,
-    Coulomb,
     FrictionLaw,
     specification,
     usual_specifications,
@@ -100,12 +99,6 @@ def specifications(
     check_any(found)
     check_apart([one.name for one in found])
     return tuple(found)
-
-
-def control() -> CandidateSpec:
-    """Return the candidate without friction."""
-    law = Coulomb(kinetic_coefficient=0.0)
-    return CandidateSpec(name="no-friction", title="No friction", law=law, free=())
 
 
 def check_any(laws: Collection[object]) -> None:

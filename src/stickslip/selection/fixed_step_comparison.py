@@ -1,7 +1,6 @@
 """What a fixed step makes of a run: chatter, drift and reverse motion that is not there."""
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -156,16 +155,3 @@ def _rates(
     """Return the rates of states where every element slips, which then change by themselves."""
     with Latches([True] * len(states)):
         return law.rates(v, load, states)
-
-
-def rounded_step(value: float) -> float:
-    """Return the number of the series 1, 2, 5, 10, ... that is nearest as a ratio.
-
-    Examples
-    --------
-    >>> rounded_step(0.0095), rounded_step(0.0031), rounded_step(40.0)
-    (0.01, 0.002, 50.0)
-    """
-    power = math.floor(math.log10(value))
-    series = [float(f"{digit}e{power}") for digit in (1, 2, 5, 10)]
-    return min(series, key=lambda step: abs(math.log(step / value)))

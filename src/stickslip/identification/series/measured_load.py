@@ -35,19 +35,6 @@ def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     return replace(measurement, trials=records) if measurement.trials else records[0]
 
 
-def has_one_load(measurement: Measurement) -> bool:
-    """Whether the load of each record is one number, as a simulation takes it.
-
-    Examples
-    --------
-    >>> pressed = Measurement(time=[0.0, 1.0, 2.0], position=[0.0, 0.1, 0.2], load=[5.0, 6.0, 8.0])
-    >>> has_one_load(pressed)
-    False
-    """
-    loads = [one.values("load") for one in measurement.records() if "load" in one.quantities()]
-    return all(float(np.ptp(np.asarray(one))) == 0.0 for one in loads)
-
-
 def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism, str]:
     """Return a mechanism under the load that was measured, and what is to be said of it.
 

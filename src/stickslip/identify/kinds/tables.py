@@ -7,6 +7,7 @@ at the speeds, between them and beyond them, its bending penalised: a smoothing 
 opens the band between the readings and beyond them. Beside it friction may jump between two speeds.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -237,12 +238,8 @@ class TableProblem(Problem):
             return [rows]
         runs = range(int(self.rows.run.max()) + 1) if "run" in self.terms else (-1,)
         orders = (0.0, -1.0, 1.0) if "drift" in self.terms else (0.0,)
-        like = np.ones(len(rows.run))
-        return [
-            replace(rows, run=k * like.astype(int), order=order * like)
-            for k in runs
-            for order in orders
-        ]
+        both, like = itertools.product(runs, orders), np.ones_like(rows.run)
+        return [replace(rows, run=run * like, order=order * like) for run, order in both]
 
     @override
     def at(

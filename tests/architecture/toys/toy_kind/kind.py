@@ -10,7 +10,7 @@ from typing_extensions import override
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, quantity, with_unit
-from stickslip.friction import CandidateSpec
+from stickslip.friction import CandidateSpec, Coulomb
 from stickslip.identification import Estimate
 from stickslip.kinds import Kind, Request
 from stickslip.kinds.kind import SeveralLaws
@@ -21,7 +21,6 @@ from stickslip.selection import (
     as_good,
     checked,
     choose,
-    control,
     errs_more,
     friction_of,
     held_out,
@@ -121,7 +120,8 @@ def _judged(one: CandidateSpec, request: Request) -> SlideCandidate:
 
 def _frictionless(request: Request) -> SlideCandidate:
     """Return what no friction at all leaves."""
-    problem = problem_of(request.mechanism, control().law, request.measurement, free=())
+    none = Coulomb(kinetic_coefficient=0.0)
+    problem = problem_of(request.mechanism, none, request.measurement, free=())
     seen = problem.linearise(np.zeros(0), slopes=False)
     found = CrossValidation.by_segment(seen.residual, seen.segment)
     return SlideCandidate(name="none", title="No friction", fit=None, validation=found)
