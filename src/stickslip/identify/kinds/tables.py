@@ -239,7 +239,9 @@ class TableProblem(Problem):
         runs = range(int(self.rows.run.max()) + 1) if "run" in self.terms else (-1,)
         orders = (0.0, -1.0, 1.0) if "drift" in self.terms else (0.0,)
         both, like = itertools.product(runs, orders), np.ones_like(rows.run)
-        return [replace(rows, run=run * like, order=order * like) for run, order in both]
+        return [
+            replace(rows, run=run * like, order=np.full(len(like), order)) for run, order in both
+        ]
 
     @override
     def at(
