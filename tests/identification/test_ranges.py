@@ -25,7 +25,7 @@ ROUGH = StartEstimate(
 # Start and bounds by hand: friction reaches 4.4 N / 2 N.
 MAPPED = {
     "kinetic_coefficient": (2.0, 0.0, 220.0),
-    "static_coefficient": (2.8, 0.0, 280.0),
+    "static_coefficient": (2.4, 0.0, 240.0),
     "forward_kinetic_coefficient": (1.5, 0.0, 220.0),
     "backward_kinetic_coefficient": (2.5, 0.0, 250.0),
     "viscous_coefficient": (0.5, 0.0, 880.0),

@@ -14,7 +14,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement, as_recorded, command_of, unit_of_input, with_voltage
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identification.settings import RESOLUTION, ROUNDING, STEP
+from stickslip.identification.settings import RESOLUTION, ROUNDING, STEP, TAKES_PART
 from stickslip.mechanisms import (
     ContactInputs,
     Mechanism,
@@ -239,9 +239,9 @@ def joint_inputs(
 
 
 def _alike(seen: Array, table: Array) -> bool:
-    """Whether slopes (n, k) that a step shows are those of a table: bent by the step at most."""
+    """Whether slopes (n, k) that a step shows are those of a table, as far as it tells."""
     size = np.max(np.abs(table), axis=0, initial=0.0)
-    return bool(np.all(np.abs(seen - table) <= STEP * size + 1e-300))
+    return bool(np.all(np.abs(seen - table) <= TAKES_PART * size + 1e-300))
 
 
 def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:

@@ -7,15 +7,17 @@ from stickslip.experiments import Measurement, as_recorded, between_gaps, with_v
 from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.force_map.data import smoothed
 from stickslip.identification.force_map.force_balance import (
+    PATH,
     filtered_motion,
     mean_force,
     passed_by_balance,
     second_differences,
-    widened,
 )
 from stickslip.identification.force_map.gear_torques import gear_torques
+from stickslip.identification.force_map.joint_balance import AHEAD
 from stickslip.identification.series.applied_force import applied_force, driven, goes_straight
 from stickslip.identification.series.inverse_dynamics import (
+    HIGHEST,
     LEAST,
     known_forces,
     positions_of,
@@ -83,7 +85,7 @@ def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
         rows = np.searchsorted(times, time)
         raw, dt = positions_of(piece), float(np.ptp(time)) / (len(time) - 1)
         passed = passed_by_balance(raw)
-        a = second_differences(smoothed(raw, widened(passed)), dt)
+        a = second_differences(smoothed(raw, min(AHEAD * passed, PATH * HIGHEST)), dt)
         torques = gear_torques(
             filtered_motion(raw, dt, passed, tracked="position" in piece.quantities()),
             drives[rows],

@@ -187,7 +187,7 @@ def _nuisance(one: MotionSegment, top: float) -> Array:
     """Return what friction and parameters may be (n, p): both free beside the hold."""
     v, load = one.path.velocity, one.path.load
     sign = np.sign(v)
-    peaks = [sign * np.exp(-np.square(v / (width * max(top, 1e-300)))) for width in SPEEDS]
+    peaks = [sign * np.exp(-np.square(v / (width * max(top, 1e-300)))) for width in SPEEDS[3:6]]
     shapes = [shape * load for shape in (sign, *peaks)]
     own = np.column_stack([np.ones_like(v), np.abs(v), v, v * np.abs(v), *shapes])
     linear = np.zeros((len(v), 0)) if one.regressors is None else one.regressors

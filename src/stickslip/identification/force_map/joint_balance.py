@@ -31,6 +31,7 @@ from stickslip.identification.force_map.data import (
 from stickslip.identification.force_map.force_balance import (
     FEWEST,
     OVERSAMPLED,
+    PATH,
     SAMPLES,
     FilteredMotion,
     compared,
@@ -41,7 +42,6 @@ from stickslip.identification.force_map.force_balance import (
     positive_noise,
     resting_motion,
     second_differences,
-    widened,
 )
 from stickslip.identification.force_map.model import ForceMap, spanned
 from stickslip.identification.series.inverse_dynamics import (
@@ -59,6 +59,9 @@ from stickslip.quantities import parameters, vary
 Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
 
+AHEAD = 5.0
+"""Positions are first filtered at so many times what the common filter passes: it changes nothing that
+passes, by 3e-6, and else noise of the first acceleration would be seen for long."""
 LEVELS = 2
 """Positions between which an encoder may jitter at rest, too seldom to be noise."""
 FAR = 50.0
@@ -255,7 +258,7 @@ class JointPiece:
     motions: tuple[FilteredMotion, ...]
     """Motion of each joint."""
     accelerations: Array
-    """Accelerations (n, m), of positions filtered at `PATH` times the common filter."""
+    """Accelerations (n, m), of positions filtered at `AHEAD` times the common filter."""
     passed: float
     """What the common filter passes, over half the sampling frequency."""
     applied: Array
@@ -315,7 +318,7 @@ class JointPiece:
         )
         places = np.column_stack([one.position for one in motions])
         rates = np.column_stack([one.velocity for one in motions])
-        ahead = widened(passed)
+        ahead = min(AHEAD * passed, PATH * HIGHEST)
         accelerations = np.column_stack(
             [
                 second_differences(smoothed(x, ahead), dt) if moves else np.zeros_like(x)

@@ -12,7 +12,6 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
-from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.start_values import (
     StartEstimate,
@@ -37,6 +36,8 @@ class ConstantForce(NamedTuple):
     """Its value where it is not looked for [N]."""
 
 
+SAMPLES = 4_000
+"""Samples of a record that a fit uses at most: bristles see the noise of positions at each."""
 NO_FORCE = ConstantForce()
 
 

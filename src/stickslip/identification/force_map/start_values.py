@@ -14,7 +14,6 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import (
-    SURPLUS_AT_REST,
     WIDE,
     FreeParameter,
     FreeParameters,
@@ -39,6 +38,10 @@ STIFFNESSES = tuple(float(10.0 ** (0.5 * power)) for power in range(-6, 3))
 """Stiffness over the one that reversals suggest, which is more often too high than too low."""
 EXPONENTS = (0.1, 0.6, 1.5)
 """Exponents; whole ones are another law's."""
+FADINGS = (1.01, 1.5, 1.99)
+"""Exponents with which a static surplus fades, from Tustin's to Gauss's."""
+SURPLUS = 0.2
+"""Static surplus to begin with, over the kinetic level; that level itself is tried, too."""
 STIFF = "stiffness"
 FAST = 0.5
 """Share of the largest speed (its 99th percentile) above which slip counts as steady."""
@@ -107,8 +110,9 @@ def _has_memory(problem: ForceMap) -> bool:
 
 def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
+    fades = any(item.quantity.scale == "speed" for item in free_parameters.items)
     axes = {
-        item.path: _axis(item)
+        item.path: FADINGS if fades and item.quantity.structural else _axis(item)
         for item in free_parameters.items
         if item.path.startswith("friction.") and (item.log or (memory and item.above))
     }
@@ -118,7 +122,7 @@ def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[
 def _axis(item: FreeParameter) -> Sequence[float]:
     """Return the values of one unknown on the grid."""
     if item.above:
-        return [item.start, item.start / SURPLUS_AT_REST]
+        return [item.start, item.start / SURPLUS]
     if item.quantity.structural:
         return EXPONENTS
     if item.quantity.scale == "speed":
@@ -400,7 +404,7 @@ class StartEstimate:
                 value = self.sizes.of(with_ranges(kind, declared.name)).start
                 value = min(max(value, quantity.low), quantity.high)
                 if quantity.at_least is not None and quantity.at_least in values:
-                    value = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
+                    value = values[quantity.at_least] * (1.0 + SURPLUS)
                 values[declared.name] = value
         return kind(**values)
 

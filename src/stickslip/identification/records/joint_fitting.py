@@ -38,7 +38,7 @@ from stickslip.identification.force_map.problem import FEW, SENSOR, ConstantForc
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, searched
 from stickslip.identification.records.links import told_links
-from stickslip.identification.records.problems import FitSetup
+from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.series.start_values import MOST
 from stickslip.identification.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
@@ -167,7 +167,7 @@ class _Motion:
         bristles: bool,
     ) -> "_Motion":
         """Derive the motions with slopes at the values of the mechanism."""
-        samples = (SAMPLES, min(SAMPLES, FEW), *((FEW,) if bristles else ()))
+        samples = (SAMPLES, min(SAMPLES, SOME), *((FEW,) if bristles else ()))
         derived = joint_stretches(
             torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
         )
@@ -389,7 +389,7 @@ class JointFitter:
             if coordinate in motion.resting:
                 continue
             contact = contacts.get(coordinate, "")
-            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, FEW)))
+            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
             check_inputs(
                 asked.laws.get(contact),
                 asked.mechanism,

@@ -19,7 +19,6 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
 from stickslip.identification.force_map.force_balance import (
-    SAMPLES,
     BalanceProblemBuilder,
     RederivedBalance,
     balanced,
@@ -27,7 +26,13 @@ from stickslip.identification.force_map.force_balance import (
 )
 from stickslip.identification.force_map.holds import HoldFinding, hold_of
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import FEW, MECHANISM, constant_of, map_along
+from stickslip.identification.force_map.problem import (
+    FEW,
+    MECHANISM,
+    SAMPLES,
+    constant_of,
+    map_along,
+)
 from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import (
@@ -58,6 +63,8 @@ from stickslip.mechanisms import Mechanism, motor_of, stops_of
 from stickslip.quantities import full_path, parameters, vary
 
 Array = NDArray[np.float64]
+SOME = 2_500
+"""Samples of a record that starts are looked for with, and first bristles are followed along."""
 SEEN = 16.0
 """Way along which a bristle yields, over the noise of positions, from which a record shows it."""
 ELECTRIC = ("mechanism.drive.resistance", "mechanism.drive.back_emf_constant")
@@ -171,7 +178,7 @@ class _ShootingBuilder:
         if not self.law.states or drives_itself(self.mechanism, record):
             return ()
         try:
-            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=FEW)
+            found = balanced(self.mechanism, record, hold=self.settings.holding, samples=SOME)
         except InputError:
             return ()
         return tuple(
@@ -259,7 +266,7 @@ def simulated(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> 
     else:
         inertia = regressed(mechanism, under_load, wanted.unknown)
         derive = partial(balanced, mechanism, measurement, hold=choice.settings.holding)
-        stretches = derive(slipping=True, samples=FEW)
+        stretches = derive(slipping=True, samples=SOME)
         rough = StartEstimate.of(stretches)
     kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     held = {constant.path} & {*wanted.held}
@@ -381,7 +388,7 @@ def _derived(choice: RouteChoice, wanted: Wanted, measurement: Measurement) -> F
     problem, further = map_along(
         wanted.law,
         stretches,
-        own(samples=FEW),
+        own(samples=SOME),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
