@@ -60,8 +60,8 @@ Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
 
 AHEAD = 5.0
-"""Positions are first filtered at so many times what the common filter passes: it changes nothing that
-passes, by 3e-6, and else noise of the first acceleration would be seen for long."""
+"""Positions are first filtered at so many times what the common filter passes: it changes nothing
+that passes, by 3e-6, and else noise of the first acceleration would be seen for long."""
 LEVELS = 2
 """Positions between which an encoder may jitter at rest, too seldom to be noise."""
 FAR = 50.0
