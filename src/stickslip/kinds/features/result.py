@@ -283,14 +283,10 @@ def room_of(fit: FeatureFit) -> float:
 
     It is 0 where nothing was held out.
     """
-    return float(np.sqrt(np.mean(_change(fit) ** 2)))
-
-
-def _change(fit: FeatureFit) -> Array:
-    """Return the logarithms of features of the other part over those of the fitted one (3,)."""
     if fit.held_out is None:
-        return np.zeros(len(COMPARED))
-    return np.log(fit.held_out.compared / fit.observed.compared)
+        return 0.0
+    change = np.log(fit.held_out.compared / fit.observed.compared)
+    return float(np.sqrt(np.mean(change**2)))
 
 
 def error_of_score(fit: FeatureFit) -> float:
@@ -305,23 +301,23 @@ def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
     """Return by how much another score is larger, and the standard error of this difference.
 
     Both are judged by the same features, so what is in doubt of these cancels as far as the laws
-    err alike. What the features change by themselves from part to part is in doubt, too: a law that
-    misses the fitted part may come nearer to the other by chance.
+    err alike.
     """
     slope = _slope(other.held_out_errors) - _slope(best.held_out_errors)
-    error = math.hypot(_doubt(best, slope), float(slope @ _change(best)))
-    return other.score - best.score, error
+    return other.score - best.score, _doubt(best, slope)
 
 
 def as_good(other: FeatureFit, best: FeatureFit) -> bool:
     """Whether a record does not tell another law from the best.
 
-    The difference must exceed one paired standard error, and what matters of features.
+    The difference must exceed one paired standard error, and half of what the features change by
+    themselves: a law that misses the fitted part may come nearer to the other by chance.
     """
     if best.held_out is None:
         return other.rms <= best.rms + THRESHOLDS.pattern
     difference, error = paired(other, best)
-    return difference <= max(error, THRESHOLDS.pattern)
+    room = THRESHOLDS.explained * room_of(best) + THRESHOLDS.pattern
+    return difference <= max(error, room)
 
 
 def _slope(errors: Mapping[str, float]) -> Array:
