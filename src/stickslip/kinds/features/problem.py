@@ -24,8 +24,8 @@ Progress: TypeAlias = Callable[[int, int], object]
 SETTLING = 12
 """Observed periods after which the motion counts as a limit cycle."""
 WATCHED = 10
-"""Observed periods of which the features are taken; with both 12, intervals of wrong laws are
-narrow: of 35 sliders, 12 of 64 miss the truth instead of 5 of 50."""
+"""Observed periods of which the features are taken; of 10 for both, two of three sliders
+whose parameters are not identified have narrow intervals that miss the truth."""
 SAMPLES = 64
 """Samples in an observed period."""
 NUDGE = 0.01
