@@ -55,10 +55,7 @@ def test_a_law_fits_its_own_data_from_its_composition():
 @pytest.mark.parametrize("flow", FLOWS)
 @pytest.mark.parametrize("curve", CURVES)
 @pytest.mark.parametrize("memory", FIVE)
-def test_three_curves_five_memories_and_two_flows_fit_their_own_data(memory, curve, flow, request):
-    if (memory, curve, flow) == ("lugre", "level + stribeck", "viscous"):
-        other = "the search ends in another valley, at 1.11 times the noise"
-        request.applymarker(pytest.mark.xfail(reason=other, strict=True))
+def test_three_curves_five_memories_and_two_flows_fit_their_own_data(memory, curve, flow):
     own = truth(memory, curve, flow)
     found, noise = fitted(own, f"{flow} + {memory}({curve})", 2.0, share=SHARE, segment=2.1)
     assert_told(found, own, noise)
