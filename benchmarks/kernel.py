@@ -111,7 +111,8 @@ class Kernel:
     def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return what gives the sensitivities (states, paths) at the end of the last run."""
         table = self.inputs.table[None, :]
-        along = directions_of(*self.pair, paths, {}, table, self.t_end)
+        model = formulate(*self.pair)
+        along = directions_of(self.pair[0], model, paths, {}, table, self.t_end)
         flat, shape = self.runner.flat, along.start.shape
         w = working(self.runner, self.runner.working(self.inputs.p), along)
         fresh = w.copy()

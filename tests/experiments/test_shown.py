@@ -110,5 +110,5 @@ def test_no_public_result_prints_its_arrays():
         least["inertias"]
     along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
     fitted = fit(Axis(inertia=1.0), Coulomb, along)
-    assert repr(fitted.predict()).startswith("<Prediction of friction: 40 rows in 20 segments;")
+    assert repr(fitted.predict()).startswith("<Prediction of friction: 40 rows in 40 segments;")
     assert "array" not in repr(fitted)

@@ -46,6 +46,7 @@ from stickslip.kernels.equations import (
     state_seen,
 )
 from stickslip.kernels.guard_roots import (
+    BALANCED,
     CLOCK,
     EARLY,
     NEGLIGIBLE,
@@ -61,6 +62,7 @@ from stickslip.kernels.guard_roots import (
     note_sizes,
     reverses,
     rises,
+    size_of_balance,
     stays,
 )
 from stickslip.kernels.mode_transitions import (
@@ -227,6 +229,8 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
     guard_values(w[TIME], w, whole, whole[Y], values)
     for i in range(whole[N_GUARDS]):
         value = w[values + i]
+        if value < 0.0:  # what is left of forces that balance is their rounding
+            value = min(0.0, value + BALANCED * size_of_balance(i, w, whole))
         if value < 0.0:
             size = guard_size(i, w, whole)
             if i == STOP and whole[N_CONTACTS] == 0:

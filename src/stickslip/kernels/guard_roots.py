@@ -534,8 +534,16 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     return degree
 
 
+def largest_term(k: int, states: int, first: int, w: Vector, whole: Wholes) -> float:
+    """Return the largest term of one power in the series of the states from `first` on."""
+    row, size = whole[DENSE] + 1 + k * states, 0.0
+    for i in range(first, states):
+        size = max(size, abs(w[row + i]))
+    return size
+
+
 def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
-    """Drop the first slope of a body at rest where forces balance but for their rounding."""
+    """Drop the first slopes of a body at rest where forces balance but for their rounding."""
     y = whole[Y]
     point = whole[POINT]
     slip = whole[SLIP]
@@ -548,8 +556,11 @@ def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
     size = abs(size - w[point + slip]) + abs(w[drift + slip] * t)
     for i in range(n):
         size += abs(w[matrix + slip * n + i] * w[y + i])
-    if abs(w[POLYNOMIAL + 1]) <= BALANCED * h * size:
+    # a force between other bodies reaches this one by the rounding of the inverse mass matrix
+    if abs(w[POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, whole)):
         w[POLYNOMIAL + 1] = 0.0
+        if abs(w[POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, whole):
+            w[POLYNOMIAL + 2] = 0.0
         still = w[drift + slip] == 0.0 and whole[N_WAVES] == 0
         if whole[N_COORDINATES] == 1 and still:  # nor is there anything to follow
             for k in range(2, SERIES + 1):

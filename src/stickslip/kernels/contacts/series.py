@@ -19,7 +19,7 @@ from stickslip.kernels.equations import (
     slip_rate_along,
     spread,
 )
-from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
+from stickslip.kernels.guard_roots import NO_GUARD, largest_term, size_of_forces
 from stickslip.kernels.mode_transitions import UNMOVED, wall_coordinate, wall_side
 from stickslip.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall, interpolate
 from stickslip.kernels.state_layout import (
@@ -461,16 +461,32 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
         w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
         row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
         bound, sign = w[whole[DRIFT] + i], side_sign(guard)
-        x = search(value, bound, slack, row, pairs, sign, count, 0, w)
+        loose = w[whole[LEVELS] + guard] == 0.0 and i < n
+        balanced = 1 if loose and abs(w[row]) <= STILLNESS * growth_of_forces(i, w, whole) else 0
+        x = search(value, bound, slack, row, pairs, sign, count, balanced, w)
     else:
         balanced = 1 if value == 0.0 and is_balanced(i, w, whole) else 0
         if i < n:
             row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+            # a force between other bodies reaches this one by the rounding of the inverse mass
+            if balanced and abs(w[row + states]) <= STILLNESS * largest_term(
+                2, states, n, w, whole
+            ):
+                balanced = 2
             x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, balanced, w)
         else:
             row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
             x = search(value, math.inf, slack, row, pairs, mode, count, balanced, w)
     return note_root(guard, x, best, w, whole)
+
+
+def growth_of_forces(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how fast the inertia forces change that act on a coordinate, over the step."""
+    n, total = whole[N_COORDINATES], 0.0
+    row = whole[DENSE] + 1 + 2 * whole[N_STATES] + n
+    for j in range(n):
+        total += abs(w[whole[MASS] + i * n + j] * w[row + j])
+    return 2.0 * total / w[LENGTH]
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
