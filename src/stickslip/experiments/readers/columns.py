@@ -1,18 +1,184 @@
-"""How the files of a measurement are read, and how that is said: in Python, by options, in rigs."""
+"""Columns of a record: what their names say of quantities and units, and how they are to be read.
+
+Words and units in names speak for a quantity, or against it. How a column is read is said alike in
+Python, by options and in rig files.
+"""
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, TypeAlias, final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.measurement import BESIDE, BY_JOINT, ELECTRIC, QUANTITIES
-from stickslip.experiments.readers.layout import Layout
-from stickslip.experiments.readers.time_stamps import Repair, repairs
+from stickslip.experiments.measurement import (
+    BESIDE,
+    BY_JOINT,
+    ELECTRIC,
+    QUANTITIES,
+    is_beside,
+    unit_of_input,
+)
+from stickslip.experiments.readers.layout import Layout, Repair, repairs
 from stickslip.experiments.units import read_gain
 from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, motor_of
 from stickslip.quantities import Quantity
-from stickslip.units import shown
+from stickslip.units import CELSIUS, is_of, shown
+
+# Words in the names of columns that say what a column is not: a motion, or a force.
+
+WANTED: Final = (
+    "soll",
+    "set",
+    "setpoint",
+    "cmd",
+    "command",
+    "desired",
+    "demand",
+    "target",
+    "goal",
+    "ref",
+    "reference",
+    "vorgabe",
+)
+"""What names of wanted values contain: only a wanted position is read."""
+OTHER: Final = (
+    *("error", "fehler", "abweichung", "deviation", "difference", "differenz", "schlepp"),
+    *("temperatur", "status", "enable", "freigabe"),
+)
+"""What words of columns begin or end with that none of the quantities has."""
+OTHER_WORDS: Final = (
+    *("diff", "following", "lag", "er", "err", "temp", "temperature", "dev", "std", "pwm"),
+)
+"""Such words as they stand."""
+LAST: Final = ("index", "power", "leistung", "diff", "err")
+"""Such words where a name ends with them: a power, but not the position of a power drive."""
+NO_MOTION: Final = (
+    *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
+    *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
+    *("thickness", "dicke", "frequency", "frequenz", "acceleration", "beschleunigung"),
+)
+"""Words of columns that are no motion, but may be forces: the amplitude of a friction force."""
+MOTION: Final = ("position", "velocity", "reference")
+"""Quantities of a motion."""
+ROLLING: Final = ("rolling", "entrainment", "rollgeschwindigkeit")
+"""Words of speeds at which surfaces pass together, without sliding."""
+_WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
+
+
+def parts_of(name: str) -> list[str]:
+    """Return the words in a name, umlauts written out."""
+    spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name).casefold().translate(_WRITTEN_OUT)
+    return [part for part in re.split(r"[\W\d_]+", spaced) if part]
+
+
+def is_wanted(parts: Sequence[str]) -> bool:
+    """Whether words are those of a wanted value."""
+    joined = "".join(parts)
+    return any(part in WANTED for part in parts) or any(
+        joined.startswith(word) or joined.endswith(f"{word}wert") for word in WANTED
+    )
+
+
+def is_barred(parts: Sequence[str], quantity: str) -> bool:
+    """Whether the words of a name are those of an error, a condition or wear, not of a quantity.
+
+    Examples
+    --------
+    >>> is_barred(parts_of("pid.jointEr.position"), "position")
+    True
+    >>> [is_barred(parts_of("force amplitude"), q) for q in ("position", "force")]
+    [True, False]
+    """
+    if quantity in MOTION and any(part.startswith(NO_MOTION[-2:]) for part in parts):
+        return True
+    if any(part in OTHER_WORDS or (quantity in MOTION and part in NO_MOTION) for part in parts):
+        return True
+    if any(part.startswith(OTHER) or part.endswith((*OTHER, "err")) for part in parts):
+        return True  # poserr
+    return bool(parts) and parts[-1].endswith(LAST)
+
+
+# Units that stand in the names of columns, and the kinds of units that a quantity has.
+
+UNITS: Final[Mapping[str, tuple[str, ...]]] = {
+    "time": ("s",),
+    "current": ("A",),
+    "friction": ("N", "N m", "1"),
+    **{
+        name: tuple(filter(None, (QUANTITIES[name].unit, QUANTITIES[name].or_unit)))
+        for name in ("position", "velocity", "force", "load", "reference")
+    },
+    "temperature": (CELSIUS,),
+}
+"""Kinds of units of each quantity."""
+STYLES: Final = (
+    re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
+    re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
+    re.compile(r"(?P<name>.+?)\s*/\s*(?P<unit>\S.*)"),
+    re.compile(r"[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*(?P<name>.+)"),
+    re.compile(r"(?P<name>[^\[(]+?)\s*[\[(](?P<unit>[^\[\](),;]+)[\]),;].+"),
+    re.compile(r"(?P<name>.+)[_ ,.;:-](?P<unit>[^\s_]+)"),
+)
+"""How headers carry units: Weg [mm], Weg (mm), Weg in mm, Weg / mm, [mm] Weg, Weg_mm."""
+SURE: Final = 3
+"""Of these, the first that hold whatever the unit is; in the others it may be any word."""
+LONGEST_HEADER: Final = 300
+"""Characters of a header up to which a unit is sought in it: that takes their square."""
+
+
+def is_unit_of(unit: str, quantity: str) -> bool:
+    """Whether a unit is of a kind that a quantity has.
+
+    Examples
+    --------
+    >>> is_unit_of("rpm", "velocity"), is_unit_of("1/min", "velocity"), is_unit_of("V", "velocity")
+    (True, True, False)
+    """
+    return any(is_of(unit, kind) for kind in _kinds(quantity))
+
+
+def _kinds(quantity: str) -> tuple[str, ...]:
+    first = quantity.partition(".")[0]
+    if first in UNITS:
+        return UNITS[first]
+    if is_beside(quantity):
+        return (unit_of_input(first), unit_of_input(first, turning=True))
+    known = QUANTITIES.get(first)
+    return () if known is None else tuple(filter(None, (known.unit, known.or_unit)))
+
+
+def stated_unit(header: str, quantity: str) -> str | None:
+    """Return the unit that the header of a quantity's column carries, if it is one of its kind.
+
+    Examples
+    --------
+    >>> stated_unit("Velocity (mm/s)", "velocity"), stated_unit("Velocity (raw)", "velocity")
+    ('mm/s', None)
+    """
+    found = _surely(header)
+    return next(
+        (one["unit"].strip() for one in found if is_unit_of(one["unit"].strip(), quantity)), None
+    )
+
+
+def without_unit(header: str) -> str:
+    """Return a header without the unit in brackets, or behind a slash, that ends it.
+
+    Examples
+    --------
+    >>> without_unit("Velocity (mm/s)"), without_unit("Weg / mm"), without_unit("Weg")
+    ('Velocity', 'Weg', 'Weg')
+    """
+    return next((one["name"].strip() for one in _surely(header)), header.strip())
+
+
+def _surely(header: str) -> list[re.Match[str]]:
+    if len(header) > LONGEST_HEADER:
+        return []
+    return [one for style in STYLES[:SURE] if (one := style.fullmatch(header))]
+
+
+# How the files of a measurement are read, and how that is said: in Python, by options, in rigs.
 
 Speaker: TypeAlias = Literal["python", "options", "rig"]
 """Who says how files are read: a call, the options of a command, or a rig file."""

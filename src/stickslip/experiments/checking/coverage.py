@@ -1,12 +1,20 @@
-"""Friction maps and single numbers: what they cover, how often, how surely."""
+"""What readings cover: speeds and loads, how often, in what order, and whether levels stay.
 
+A friction map tells a law only where it has readings, more than one of each, and in an order that
+is none of the setting: a drift then reads as an effect of it. In a record, a level that does not
+stay leaves fewer independent values than there are samples.
+"""
+
+import math
 from collections.abc import Collection, Iterator, Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.experiments.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
+from stickslip.experiments.checking.motion import Motion
+from stickslip.experiments.differentiation import acceleration_of, smooth
 from stickslip.experiments.measurement import (
     QUANTITIES,
     TRAVELS,
@@ -14,9 +22,11 @@ from stickslip.experiments.measurement import (
     Measurement,
     condition_name,
 )
-from stickslip.formatting import count, percent, quantities, quantity
+from stickslip.formatting import count, lower_first, number, percent, quantities, quantity
 
-FEWEST: Final = 3
+# Friction maps and single numbers: what they cover, how often, how surely.
+
+FEWEST_DISTINCT: Final = 3
 FEW_SPEEDS: Final = 5
 SHOWN: Final = 8
 """Names of columns in a sentence at most."""
@@ -56,10 +66,10 @@ def coverage(record: Measurement) -> Iterator[Finding]:
         yield _map("error", "All values of friction are 0: it was not recorded.", numbers)
         return
     low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
-    few = distinct < FEWEST
+    few = distinct < FEWEST_DISTINCT
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"
-    text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
+    text += f": a friction curve needs at least {FEWEST_DISTINCT} velocities." if few else "."
     if distinct < FEW_SPEEDS:
         yield _map("warning", text, numbers, measure=OTHER_SPEEDS)
     else:
@@ -356,3 +366,264 @@ def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
             severity="error",
             sentence=f"Every {noun} is 0: no motion was recorded.",
         )
+
+
+# Whether settings were taken in their order: then a drift reads as an effect of the setting.
+
+FEWEST_IN_ORDER: Final = 3
+"""Settings from which on an order is none by chance alone."""
+NEARLY: Final = 0.1
+"""Places that a setting is from its place in order at most, over their number: a drift over these
+few is hardly seen."""
+
+
+def monotone(settings: Array) -> str:
+    """Return how settings go from one to the next: "increases", "decreases" or neither, empty.
+
+    A setting may be repeated before the next one is taken. Of many, some may have changed places
+    with the next: they increase "mostly". One that comes again later ends the order, and shows a
+    drift by itself.
+
+    Examples
+    --------
+    >>> monotone(np.array([0.1, 0.1, 0.2, 0.4])), monotone(np.array([0.1, 0.2, 0.4, 0.1]))
+    ('increases', '')
+    >>> monotone(np.array([10, 9, 8, 7, 5, 6, 4, 3, 2, 1]))
+    'mostly decreases'
+    """
+    if np.unique(settings).size < FEWEST_IN_ORDER:
+        return ""
+    for how, rising in (("increases", settings), ("decreases", -settings)):
+        off = np.max(np.abs(np.argsort(rising, kind="stable") - np.arange(rising.size)))
+        if off <= NEARLY * rising.size:
+            return f"mostly {how}" if off else how
+    return ""
+
+
+def _orders(velocity: Array) -> list[str]:
+    """Return how the speeds of each direction go; one with hardly a reading has no order."""
+    sides = (velocity[velocity < 0.0], velocity[velocity > 0.0])
+    return [monotone(side) for side in sides if side.size >= FEWEST_IN_ORDER]
+
+
+def speeds_in_order(velocity: Array) -> bool:
+    """Whether the speeds of a table are in order: those of each direction by themselves.
+
+    Examples
+    --------
+    >>> speeds_in_order(np.array([-0.4, -0.2, -0.1, 0.1, 0.2, 0.4]))
+    True
+    >>> speeds_in_order(np.array([0.1, 0.4, 0.2])), speeds_in_order(np.array([0.1, 0.2, 0.4, 0.1]))
+    (False, False)
+    >>> speeds_in_order(np.array([0.1, 0.2, 0.4, -0.1]))
+    True
+    """
+    found = _orders(velocity)
+    return bool(found) and all(found)
+
+
+def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
+    """Return how each parameter goes that was set anew from trial to trial, if all are in order.
+
+    Examples
+    --------
+    >>> def read(compression):
+    ...     return Measurement(travel=0.2, overrides={"mechanism.compression": compression})
+    >>> settings_in_order([read(0.05), read(0.10), read(0.15)])
+    {'mechanism.compression': 'increases'}
+    >>> settings_in_order([read(0.05), read(0.10), read(0.15), read(0.05)])
+    {}
+    """
+    paths = dict.fromkeys(path for one in records for path in (*one.overrides, *one.initial))
+    found = {}
+    for path in paths:
+        values = [{**one.overrides, **one.initial}.get(path) for one in records]
+        if any(not isinstance(value, (int, float)) for value in values):
+            return {}
+        numbers = np.array(values, dtype=float)
+        if np.ptp(numbers) > 0.0:
+            found[path] = monotone(numbers)
+    return found if all(found.values()) else {}
+
+
+def speeds(record: Measurement) -> Iterator[Finding]:
+    """Say of a table that its speeds are in order."""
+    velocity = np.asarray(record.values("velocity"))
+    if speeds_in_order(velocity):
+        how = "mostly " if any(one.startswith("mostly") for one in _orders(velocity)) else ""
+        said = f"The speeds are {how}in order from row to row; if they were measured"
+        yield _finding(said, "speed")
+
+
+def order_of_settings(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Say of readings that what was set is in order."""
+    for path, how in [*settings_in_order(records).items()][:1]:
+        what = path.rpartition(".")[2].replace("_", " ")
+        yield _finding(f"The {what} {how} from trial to trial; if it was set", what)
+
+
+def _finding(said: str, what: str) -> Finding:
+    return Finding(
+        kind="order",
+        sentence=f"{said} in this order, a slow drift reads as an effect of the {what}.",
+        measure=f"Measure in random order, or repeat the first {what} at the end",
+    )
+
+
+def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> tuple[str, ...]:
+    """Return what to measure, so many lines at most: at last in another order, if one was found.
+
+    Examples
+    --------
+    >>> table = Measurement(velocity=[0.1, 0.2, 0.4], friction=[2.0, 2.1, 2.3])
+    >>> [one[:23] for one in with_order(["Measure at 1 m/s.", "Warm it up."], [*speeds(table)], 2)]
+    ['Measure at 1 m/s.', 'Measure in random order']
+    """
+    found = [
+        f"{one.measure}: {lower_first(one.sentence)}" for one in findings if one.kind == "order"
+    ][:1]
+    return (*lines[: most - len(found)], *found)
+
+
+# Levels of forces: whether they stay, and how many independent values there are.
+
+FORCES: Final = ("force", "friction", "spring_force", "load")
+BLOCKS: Final = 10
+"""Blocks in each half, whose scatter is the doubt of its mean."""
+SURE: Final = 2.0
+"""Standard errors by which the means of two halves differ, not to be chance in most cases."""
+MATTERS: Final = 0.05
+"""Change over the level that a fit would notice."""
+FEWEST_SAMPLES: Final = 200
+FEW: Final = 30
+
+
+class Level(NamedTuple):
+    """A signal without what the motion explains of it."""
+
+    name: str
+    """Name of the quantity."""
+    what: str
+    """Where it comes from, in words."""
+    values: Array
+    """What remains of the signal (n,)."""
+    size: float
+    """Root mean square of the whole signal."""
+    unit: str = "N"
+    """SI unit of the signal."""
+
+
+def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
+    """Yield forces less what acceleration, velocity and direction explain of them."""
+    for name in FORCES:
+        if not isinstance(getattr(record, name), np.ndarray):
+            continue
+        values = np.asarray(record.values(name))
+        size = float(np.sqrt(np.mean(values**2)))
+        words = name.replace("_", " ")
+        if motion is None or name == "load":
+            yield Level(name, words, values, size, record.unit(name))
+            continue
+        columns = [acceleration_of(record), motion.velocity, motion.directions]
+        matrix = np.stack([*columns, np.ones(values.size)], axis=1)
+        scale = np.sqrt(np.mean(matrix**2, axis=0))
+        matrix = matrix / np.where(scale > 0, scale, 1.0)
+        found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        left = values - matrix[:, :3] @ found[:3]
+        what = (
+            f"{words} after subtraction of its dependence on acceleration, velocity and direction"
+        )
+        yield Level(name, what, left, size, record.unit(name))
+
+
+def independent(values: Array) -> float:
+    """Return how many independent values have a mean as sure as these, from how long they agree.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> white = rng.normal(size=10_000)
+    >>> bool(independent(white) > 9_000), bool(independent(np.repeat(white, 10)) < 11_000)
+    (True, True)
+    """
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    n = values.size
+    centred = values - values.mean()
+    power = float(centred @ centred)
+    if power <= 1e-24 * float(values @ values):
+        return float(n)
+    padded = next_fast_len(2 * n, real=True)
+    seen = irfft(np.abs(rfft(centred, padded)) ** 2, padded)[:n] / power
+    below = np.flatnonzero(seen <= 0)
+    last = int(below[0]) if below.size else n
+    return float(min(n, n / (1.0 + 2.0 * float(np.sum(seen[1:last])))))
+
+
+def drift(found: list[Level]) -> Iterator[Finding]:
+    """Say which forces change their mean from the first half to the second."""
+    for level in found:
+        if level.values.size < FEWEST_SAMPLES or level.size == 0.0 or np.ptp(level.values) == 0.0:
+            continue
+        halves = np.array_split(level.values, 2)
+        means = [float(half.mean()) for half in halves]
+        change, doubt = means[1] - means[0], math.hypot(*map(_doubt, halves))
+        sure = abs(change) / doubt if doubt else np.inf
+        if sure < SURE or abs(change) < 0.01 * level.size:
+            continue
+        matters = abs(change) >= MATTERS * level.size
+        first, second = quantities(means, level.unit)
+        word = "rises" if change > 0 else "falls"
+        text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second"
+        text += f" ({percent(abs(change) / level.size)} of its level,"
+        text += f" {number(float(sure), 2)} standard errors)"
+        text += ": fit the halves separately, or fit the drifting parameter." if matters else "."
+        yield Finding(
+            kind="drift",
+            severity="warning" if matters else "info",
+            sentence=text,
+            measure=(
+                "Repeat this record after an hour of running, to separate warm-up effects from the"
+                " friction law"
+            ),
+            numbers={
+                "first": means[0],
+                "second": means[1],
+                "standard_error": doubt,
+                "relative": change / level.size,
+            },
+        )
+
+
+def _doubt(values: Array) -> float:
+    """Return the standard error of a mean from the scatter of the means of blocks."""
+    means = [float(block.mean()) for block in np.array_split(values, BLOCKS)]
+    return float(np.std(means, ddof=1)) / float(np.sqrt(BLOCKS))
+
+
+def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
+    """Say how many independent values the record has, and of what."""
+    chosen = next((level for level in levels if level.name != "load"), None)
+    time = record.time
+    if chosen is not None:
+        what, values = chosen.what, chosen.values
+    elif time is not None and (record.position is not None or record.velocity is not None):
+        name = "position" if record.position is not None else "velocity"
+        own = np.asarray(record.values(name))
+        what, values = f"{name} minus its smooth component", own - smooth(time, own)
+    else:
+        return
+    if values.size < FEW or np.ptp(values) == 0.0:
+        return
+    size = independent(values)
+    few = size < 0.9 * values.size  # two digits of nearly all would be more than all
+    shown = number(size, 2) if few else number(math.floor(size), 9)
+    yield Finding(
+        kind="effective size",
+        severity="warning" if size < FEW else "info",
+        sentence=(
+            f"Effective sample size before any fit: {shown} of {number(values.size, 9)}"
+            f" samples (from the autocorrelation of the {what})."
+        ),
+        numbers={"samples": values.size, "independent": size},
+    )
