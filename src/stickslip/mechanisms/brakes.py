@@ -1,17 +1,193 @@
-"""Rotors in a row with a clutch between each two."""
+"""Friction linings and what they press on each other: disc brakes, trains of clutches."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, ClassVar, TypeVar, final
 
 from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism
-from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Parametrised, Quantity
+
+# Friction linings: what brakes and clutches press on each other.
+
+T = TypeVar("T")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Lining(Parametrised):
+    """A friction lining: the pad of a brake, or the lining of a clutch.
+
+    It rubs at a radius, so that its slip velocity is in m/s and its friction in N. A clutch with
+    several faces has their number times the pressing force.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Ramp
+    >>> pad = Lining(radius=0.12, press=Ramp(rate=50.0))
+    >>> pad.press.value(2.0)
+    100.0
+    """
+
+    radius: Annotated[float, Quantity("r", "m", above=0)]
+    """Effective radius."""
+    load: Annotated[float, Quantity("N", "N", low=0)] = 0.0
+    """Constant part of the pressing force."""
+    press: Drive | None = None
+    """Pressing force beside the load [N]; while both together are not above 0, nothing rubs."""
+
+    def contact(self, coordinate: str, name: str) -> Contact:
+        """Return the contact of a lining.
+
+        Parameters
+        ----------
+        coordinate : str
+            Angle that turns at the lining.
+        name : str
+            Name of the contact.
+
+        Returns
+        -------
+        Contact
+            Its slip velocity is the radius times the rate of the angle.
+        """
+        return Contact(slip={coordinate: self.radius}, load=self.load, name=name)
+
+
+def pressing_drives(linings: Mapping[str, Lining]) -> dict[str, Drive]:
+    """Return the drives that press linings, by the names of these."""
+    return {name: one.press for name, one in linings.items() if one.press is not None}
+
+
+def pressing_forces(
+    linings: Mapping[str, Lining], drives: Mapping[str, Scalar]
+) -> dict[str, Scalar]:
+    """Return the pressing forces [N] that change."""
+    return {name: one.load + drives[name] for name, one in linings.items() if one.press is not None}
+
+
+def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
+    """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
+    found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
+    if len(found) < least or not all(isinstance(one, kind) for one in found):
+        raise ParameterError(
+            f"{owner} must be at least {least} of {kind.__name__}(...) in a tuple, got {parts!r}."
+        )
+    return found
+
+
+# A disc and the pads that brake it.
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DiscBrake(Mechanism):
+    """A disc that pads brake, each at its radius.
+
+    The contacts are `pad-1`, `pad-2` and so on. While the pads hold the disc, they share the torque
+    that this takes in proportion to the torques at which they would break away.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.mechanisms import Lining
+    >>> brake = DiscBrake(
+    ...     inertia=0.5, pads=(Lining(radius=0.10, load=100.0), Lining(radius=0.12, load=80.0))
+    ... )
+    >>> run = simulate(brake, Coulomb(kinetic_coefficient=0.4), t_end=2.0, y0={"omega": 20.0})
+    >>> round(float(run["phi"][-1]), 9)  # 0.5 J omega^2 over the torque
+    12.755102041
+    """
+
+    name: ClassVar[str] = "disc-brake"
+    coordinates: ClassVar[tuple[str, ...]] = ("phi",)
+    rates: ClassVar[tuple[str, ...]] = ("omega",)
+    units: ClassVar[tuple[str, ...]] = ("rad",)
+    moving_part: ClassVar[str] = "disc"
+    contact_names: ClassVar[str] = "pad-1, pad-2, ..."
+
+    inertia: Annotated[float, Quantity("J", "kg m^2", above=0)]
+    """Moment of inertia of the disc and what turns with it."""
+    pads: tuple[Lining, ...]
+    """The pads, one or more."""
+    stiffness: Annotated[float, Quantity("k", "N m/rad", low=0)] = 0.0
+    """Torsion spring towards phi = 0."""
+    damping: Annotated[float, Quantity("c", "N m s/rad", low=0)] = 0.0
+    """Damper beside it."""
+    drive: Drive | None = None
+    """Torque on the disc [N m]."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters and the pads."""
+        super().__post_init__()
+        object.__setattr__(self, "pads", checked_parts("DiscBrake.pads", Lining, self.pads, 1))
+
+    def _linings(self) -> dict[str, Lining]:
+        """Return the pads by name."""
+        return {f"pad-{i + 1}": one for i, one in enumerate(self.pads)}
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        return 0.5 * self.inertia * q_dot["phi"] * q_dot["phi"]
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        return 0.5 * self.stiffness * q["phi"] * q["phi"]
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        return {"phi": drives.get("drive", 0.0) - self.damping * q_dot["phi"]}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return tuple(one.contact("phi", name) for name, one in self._linings().items())
+
+    @override
+    def loads(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        return pressing_forces(self._linings(), drives)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        others = -self.stiffness * q["phi"] - self.damping * q_dot["phi"]
+        return {  # forces at the radius of each pad, whose torques these are
+            name: gear_inputs(
+                drives.get("drive", 0.0) / pad.radius,
+                others / pad.radius,
+                position=pad.radius * q["phi"],
+            )
+            for name, pad in self._linings().items()
+        }
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        own = {} if self.drive is None else {"drive": self.drive}
+        return {**own, **pressing_drives(self._linings())}
+
+
+# Rotors in a row with a clutch between each two.
 
 
 @final
