@@ -1,16 +1,13 @@
-"""Machine code of the kernels, which all mechanisms and laws share: one file on a machine.
-
-Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
-entries reach; their annotations say what everything is.
-"""
+"""Programs that are compiled: the equations of a model, and the kernels that all models share."""
 
 import ast
 import ctypes
 import functools
 import inspect
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import FunctionType, SimpleNamespace
 from typing import Any, final
@@ -20,9 +17,10 @@ from typing_extensions import override
 
 from stickslip import kernels
 from stickslip.errors import CompilationError
+from stickslip.formulation import Model
 from stickslip.kernels import backend, entries
-from stickslip.solver.compile.image_cache import name_of
-from stickslip.solver.compile.object_code import ObjectCode, maker
+from stickslip.kernels.equations import CALLED, LAW, LAW_MARGIN_SLOPES, LAW_MARGINS, LAW_SLOPES_OF
+from stickslip.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.solver.compile.translation import (
     REAL,
     TRUTH,
@@ -37,9 +35,118 @@ from stickslip.solver.compile.translation import (
     translated,
 )
 
+# Machine code of a model's equations: made by LLVM in a tenth of a second, from the plain text.
+
+ENTRY = "equations"
+"""The function that calls the others by their numbers; no other is seen from outside."""
+LAW_FUNCTIONS = {
+    re.compile(r"law_(\d+)"): LAW,
+    re.compile(r"law_margins_(\d+)"): LAW_MARGINS,
+    re.compile(r"law_slopes_(\d+)"): LAW_SLOPES_OF,
+    re.compile(r"law_margin_slopes_(\d+)"): LAW_MARGIN_SLOPES,
+}
+"""Names of the functions of laws, one for each structure, and the number of the first."""
+TAKEN = (
+    ("mode", WHOLE),
+    ("flags", WHOLE),
+    ("t", REAL),
+    ("w", VECTOR),
+    ("at", WHOLE),
+    ("to", WHOLE),
+)
+
+
+@final
+@dataclass(frozen=True)
+class EquationsCode(ObjectCode):
+    """Machine code of the equations of a mechanism with a law, whatever their parameters."""
+
+    pair: str = field(compare=False)
+    """Mechanism and law in words."""
+    program: str
+    """Program text of the functions."""
+    numbers: tuple[tuple[str, int], ...]
+    """Names of the functions that are called, and their numbers."""
+
+    @property
+    @override
+    def title(self) -> str:
+        return self.pair
+
+    @property
+    @override
+    def name(self) -> str:
+        return name_of("\n".join([maker(), repr(self.numbers), self.program]))
+
+    @property
+    @override
+    def symbols(self) -> Sequence[str]:
+        return (ENTRY,)
+
+    @property
+    @override
+    def seconds(self) -> float:
+        return 0.1
+
+    @property
+    def address(self) -> int:
+        """Address of a C function of (number, mode, flags, t, w, size, at, to)."""
+        return self.addresses[ENTRY]
+
+    @override
+    def text(self) -> str:
+        functions = []
+        for node in ast.parse(self.program).body:
+            if not isinstance(node, ast.FunctionDef):
+                shown = ast.unparse(node).partition("\n")[0]
+                raise CompilationError(f"equations, line {node.lineno}: {shown!r} is no function.")
+            signature = Signature(f"f.{node.name}", TAKEN)
+            functions.append(Function(node, signature, _nothing, "equations"))
+        return "\n".join([translated(functions), *_chosen(dict(self.numbers))])
+
+
+def _nothing(_name: str) -> None:
+    """Say that no name outside a function stands for anything."""
+
+
+def _chosen(numbers: dict[str, int]) -> list[str]:
+    """Return a function that calls the others by their number; others do nothing."""
+    given = "i64 %mode, i64 %flags, double %t, ptr %w, i64 %w.length, i64 %at, i64 %to"
+    lines = [f"define void @{ENTRY}(i64 %name, {given}) nounwind {{"]
+    cases = " ".join(f"i64 {number}, label %is.{number}" for number in numbers.values())
+    lines.append(f"  switch i64 %name, label %none [{cases}]")
+    for name, number in numbers.items():
+        lines += [f"is.{number}:", f"  tail call void @f.{name}({given})", "  ret void"]
+    return [*lines, "none:", "  ret void", "}"]
+
+
+@functools.lru_cache(maxsize=256)
+def numbered(model: Model) -> dict[str, int]:
+    """Return the numbers by which kernels call the functions of a model's equations."""
+    found = {name: i for i, name in enumerate(CALLED)}
+    for numbers, start in LAW_FUNCTIONS.items():
+        found |= {
+            match[0]: start + int(match[1])
+            for name in model.sizes.lengths()
+            if (match := numbers.fullmatch(name))
+        }
+    return {name: number for name, number in found.items() if f"def {name}(" in model.text}
+
+
+@functools.lru_cache(maxsize=256)
+def code_of(model: Model) -> EquationsCode:
+    """Return the machine code of a model's equations, which may have yet to be made."""
+    return EquationsCode(model.title, model.text, tuple(numbered(model).items()))
+
+
+# Machine code of the kernels, which all mechanisms and laws share: one file on a machine.
+#
+# Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
+# entries reach; their annotations say what everything is.
+
 KINDS = {"Vector": VECTOR, "Wholes": WHOLES, "float": REAL, "int": WHOLE, "bool": TRUTH}
 """Kinds of values by their annotations."""
-CALLED = {
+CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
     backend.call_contacts: ("name", "t", "w", "whole", "at", "to"),
 }
@@ -79,7 +186,9 @@ class KernelsCode(ObjectCode):
     @override
     def text(self) -> str:
         functions = [function_of(one) for one in _reached()]
-        called = [call_by_address(signature_of(one), order) for one, order in CALLED.items()]
+        called = [
+            call_by_address(signature_of(one), order) for one, order in CALLED_BY_ADDRESS.items()
+        ]
         outside = [exported(name, signature_of(getattr(entries, name))) for name in self.symbols]
         return "\n".join([translated(functions), *called, *outside])
 
@@ -111,7 +220,11 @@ def _reached() -> list[FunctionType]:
     waiting = [getattr(entries, name) for name in entries.__all__]
     while waiting:
         function = waiting.pop()
-        if function not in found and function not in CALLED and function is not backend.rare:
+        if (
+            function not in found
+            and function not in CALLED_BY_ADDRESS
+            and function is not backend.rare
+        ):
             found[function] = None
             waiting += _callees(function)
     return list(found)

@@ -1,11 +1,12 @@
-"""Machine code that integrates the states of a law along a motion, for many copies of it."""
+"""Machine code of states of laws: along a motion for many copies, and observers of a record."""
 
 import ast
 import dataclasses
 import functools
 import itertools
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -16,10 +17,56 @@ from stickslip.errors import CompilationError, not_finite
 from stickslip.friction import FrictionLaw, bound
 from stickslip.kernels import observer
 from stickslip.quantities import shadow, structure, unchecked
-from stickslip.solver.compile.image_cache import name_of
-from stickslip.solver.compile.kernels_code import as_function, function_of, signature_of
-from stickslip.solver.compile.object_code import ObjectCode, maker
+from stickslip.solver.compile.object_code import ObjectCode, maker, name_of
+from stickslip.solver.compile.programs import as_function, function_of, signature_of
 from stickslip.solver.compile.translation import Function, exported, translated
+
+# Machine code of the observer of a record, one file on a machine.
+
+
+@final
+class ObserverCode(ObjectCode):
+    """Machine code of `stickslip.kernels.observer.observe`."""
+
+    @property
+    @override
+    def title(self) -> str:
+        return "the observer of records"
+
+    @property
+    @override
+    def name(self) -> str:
+        sources = [Path(one).read_text("utf-8") for one in (observer.__file__, __file__)]
+        return name_of("\n".join([maker(), *sources]))
+
+    @property
+    @override
+    def symbols(self) -> Sequence[str]:
+        return ("observe",)
+
+    @property
+    @override
+    def seconds(self) -> float:
+        return 0.2
+
+    @override
+    def text(self) -> str:
+        parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
+        own = signature_of(observer.observe)
+        return f"{translated([function_of(one) for one in parts])}\n{exported('observe', own)}"
+
+
+CODE = ObserverCode()
+
+
+@functools.cache
+def observe() -> Callable[..., Any]:
+    """Return the compiled function, loaded once in a process."""
+    CODE.load()
+    return as_function(CODE.addresses["observe"], signature_of(observer.observe))
+
+
+# Machine code that integrates the states of a law along a motion, for many copies of it.
 
 Array = NDArray[np.float64]
 
