@@ -18,7 +18,7 @@ from stickslip.drives import Sine
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.outputs import Samples
 from stickslip.sweep import OrbitDiagram, average_velocity, orbit_diagram
-from stickslip.sweep.cycles import period_of
+from stickslip.sweep.bifurcation import period_of
 
 Array = NDArray[np.float64]
 

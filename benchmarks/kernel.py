@@ -10,9 +10,9 @@ from stickslip.kernels.batch import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of
-from stickslip.solver.drive_schedule import gather
+from stickslip.solver.certify import directions_of, working
 from stickslip.solver.reducers import reasons
-from stickslip.solver.sensitivities import directions_of, working
+from stickslip.solver.starts import gather
 
 LIMIT = 1_000_000
 """Steps after which a run is given up."""

@@ -55,8 +55,8 @@ from stickslip.mechanisms import (
     input_names,
 )
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.solver.drive_schedule import gather
-from stickslip.solver.evaluator import Equations
+from stickslip.solver.backend import Equations
+from stickslip.solver.starts import gather
 from stickslip.testing.friction import ORDINARY
 
 UNAIDED = {name: law for name, law in LAWS.items() if not law.inputs}

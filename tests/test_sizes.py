@@ -28,7 +28,7 @@ from stickslip.cli import main
 from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.experiments import LawEstimates, Measurement
-from stickslip.optimisation.cma_search import Memory
+from stickslip.optimisation.search import Memory
 from stickslip.sweep import average_velocity, band_of, bifurcation
 
 MANY = 10**9

@@ -145,7 +145,7 @@ def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_mo
         ("stickslip.simulation", "simulate"),
         ("stickslip.friction.base", "FrictionLaw.break_away"),
         ("stickslip.friction.base", "FrictionLaw"),
-        ("stickslip.sweep.basins", "basins"),
+        ("stickslip.sweep.bifurcation", "basins"),
     }
     assert ("stickslip.kernels.driver", "run") not in docstrings.shown()
 

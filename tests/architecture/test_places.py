@@ -164,7 +164,7 @@ def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(t
 
 @pytest.mark.slow
 def test_a_mechanism_touches_three_places(tree: Tree) -> None:
-    line = '    "Capsule": "capsule",'
+    line = '    "Capsule": "capsules",'
     places = contributed(
         tree,
         "toy_mechanism.py",

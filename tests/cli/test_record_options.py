@@ -9,7 +9,7 @@ from tests.commands import commands
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli.inputs import measured
 from stickslip.drives import Sampled
-from stickslip.experiments.readers.reader_options import Reading
+from stickslip.experiments.readers.columns import Reading
 from stickslip.solver.compile.modules import notice
 
 RIG = """

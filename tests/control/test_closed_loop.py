@@ -24,7 +24,7 @@ from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
-from stickslip.solver import incremental_run
+from stickslip.solver import incremental
 from stickslip.solver.run import Work
 
 MASS, SPRING, DAMPER, PERIOD = 1.3, 20.0, 0.7, 0.02
@@ -246,7 +246,7 @@ def test_a_long_loop_goes_on_in_machine_code_with_the_same_bits(monkeypatch):
         return len(begun) > 2
 
     monkeypatch.setattr(Work, "is_enough", enough)
-    monkeypatch.setattr(incremental_run, "STRETCH", 30)
+    monkeypatch.setattr(incremental, "STRETCH", 30)
     auto, plain = (
         closed_loop(AXIS, STICTION, pd, period=1e-2, t_end=2.0, solver=EventDriven(tier=tier)).run
         for tier in ("auto", "python")

@@ -12,7 +12,7 @@ from tests.support import broken_lines, drives, examples, nearly, pulses
 from stickslip import Axis, Coulomb, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 from stickslip.formulation import formulate
-from stickslip.solver import drive_schedule
+from stickslip.solver import starts as drive_schedule
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))

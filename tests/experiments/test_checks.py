@@ -17,7 +17,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data, inertia_of, read_data, refuse_faults
-from stickslip.experiments.checking.stationarity import independent
+from stickslip.experiments.checking.coverage import independent
 from stickslip.results import Checks, Finding
 
 RATE = 1000.0

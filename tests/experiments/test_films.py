@@ -9,7 +9,7 @@ from stickslip import Capsule, Coulomb, Measurement, check, select, simulate
 from stickslip.drives import Square
 from stickslip.errors import InputError
 from stickslip.experiments import travels_of_films
-from stickslip.experiments.films import frequency_of, other_drives
+from stickslip.experiments.travels import frequency_of, other_drives
 from stickslip.mechanisms import Torque
 
 PERIOD = "mechanism.drive.drive.period"

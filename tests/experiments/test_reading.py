@@ -13,8 +13,8 @@ from scipy.io import savemat
 from stickslip import check, load_measurement
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import guess_data
+from stickslip.experiments.readers.binary import check_structure
 from stickslip.experiments.readers.csv_reader import read_text
-from stickslip.experiments.readers.mat5_validator import check_structure
 
 TIME = np.arange(100) / 100
 POSITION = np.sin(TIME)

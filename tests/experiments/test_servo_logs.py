@@ -12,7 +12,7 @@ import pytest
 from stickslip import load_measurement, load_rig
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data, guess_robot
-from stickslip.experiments.readers.servo_json import read_servo
+from stickslip.experiments.readers.robots import read_servo
 
 TIME = np.arange(120) / 30
 NAMES = ["shoulder.pos", "elbow.pos"]

@@ -8,7 +8,7 @@ import pytest
 
 from stickslip import Axis, Measurement, SpringBlock
 from stickslip.errors import InputError
-from stickslip.experiments.slicing import rows_of
+from stickslip.experiments.differentiation import rows_of
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics, mass_of
 from stickslip.identification.series.start_values import inertia_of
 

@@ -12,7 +12,7 @@ from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.search import Search
 from stickslip.kernels import observer
-from stickslip.solver.compile.observer_code import observe
+from stickslip.solver.compile.states import observe
 
 STEP, INERTIA, LEVEL, VISCOUS = 0.001, 0.02, 1.0, 0.3
 HALF = 400

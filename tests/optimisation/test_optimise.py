@@ -26,8 +26,7 @@ from stickslip.mechanisms import Prescribed
 from stickslip.optimisation import GOALS, Limits, Margin, measure
 from stickslip.optimisation.optimise import LEAST_ROUNDS, MOST_POLISHED
 from stickslip.optimisation.parametrisation import KINDS, kind_of, space_of
-from stickslip.optimisation.problem import FINER, Problem
-from stickslip.optimisation.scenarios import scenarios_of
+from stickslip.optimisation.problem import FINER, Problem, scenarios_of
 
 SMALL = 60
 """Motions that a search tries here."""

@@ -14,10 +14,9 @@ import pytest
 from stickslip import load_measurement, load_rig
 from stickslip.errors import InputError
 from stickslip.experiments import guess_data
-from stickslip.experiments.readers.layout import is_number, layout_of
-from stickslip.experiments.readers.serial_monitor import read_serial
-from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
-from stickslip.experiments.readers.video_tracks import seconds
+from stickslip.experiments.readers.instruments import read_serial
+from stickslip.experiments.readers.layout import is_number, is_stamp, layout_of, seconds_of
+from stickslip.experiments.readers.tracks import seconds
 from stickslip.experiments.units import read_gain
 from stickslip.exports.applying.consumers import read_model
 from stickslip.formatting import printable, unbroken

@@ -97,7 +97,7 @@ def test_values_of_another_shape_are_refused():
 
 def test_threads_and_room_for_rows_change_nothing(monkeypatch):
     plain = advanced(going(*CASES["series"], threads=1)).states
-    monkeypatch.setattr("stickslip.solver.incremental_ensemble.FIRST_ROWS", 1)
+    monkeypatch.setattr("stickslip.solver.incremental.FIRST_ROWS", 1)
     np.testing.assert_array_equal(advanced(going(*CASES["series"], threads=2)).states, plain)
 
 

@@ -10,15 +10,15 @@ import warnings
 import pytest
 
 from stickslip.errors import CompilationError
-from stickslip.solver.compile import equations_code, image_cache, object_code
-from stickslip.solver.compile.equations_code import EquationsCode
+from stickslip.solver.compile import object_code, programs
 from stickslip.solver.compile.object_code import _linked
+from stickslip.solver.compile.programs import EquationsCode
 
 TEXT = "def f(mode, flags, t, w, at, to):\n    w[to] = w[at] + math.exp(t)\n    return\n"
 CODE = EquationsCode("a test", TEXT, (("f", 0),))
 AT_ONCE = """
 import sys
-from stickslip.solver.compile.equations_code import EquationsCode
+from stickslip.solver.compile.programs import EquationsCode
 sys.stdin.readline()
 for i in range(20):
     text = f"def f(mode, flags, t, w, at, to):\\n    w[to] = t + {i}.0\\n    return\\n"
@@ -35,9 +35,9 @@ def cache(tmp_path, monkeypatch):
     """Give each test a cache of its own, and forget what is in memory."""
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(object_code, "_loaded", {})
-    image_cache._warn.cache_clear()
+    object_code._warn.cache_clear()
     yield tmp_path / "cache"
-    image_cache._warn.cache_clear()
+    object_code._warn.cache_clear()
 
 
 @pytest.fixture
@@ -83,7 +83,7 @@ def test_what_is_loaded_stays_where_it_is(file):
 
 DAMAGE = {
     "nothing left": lambda content: b"",
-    "only the seal": lambda content: content[: image_cache.SEAL],
+    "only the seal": lambda content: content[: object_code.SEAL],
     "cut short": lambda content: content[: len(content) // 2],
     "one byte short": lambda content: content[:-1],
     "one byte more": lambda content: content + b"\x00",
@@ -107,7 +107,7 @@ def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypat
         lambda name, image, symbols: seen.append(image) or linked(name, image, symbols),
     )
     assert CODE.load()
-    assert seen == [whole[image_cache.SEAL :]]
+    assert seen == [whole[object_code.SEAL :]]
     assert file.read_bytes() == whole
     assert value() == 3.0
 
@@ -136,12 +136,12 @@ def test_a_function_that_nothing_defines_is_a_clear_error():
 
 
 def test_another_processor_or_another_maker_has_files_of_its_own(file, monkeypatch):
-    monkeypatch.setattr(image_cache, "_processor", lambda: "another")
+    monkeypatch.setattr(object_code, "_processor", lambda: "another")
     assert not CODE.is_kept()
     monkeypatch.undo()
     monkeypatch.setenv("STICKSLIP_CACHE", str(file.parent))
     assert CODE.is_kept()
-    monkeypatch.setattr(equations_code, "maker", lambda: "a later version")
+    monkeypatch.setattr(programs, "maker", lambda: "a later version")
     assert not CODE.is_kept()
 
 
@@ -234,7 +234,7 @@ def test_two_processes_at_once_leave_one_whole_file_each(cache):
 
 def test_the_same_equations_give_the_same_code_every_time(file):
     image = object_code._compiled(CODE.text())
-    assert file.read_bytes()[image_cache.SEAL :] == image
+    assert file.read_bytes()[object_code.SEAL :] == image
 
 
 @posix
@@ -245,11 +245,11 @@ def test_a_folder_within_one_that_others_may_write_to_is_not_trusted(tmp_path, m
     with pytest.warns(UserWarning, match=r"others may write to .*open: "):
         CODE.load()
     assert not CODE.is_kept()
-    assert not image_cache.is_writable()
+    assert not object_code.is_writable()
     (tmp_path / "open").chmod(0o1777)  # as /tmp: nobody may rename what is another's
     assert CODE.load()
     assert CODE.is_kept()
-    assert image_cache.is_writable()
+    assert object_code.is_writable()
 
 
 @posix
@@ -300,7 +300,7 @@ def test_a_warning_is_given_once(file):
 
 def test_nothing_is_judged_where_there_are_no_mode_bits(file, monkeypatch):
     file.parent.chmod(0o777)
-    monkeypatch.setattr(image_cache, "HAS_MODES", False)
+    monkeypatch.setattr(object_code, "HAS_MODES", False)
     assert not CODE.load()
 
 
@@ -310,7 +310,7 @@ def test_links_that_go_round_in_circles_are_no_obstacle(tmp_path, monkeypatch):
     (tmp_path / "b").symlink_to(tmp_path / "a")
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a"))
     assert not CODE.is_kept()
-    assert not image_cache.is_writable()
+    assert not object_code.is_writable()
     with pytest.warns(UserWarning, match="cannot be used"):
         CODE.load()
     assert value() == 3.0
@@ -345,17 +345,17 @@ def test_who_compiles_for_long_in_vain_is_told(file, monkeypatch, seconds, warne
 
 
 def test_the_cache_is_where_the_environment_says(cache, monkeypatch):
-    assert image_cache.cache_directory() == cache
+    assert object_code.cache_directory() == cache
     monkeypatch.delenv("STICKSLIP_CACHE")
-    assert image_cache.cache_directory().name == "code"
-    assert "stickslip" in str(image_cache.cache_directory())
+    assert object_code.cache_directory().name == "code"
+    assert "stickslip" in str(object_code.cache_directory())
 
 
 @pytest.mark.parametrize("named", ["generic", "no-such-processor"])
 def test_code_for_a_named_processor_has_files_of_its_own(monkeypatch, named):
-    own = image_cache.processor.__wrapped__()
+    own = object_code.processor.__wrapped__()
     monkeypatch.setenv("STICKSLIP_CPU", named)
-    kind = image_cache.processor.__wrapped__()
+    kind = object_code.processor.__wrapped__()
     assert kind[:2] == (own[0], named)
     assert kind != own
     # LLVM compiles for a processor that it does not know, and does not end the process

@@ -28,10 +28,9 @@ from stickslip.maths import where
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Quantity
 from stickslip.results import Status
-from stickslip.solver.drive_schedule import gather
-from stickslip.solver.initial_states import within_stops
+from stickslip.solver.event_driven import fastest_motion
 from stickslip.solver.run import execute
-from stickslip.solver.step_limits import fastest_motion
+from stickslip.solver.starts import gather, within_stops
 
 FEW = EventDriven(max_steps=20, tier="python")
 LAYER = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)

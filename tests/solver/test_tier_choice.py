@@ -11,10 +11,9 @@ import pytest
 
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
-from stickslip.solver import run, sensitivities
-from stickslip.solver.compile import precompile
-from stickslip.solver.compile.equations_code import EquationsCode, code_of
-from stickslip.solver.compile.kernels_code import KernelsCode
+from stickslip.solver import certify, run
+from stickslip.solver.compile import modules
+from stickslip.solver.compile.programs import EquationsCode, KernelsCode, code_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
@@ -173,28 +172,28 @@ def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monke
         return process
 
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
-    monkeypatch.setattr(precompile, "_begun", [])
-    monkeypatch.setattr(precompile.subprocess, "Popen", popen)
-    assert not precompile.compile_in_background(equations)  # tests forbid it
-    monkeypatch.setenv(precompile.SWITCH, "1")
-    assert precompile.compile_in_background(equations)
-    assert precompile.compile_in_background(equations)
+    monkeypatch.setattr(modules, "_begun", [])
+    monkeypatch.setattr(modules.subprocess, "Popen", popen)
+    assert not modules.compile_in_background(equations)  # tests forbid it
+    monkeypatch.setenv(modules.SWITCH, "1")
+    assert modules.compile_in_background(equations)
+    assert modules.compile_in_background(equations)
     (((_, _, code), told),) = calls
-    monkeypatch.setattr(precompile.os, "nice", lambda increment: increment)
-    monkeypatch.setattr(precompile.sys, "stdin", io.StringIO(told.decode()))
+    monkeypatch.setattr(modules.os, "nice", lambda increment: increment)
+    monkeypatch.setattr(modules.sys, "stdin", io.StringIO(told.decode()))
     for kind in (KernelsCode, EquationsCode):
         monkeypatch.setattr(kind, "load", lambda code: not loaded.append(code))
     exec(code)
-    assert loaded == [equations, precompile.KERNELS]
+    assert loaded == [equations, modules.KERNELS]
     assert loaded[0].name == equations.name
     process.returncode = 1  # killed, or out of memory: somebody else has to compile
-    assert not precompile.compile_in_background(equations)
+    assert not modules.compile_in_background(equations)
 
 
 @pytest.mark.parametrize("tier", ["auto", "python"])
 def test_sensitivities_take_machine_code_once_the_run_has_paid_for_it(monkeypatch, tiers, tier):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    monkeypatch.setattr(sensitivities, "runner_of", run.runner_of)
+    monkeypatch.setattr(certify, "runner_of", run.runner_of)
     lasting(monkeypatch, 1.1 * (WAIT + WAIT_FOR_EQUATIONS))
     moved = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier=tier)).at(1.0)
     copied = pickle.loads(pickle.dumps(moved))
@@ -206,13 +205,13 @@ def test_sensitivities_take_machine_code_once_the_run_has_paid_for_it(monkeypatc
 
 def test_sensitivities_in_plain_python_count(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    monkeypatch.setattr(sensitivities, "runner_of", run.runner_of)
+    monkeypatch.setattr(certify, "runner_of", run.runner_of)
     lasting(monkeypatch, 0.0)
     moved = simulate(RIG, LAW, t_end=1.0).at(1.0)
     tiers.clear()
     clock = itertools.count()
     monkeypatch.setattr(
-        sensitivities, "thread_time", lambda: 0.6 * (WAIT + WAIT_FOR_EQUATIONS) * next(clock)
+        certify, "thread_time", lambda: 0.6 * (WAIT + WAIT_FOR_EQUATIONS) * next(clock)
     )
     for _ in range(3):
         moved.sensitivity("x", "kinetic_coefficient")

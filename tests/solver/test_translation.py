@@ -22,8 +22,8 @@ from stickslip.errors import CompilationError
 from stickslip.formulation.infix import function
 from stickslip.kernels.backend import rare
 from stickslip.kernels.state_layout import NUMBERS
-from stickslip.solver.compile.equations_code import EquationsCode
 from stickslip.solver.compile.object_code import _compiled, _linked
+from stickslip.solver.compile.programs import EquationsCode
 from stickslip.solver.compile.translation import (
     FUNCTIONS,
     REAL,

@@ -16,9 +16,9 @@ from stickslip import Coulomb, CoulombViscous, SpringBlock
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
 from stickslip.solver import prepare, warm_up
-from stickslip.solver.compile import image_cache, modules, object_code, precompile
-from stickslip.solver.compile.kernels_code import KERNELS, KernelsCode
+from stickslip.solver.compile import modules, object_code
 from stickslip.solver.compile.modules import load_compiled
+from stickslip.solver.compile.programs import KERNELS, KernelsCode
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
@@ -39,7 +39,7 @@ def warmed(tmp_path_factory):
     """Warm up a folder with a copy of the kernels that all tests share, one pair first."""
     folder = tmp_path_factory.mktemp("warm")
     KERNELS.load()
-    (file,) = image_cache.cache_directory().glob(f"{KERNELS.name}.{image_cache._processor()}.*")
+    (file,) = object_code.cache_directory().glob(f"{KERNELS.name}.{object_code._processor()}.*")
     shutil.copy2(file, folder)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
@@ -126,7 +126,7 @@ def test_what_is_there_is_not_even_loaded(cache, monkeypatch):
 
 
 def test_what_is_there_needs_no_folder_that_can_be_written(cache, monkeypatch):
-    monkeypatch.setattr(precompile, "is_writable", lambda: False)
+    monkeypatch.setattr(modules, "is_writable", lambda: False)
     assert not warm_up(PAIRS).kernels_compiled
 
 
@@ -153,7 +153,7 @@ def test_the_kernels_refuse_arrays_of_another_kind(cache, fresh):
 
 def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeypatch):
     assert KERNELS.is_kept()
-    monkeypatch.setattr(image_cache, "_processor", lambda: "another")
+    monkeypatch.setattr(object_code, "_processor", lambda: "another")
     assert not KERNELS.is_kept()
     monkeypatch.undo()
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
@@ -183,7 +183,7 @@ def test_what_is_no_pair_is_named(pair):
 
 def test_the_kernels_come_first_and_once_for_all(empty, monkeypatch):
     seen = []
-    monkeypatch.setattr(precompile, "_compiled", lambda parts, _: set(seen.extend(parts) or []))
+    monkeypatch.setattr(modules, "_compiled", lambda parts, _: set(seen.extend(parts) or []))
     warm_up([*PAIRS, (replace(RIG, attached=True), LAW), (replace(RIG, attached=True), OTHER)])
     assert [isinstance(part, KernelsCode) for part in seen] == [True] + [False] * 4
     assert len(set(seen)) == len(seen)

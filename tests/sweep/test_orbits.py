@@ -22,7 +22,7 @@ from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
 from stickslip.sweep import continue_orbit, orbit_diagram, periodic_orbit
-from stickslip.sweep.cycles import period_of
+from stickslip.sweep.bifurcation import period_of
 from stickslip.sweep.orbits import return_map
 
 FREQUENCY = "mechanism.drive.drive.frequency"

@@ -1,13 +1,20 @@
-"""Velocities, accelerations and noise of a record, from what was sampled."""
+"""Velocities, accelerations and noise of a record, its parts, and readings that are no motion.
+
+A velocity comes from neighbouring positions, an acceleration from velocities; no difference is
+taken across a gap of the times. Steady readings have times too, but are rows of a table: a low
+pass, or a difference, means nothing between them.
+"""
 
 import itertools
 import math
+from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from stickslip.errors import InputError, check_even_times
-from stickslip.experiments.measurement import Array, Measurement
+from stickslip.experiments.measurement import SAMPLED, Array, Measurement
 from stickslip.formatting import number
 
 CUTOFF: Final = 0.1
@@ -302,3 +309,111 @@ def unit_differences(values: Array, time: Array, order: int) -> Array:
     return np.asarray(
         np.sum([w * values[rows] for w, rows in zip(weights, columns, strict=True)], axis=0)
     )
+
+
+# Parts of a record: some of its rows, or what lies between its gaps.
+
+
+def rows_of(record: Measurement, first: int, end: int) -> Measurement:
+    """Return the rows of a record in time from one on, up to another that is left out.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0.0, 1.0, 2.0], position=[5.0, 6.0, 7.0], load=9.0)
+    >>> part = rows_of(record, 1, 3)
+    >>> part.time.tolist(), part.position.tolist(), part.load
+    ([1.0, 2.0], [6.0, 7.0], 9.0)
+    """
+    return _picked(record, slice(first, end))
+
+
+def _picked(record: Measurement, rows: slice) -> Measurement:
+    columns = {
+        name: getattr(record, name)[rows]
+        for name in ("time", *SAMPLED)
+        if isinstance(getattr(record, name), np.ndarray)
+    }
+    inputs = {
+        name: one[rows] if isinstance(one, np.ndarray) else one
+        for name, one in record.inputs.items()
+    }
+    joints = {name: _picked(one, rows) for name, one in record.joints.items()}
+    return replace(record, **columns, inputs=inputs, joints=joints)
+
+
+def between_gaps(record: Measurement) -> tuple[Measurement, ...]:
+    """Return the parts of a record in time between steps over three times the usual one.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0.0, 1.0, 2.0, 9.0, 10.0, 11.0], position=[0, 1, 2, 9, 10, 11])
+    >>> [part.time.tolist() for part in between_gaps(record)]
+    [[0.0, 1.0, 2.0], [9.0, 10.0, 11.0]]
+    """
+    time = np.asarray(record.time)
+    cuts = np.flatnonzero(np.diff(time) > GAP * interval_of(time)) + 1
+    if not cuts.size:
+        return (record,)
+    edges = [0, *cuts.tolist(), time.size]
+    # One row alone has no step of time, and is no record.
+    return tuple(rows_of(record, a, b) for a, b in pairwise(edges) if b - a > 1)
+
+
+# Steady readings of friction that have times: rows of a table, not samples of a motion.
+#
+# A motion is sampled so often that neighbouring velocities are nearly one, and what a low pass
+# takes off them is noise. Each steady reading is taken at a speed of its own, which friction
+# follows at once: a low pass takes off what friction depends on, and slow readings between faster
+# ones vanish.
+
+FEWEST: Final = 30
+"""Rows below which nothing is sampled often enough to be filtered."""
+SLOW: Final = 1.0
+"""Step of time [s] from which rows, each at another speed, are readings."""
+OTHER: Final = 0.01
+"""Change of a velocity over its range from which the next one is another ..."""
+OFTEN: Final = 0.5
+"""... and the share of the rows that are followed by another one."""
+LOST: Final = 2.0
+"""Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
+MEAN: Final = 5
+"""Rows of that mean: about what a low pass at a tenth of the sampling frequency takes."""
+
+
+def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
+    """Return whether rows are steady readings of friction, and no samples of a motion.
+
+    Examples
+    --------
+    >>> t = 6.0 * np.arange(60)
+    >>> v = 1.0 + np.sin(np.arange(60.0) ** 2)
+    >>> are_steady_readings(t, v, 2.0 + v)
+    True
+    >>> fast = np.sin(t / 20.0)  # of large steps and reversals, but one after the other
+    >>> are_steady_readings(t / 600.0, fast, np.sign(fast))
+    False
+    """
+    extent = float(np.ptp(velocity))
+    if extent == 0.0:
+        return False
+    slow = float(np.median(np.diff(time))) >= SLOW
+    if slow and velocity.size < FEWEST:
+        return True
+    steps = np.abs(np.diff(velocity))
+    if float(np.mean(steps > OTHER * extent)) < OFTEN:
+        return False
+    if slow:
+        return True
+    if _rms(np.diff(velocity, n=2)) < _rms(steps):
+        return False  # a motion goes on from step to step; readings in any order do not
+    usual = np.convolve(np.pad(velocity, MEAN // 2, mode="edge"), np.full(MEAN, 1 / MEAN), "valid")
+    return _scatter(usual, friction) > LOST * _scatter(velocity, friction)
+
+
+def _scatter(velocity: Array, friction: Array) -> float:
+    """Return how far friction at one velocity is from that at the next, root mean square."""
+    return _rms(np.diff(friction[np.argsort(velocity, kind="stable")]))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -8,8 +8,7 @@ import pandas as pd
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
-from stickslip.experiments.readers.condition_columns import condition_cells, condition_keys
-from stickslip.experiments.readers.table_reader import Frame
+from stickslip.experiments.readers.table_reader import Frame, condition_cells, condition_keys
 from stickslip.experiments.rig import check_record, state_units
 from stickslip.mechanisms import PREFIX, Mechanism, canonical_path, quantity_at
 

@@ -1,4 +1,7 @@
-"""What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
+"""What a friction law is, parameters that several laws share, and laws of several contacts.
+
+A law is set-valued at rest, or carried by the deflection of bristles.
+"""
 
 import copy
 import dataclasses
@@ -7,14 +10,59 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, Self, TypeVar, final
+from typing import Annotated, Any, ClassVar, Self, TypeAlias, TypeVar, final
 
-from typing_extensions import override
+from typing_extensions import Doc, override
 
 from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.errors import InputError, UndeclaredError
+from stickslip.errors import InputError, UndeclaredError, UnknownNameError
 from stickslip.maths import Scalar, sign
-from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.quantities import Group, Parametrised, Quantity, fields_of
+
+# Parameters that several laws share: symbol, unit, range, where fits look for them, meaning.
+
+KineticCoefficient = Annotated[
+    float,
+    Quantity("mu_k", low=0, scale="level", bounds=(0.0, 100.0), start=1.0),
+    Doc("Friction force of sliding over the normal force, without what depends on the speed."),
+]
+StaticCoefficient = Annotated[
+    float,
+    Quantity(
+        "mu_s", low=0, at_least="kinetic_coefficient", scale="level", bounds=(0.0, 10.0), start=1.1
+    ),
+    Doc("Friction force over the normal force at vanishing speed and, up to it, at rest."),
+]
+StribeckVelocity = Annotated[
+    float,
+    Quantity("v_s", "m/s", above=0, scale="speed", bounds=(1e-3, 1.0), start=0.1),
+    Doc("Speed at which the static surplus has faded: to 1/e of it where it fades exponentially."),
+]
+FadingExponent = Annotated[
+    float,
+    Quantity("n", above=0, structural=True, scale="none", bounds=(0.3, 5.0), start=1.5),
+    Doc("Shape of the fading of the static surplus: 1 Tustin, 2 Gaussian."),
+]
+ViscousCoefficient = Annotated[
+    float,
+    Quantity("sigma_2", "N s/m", low=0, scale="slope", bounds=(0.0, 100.0), start=1.0),
+    Doc("Growth of the friction force with the slip speed."),
+]
+ViscousExponent = Annotated[
+    float,
+    Quantity("p", low=0.2, high=1.5, structural=True, scale="none", bounds=(0.2, 1.5), start=0.6),
+    Doc("Power of the speed in the viscous part: 1 is linear, below 1 the lubricant thins."),
+]
+BristleStiffness = Annotated[
+    float,
+    Quantity("sigma_0", "1/m", above=0, scale="stiffness", bounds=(1e-2, 1e3), start=1.0),
+    Doc("Slope of friction against displacement at the start, over the normal force."),
+]
+BristleDamping = Annotated[
+    float,
+    Quantity("sigma_1", "s/m", low=0, scale="damping", bounds=(1e-3, 1e3), start=1.0),
+    Doc("Damping of the bristles over the normal force."),
+]
 
 
 @final
@@ -488,3 +536,115 @@ class BristleLaw(FrictionLaw, ABC):
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force after long sliding, as `FrictionLaw.steady` says."""
+
+
+# Laws of several contacts: one for each, or one that all share.
+
+T = TypeVar("T")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Laws(Group):
+    """The laws of several contacts by the contacts' names.
+
+    Paths of their parameters have the name of the contact, as in
+    ``friction.elbow.kinetic_coefficient``.
+    """
+
+    members: tuple[tuple[str, FrictionLaw], ...]
+    """Names of contacts, and their laws."""
+
+    @property
+    def name(self) -> str:
+        """Names of the contacts with those of their laws."""
+        return ", ".join(f"{contact}: {name}" for contact, name in self.names.items())
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Names of the laws by contact."""
+        return {contact: law.name for contact, law in self.members}
+
+    @property
+    def title(self) -> str:
+        """The contacts with their laws in running text."""
+        return ", ".join(f"{contact}: {law.title}" for contact, law in self.members)
+
+
+Friction: TypeAlias = FrictionLaw | Mapping[str, FrictionLaw | None] | Laws
+"""One law for all contacts, or laws by the name of the contact; None where nothing rubs."""
+
+
+def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
+    """Return laws by contact, checked; or the one law that a single contact has, or all share.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> laws = assigned(
+    ...     ("shoulder", "elbow"),
+    ...     {"elbow": Coulomb(kinetic_coefficient=0.1), "shoulder": None},
+    ... )
+    >>> [name for name, _ in laws.members]
+    ['elbow']
+    """
+    if isinstance(law, FrictionLaw):
+        return law
+    if isinstance(law, Laws):  # it names those that rub
+        law = dict.fromkeys(contacts) | dict(law.members)
+    if not isinstance(law, Mapping):
+        raise InputError(
+            "law must be a FrictionLaw, or a mapping from the names of contacts to laws, got"
+            f" {law!r}."
+        )
+    known = given_to(contacts, law)
+    for name, one in known.items():
+        if one is not None and not isinstance(one, FrictionLaw):
+            raise InputError(f"the law of the contact {name!r} must be a FrictionLaw, got {one!r}.")
+    members = tuple((name, one) for name, one in known.items() if one is not None)
+    return members[0][1] if len(contacts) == 1 else Laws(members=members)
+
+
+def given_to(contacts: tuple[str, ...], laws: Mapping[str, T | None]) -> dict[str, T | None]:
+    """Return what is given for each contact, in their order.
+
+    Examples
+    --------
+    >>> given_to(("shoulder", "elbow"), {"elbow": "coulomb", "shoulder": None})
+    {'shoulder': None, 'elbow': 'coulomb'}
+    """
+    for name in laws:
+        if name not in contacts:
+            raise UnknownNameError("contact", name, contacts)
+    missing = [name for name in contacts if name not in laws]
+    if missing:
+        raise InputError(
+            f"no law is given for the contact {missing[0]!r}: add {missing[0]!r}: None if nothing"
+            " rubs there."
+        )
+    if all(laws[name] is None for name in contacts):
+        raise InputError(
+            "no contact has a law: give one of them a law, with levels of 0 if need be."
+        )
+    return {name: laws[name] for name in contacts}
+
+
+def law_of(contact: str, law: FrictionLaw | Laws) -> FrictionLaw | None:
+    """Return the law of a contact, None where nothing rubs."""
+    return dict(law.members).get(contact) if isinstance(law, Laws) else law
+
+
+def bristle_names(contacts: tuple[str, ...], law: FrictionLaw | Laws) -> tuple[str, ...]:
+    """Return the names of the bristle states; with several contacts, ``z:elbow`` and its like.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> bristle_names(("left", "right"), Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e4))
+    ('z:left', 'z:right')
+    """
+    if len(contacts) == 1:
+        own = law_of(contacts[0], law)
+        return () if own is None else own.states
+    laws = [(name, law_of(name, law)) for name in contacts]
+    return tuple(f"{z}:{name}" for name, one in laws if one is not None for z in one.states)

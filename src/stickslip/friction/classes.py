@@ -21,9 +21,8 @@ from stickslip.friction.base import (
     bound,
     is_bound,
 )
-from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
+from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf, formula_of
 from stickslip.friction.containment import Contained
-from stickslip.friction.formulas import formula_of
 from stickslip.friction.notation import (
     Around,
     Name,

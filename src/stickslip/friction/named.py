@@ -6,9 +6,8 @@ from typing import Annotated, Any
 
 from typing_extensions import Doc
 
-from stickslip.friction.base import ALWAYS, Passivity, Typical
+from stickslip.friction.base import ALWAYS, Passivity, StaticCoefficient, Typical
 from stickslip.friction.classes import composed
-from stickslip.friction.coefficients import StaticCoefficient
 from stickslip.quantities import Quantity
 
 BRISTLE_DAMPING = Passivity(

@@ -14,8 +14,7 @@ from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Memory, Parameter, Part
-from stickslip.friction.parts.curves import curve_text
-from stickslip.friction.parts.levels import Surplus
+from stickslip.friction.parts.levels import Surplus, curve_text
 from stickslip.quantities import Quantity
 
 OPTIONAL = ("step", "peak")

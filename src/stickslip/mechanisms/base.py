@@ -1,16 +1,21 @@
-"""What a mechanism is: energies, forces, and the contacts at which it rubs."""
+"""What a mechanism is: energies, forces, contacts at which it rubs, and the cycle of its drives."""
 
+import dataclasses
+import functools
+import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar, Literal, TypeAlias, final
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.described import Described
-from stickslip.drives import Drive
-from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.drives import Drive, Sum
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
 from stickslip.quantities import (
@@ -20,6 +25,7 @@ from stickslip.quantities import (
     full_path,
     is_rotary,
     motion_kinds,
+    vary,
 )
 
 Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
@@ -561,3 +567,561 @@ def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
     if path not in known:
         raise UnknownNameError("parameter", path, known)
     return known[path]
+
+
+# Facts of the only contact of a mechanism: what slips there, and what presses at rest.
+
+MOST = 1000
+"""Contacts for which equations are derived: the time grows with their square, to half a minute."""
+PRESSING = ("load", "mass", "gravity")
+"""Parameters of a mechanism that its load may come from."""
+
+
+def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
+    """Return the contacts of a mechanism, if they can be simulated at its parameters.
+
+    Examples
+    --------
+    >>> from stickslip import BlockChain
+    >>> len(checked_contacts(BlockChain(blocks=100, mass=1.0, coupling=1.0)))
+    100
+    """
+    owner = type(mechanism).__name__
+    try:
+        found = mechanism.contacts()
+    except ArithmeticError as error:
+        raise InputError(
+            f"{owner}: the contacts cannot be worked out at these values of its parameters"
+            f" ({error}). Change the values, or write slips and loads that are finite there."
+        ) from error
+    if len(found) > MOST:
+        raise InputError(
+            f"{owner} has {len(found)} contacts, but no more than {MOST} can be simulated: leave"
+            " some out."
+        )
+    for one in found:
+        for name, factor in {} if isinstance(one.slip, str) else one.slip.items():
+            if isinstance(factor, int | float) and not math.isfinite(factor):
+                raise InputError(
+                    f"{owner}: the slip of the contact {one.name!r} has the factor {factor} for"
+                    f" {name} at these values of its parameters: it must be finite."
+                )
+    return found
+
+
+def only_contact(mechanism: Mechanism) -> Contact:
+    """Return the contact of a mechanism that has one."""
+    contacts = mechanism.contacts()
+    if len(contacts) != 1:
+        names = ", ".join(contact.name for contact in contacts)
+        raise InputError(
+            f"{type(mechanism).__name__} has {len(contacts)} contacts ({names}); this takes a"
+            " mechanism with one."
+        )
+    return contacts[0]
+
+
+def has_one_slip(mechanism: Mechanism) -> bool:
+    """Return whether there is one contact, which slips along a coordinate.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum, TwoFeet
+    >>> has_one_slip(Pendulum(mass=1.0, length=0.5))
+    True
+    >>> has_one_slip(TwoFeet(mass=1.0, front=0.1, rear=0.1))
+    False
+    """
+    contacts = mechanism.contacts()
+    return len(contacts) == 1 and isinstance(contacts[0].slip, str)
+
+
+def slips_by_angle(mechanism: Mechanism, contact: Contact | None = None) -> bool:
+    """Return whether a contact slips by an angle, or by the sum or difference of angles.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> [
+    ...     slips_by_angle(one)
+    ...     for one in (
+    ...         Axis(inertia=1.0),
+    ...         Axis(inertia=1.0, rotary=True),
+    ...         Pendulum(mass=1.0, length=0.5),
+    ...     )
+    ... ]
+    [False, True, True]
+    """
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    return all(
+        units.get(q) == "rad" and abs(factor) == 1.0
+        for one in (mechanism.contacts() if contact is None else (contact,))
+        for q, factor in ({one.slip: 1.0} if isinstance(one.slip, str) else one.slip).items()
+    )
+
+
+def slip_of(mechanism: Mechanism) -> str:
+    """Return the coordinate that slips at the only contact.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> slip_of(Pendulum(mass=1.0, length=0.5))
+    'theta'
+    """
+    slip = only_contact(mechanism).slip
+    if not isinstance(slip, str):
+        raise InputError(
+            f"{type(mechanism).__name__} slips along a combination of coordinates"
+            f" ({', '.join(slip)}); this takes a mechanism that slips along one."
+        )
+    return slip
+
+
+def slipping(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the moving coordinates along which contacts slip, in their order.
+
+    Examples
+    --------
+    >>> from stickslip import PendulumCart, TwoFeet
+    >>> slipping(TwoFeet(mass=1.0, front=0.1, rear=0.1))
+    ('x',)
+    >>> slipping(PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0))
+    ('x', 'theta')
+    """
+    slips = {name for one in mechanism.contacts() for name in one.slips}
+    return tuple(name for name in mechanism.coordinates if name in slips)
+
+
+def slip_among(mechanism: Mechanism, coordinate: str | None, owner: str) -> tuple[str, str]:
+    """Return a coordinate and its rate: as asked, or the only one along which contacts slip.
+
+    Examples
+    --------
+    >>> from stickslip import BlockChain, Pendulum
+    >>> slip_among(Pendulum(mass=1.0, length=0.5), None, "basins")
+    ('theta', 'omega')
+    >>> slip_among(BlockChain(blocks=3, mass=1.0, coupling=1.0), "x2", "basins")
+    ('x2', 'v2')
+    """
+    if coordinate is None:
+        among = slipping(mechanism)
+        if len(among) != 1:
+            raise InputError(
+                f"{owner}: the contacts of {type(mechanism).__name__} slip along several"
+                f" coordinates ({', '.join(among)}): name one, such as coordinate={among[0]!r}."
+            )
+        (coordinate,) = among
+    if coordinate not in mechanism.coordinates:
+        raise UnknownNameError("coordinate", coordinate, mechanism.coordinates)
+    return coordinate, mechanism.rates[mechanism.coordinates.index(coordinate)]
+
+
+def normal_of(mechanism: Mechanism) -> str | None:
+    """Return the held coordinate whose reaction is the normal force of the only contact."""
+    normal = only_contact(mechanism).normal
+    if normal is not None and not isinstance(normal, str):
+        raise InputError(
+            f"{type(mechanism).__name__} is carried by several held coordinates"
+            f" ({', '.join(normal)}); this takes a mechanism that is carried by one."
+        )
+    return normal
+
+
+def slip_names(mechanism: Mechanism) -> tuple[str, str]:
+    """Return the names of the coordinate that slips at the only contact, and of its rate.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> slip_names(Pendulum(mass=1.0, length=0.5))
+    ('theta', 'omega')
+    """
+    slip = slip_of(mechanism)
+    return slip, mechanism.rates[mechanism.coordinates.index(slip)]
+
+
+def static_normal_force(mechanism: Mechanism) -> float:
+    """Return the normal force at the only contact while nothing moves [N].
+
+    That is the weight, on an incline its part along the normal; or the load of a contact for which
+    one is prescribed.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Capsule
+    >>> round(static_normal_force(Capsule(capsule_mass=0.8, inner_mass=0.2)), 9)
+    9.81
+    >>> static_normal_force(Axis(inertia=1.0, load=20.0))
+    20.0
+    """
+    contact, normal = only_contact(mechanism), normal_of(mechanism)
+    if normal is None:
+        return float(1.0 if contact.load is None else contact.load)
+    places = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
+    raised = mechanism.potential_energy(0.0, places | {normal: 1.0})
+    return float(raised - mechanism.potential_energy(0.0, places))
+
+
+def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
+    """Return the normal force at each contact while nothing moves [N], by the contact's name.
+
+    Examples
+    --------
+    >>> from stickslip import TwoFeet
+    >>> body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
+    >>> {name: round(force, 9) for name, force in static_normal_forces(body).items()}
+    {'front': 7.848, 'rear': 11.772}
+    """
+    import numpy as np
+
+    contacts = mechanism.contacts()
+    if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
+        return {contacts[0].name: static_normal_force(mechanism)}
+    found = {one.name: float(1.0 if one.load is None else one.load) for one in contacts}
+    carried = [one for one in contacts if one.normal is not None]
+    held = list(dict.fromkeys(name for one in carried for name in one.normals))
+    if not held:
+        return found
+    still = dict.fromkeys((*mechanism.coordinates, *held, *mechanism.held()), 0.0)
+
+    def weight(name: str) -> float:  # central, since a tilt raises a body by its square, too
+        ends = (mechanism.potential_energy(0.0, still | {name: side}) for side in (1e-3, -1e-3))
+        up, down = ends
+        return float(up - down) / 2e-3
+
+    rows = [[_factor(one, name) for one in carried] for name in held]
+    forces, _, rank, _ = np.linalg.lstsq(
+        np.array(rows, dtype=float), np.array([weight(name) for name in held]), rcond=None
+    )
+    if rank < len(carried):
+        names = ", ".join(one.name for one in carried)
+        raise InputError(
+            f"the weight of {type(mechanism).__name__} does not tell what {names} carry."
+        )
+    return found | dict(zip((one.name for one in carried), forces.tolist(), strict=True))
+
+
+def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
+    """Return the load that a mechanism states [N], or None where it has one only by default.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> load_stated(Axis(inertia=1.0, load=50.0), {}), load_stated(Axis(inertia=1.0), {})
+    (50.0, None)
+    """
+    if mechanism is None:
+        return None
+    fields = mechanism.__dataclass_fields__
+    pressing = {f"{PREFIX}.{name}" for name in PRESSING if name in fields}
+    own = {path: value for path, value in overrides.items() if path in pressing}
+    varied = vary(mechanism, PREFIX, own)
+    loads = [contact.load for contact in varied.contacts()]
+    if len(loads) != 1 or not isinstance(loads[0], int | float) or loads[0] <= 0.0:
+        return None
+    # A default of 1 N stands for levels that are forces, and is no load that anybody stated.
+    usual = "load" in fields and fields["load"].default == loads[0]
+    return None if usual and f"{PREFIX}.load" not in own else float(loads[0])
+
+
+def _factor(contact: Contact, name: str) -> float:
+    """Return how a unit of normal force acts on a held coordinate."""
+    if isinstance(contact.normal, str) or contact.normal is None:
+        return 1.0 if contact.normal == name else 0.0
+    return float(contact.normal.get(name, 0.0))
+
+
+# How long a cycle of a mechanism's drives is.
+
+WHOLE = 1e-9
+"""How far from a whole number the ratio of two periods may be: the rounding of their inputs."""
+
+
+def cycle_of(mechanism: Mechanism) -> float:
+    """Return the time after which all drives of a mechanism repeat themselves [s].
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the
+        slowest must be a whole multiple of those of the others.
+
+    Returns
+    -------
+    float
+        The period [s].
+
+    Raises
+    ------
+    InputError
+        If there is no drive, or one does not repeat itself, or they have no common cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Sine
+    >>> cycle_of(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0)))
+    0.25
+    """
+    name = type(mechanism).__name__
+    periods = [
+        _period(f"{name}: the drive {key!r}", part)
+        for key, drive in mechanism.drives().items()
+        for part in _parts(drive)
+    ]
+    if not periods:
+        raise InputError(
+            f"{name} has no drive and therefore no drive period; give the period [s] explicitly."
+        )
+    longest = max(periods)
+    for period in periods:
+        if abs(longest / period - round(longest / period)) > WHOLE * longest / period:
+            raise InputError(
+                f"{name}: drives with periods of {number(period, 6)} and {number(longest, 6)} s"
+                " have no common period equal to the longer one; give the period [s] explicitly."
+            )
+    return longest
+
+
+def cycle_or_none(mechanism: Mechanism) -> float | None:
+    """Return the time after which all drives repeat themselves [s], None where they do not.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> cycle_or_none(Axis(inertia=1.0)) is None
+    True
+    """
+    try:
+        return cycle_of(mechanism)
+    except InputError:
+        return None
+
+
+def repeats(mechanism: Mechanism) -> bool:
+    """Whether a drive of a mechanism, or a part of one, repeats itself.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Pulse, Sine
+    >>> push, shake = Pulse(level=2.0, duration=0.1), Sine(amplitude=2.0, frequency=4.0)
+    >>> repeats(Axis(inertia=1.0, drive=push)), repeats(Axis(inertia=1.0, drive=push + shake))
+    (False, True)
+    """
+    parts = (part for drive in mechanism.drives().values() for part in _parts(drive))
+    return any(part.repeats() is not None for part in parts)
+
+
+def _parts(drive: Drive) -> Iterator[Drive]:
+    if isinstance(drive, Sum):
+        for part in drive.parts:
+            yield from _parts(part)
+    else:
+        yield drive
+
+
+def _period(owner: str, drive: Drive) -> float:
+    period = drive.repeats()
+    if period is None:
+        raise InputError(
+            f"{owner} is a {type(drive).__name__}, which is not known to be periodic; give the"
+            " period [s] explicitly."
+        )
+    return float(period)
+
+
+# Contact inputs that a mechanism is told: a temperature, a pressure, what a sensor recorded.
+
+M = TypeVar("M", bound=Mechanism)
+GivenInputs: TypeAlias = Mapping[str, Drive | float | Mapping[str, Drive | float]]
+"""Inputs by name, or by contact and name."""
+
+
+def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
+    """Return the names of the inputs of a contact that a mechanism knows.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import SpringBlock
+    >>> input_names(given_inputs(SpringBlock(mass=1.0), {"temperature": 20.0}))[-1:]
+    ('temperature',)
+    """
+    anywhere: Mapping[str, float] = defaultdict(float)
+    return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
+
+
+def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
+    """Return the inputs of one contact, of all that a mechanism tells.
+
+    Examples
+    --------
+    >>> of_contact({"temperature": 20.0, "elbow": {"gravity": 3.0}}, "elbow")
+    {'temperature': 20.0, 'gravity': 3.0}
+    """
+    own = told.get(contact, {})
+    whole = {name: value for name, value in told.items() if not isinstance(value, Mapping)}
+    return {**whole, **(own if isinstance(own, Mapping) else {})}
+
+
+def given_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
+    """Return the names of the inputs of a contact that a mechanism was given.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import SpringBlock
+    >>> given_names(given_inputs(SpringBlock(mass=1.0), {"temperature": 20.0}))
+    ('temperature',)
+    """
+    return tuple(
+        dict.fromkeys(name for at, name in told_fields(mechanism).values() if at in ("", contact))
+    )
+
+
+def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
+    """Return a mechanism that tells its laws more contact inputs.
+
+    Each is a number in the unit of its kind (a temperature in degC), a text with a unit, or a
+    drive: by its name for all contacts, by contact and name for one, which stands before those for
+    all.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import DiscBrake, Lining, SpringBlock
+    >>> warm = given_inputs(SpringBlock(mass=1.0), {"temperature": 35.0})
+    >>> type(warm).__name__, warm.contact_temperature
+    ('SpringBlock', 35.0)
+    >>> brake = DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),) * 2)
+    >>> given_inputs(brake, {"pad-2": {"temperature": 300.0}}).contact_pad_2_temperature
+    300.0
+    """
+    if not inputs:
+        return mechanism
+    told = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
+    known = [one.name for one in mechanism.contacts()]
+    for contact in known:
+        if ("", contact) in told:
+            raise InputError(
+                f"inputs of the contact {contact!r} are given by name, such as"
+                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {told['', contact]!r}."
+            )
+    checked_inputs(name for _, name in told)
+    for contact, _ in told:
+        if contact and contact not in known:
+            raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)
+    key = tuple((*at, isinstance(one, Drive)) for at, one in told.items())
+    kind = _told(_bare(type(mechanism)), key)
+    fields = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(mechanism)}
+    found: Any = kind(**{**fields, **{input_field(*at): one for at, one in told.items()}})
+    return found  # type: ignore[no-any-return]
+
+
+def without_given(mechanism: Mechanism) -> tuple[Mechanism, dict[str, Any]]:
+    """Return a mechanism as it was before it was given contact inputs, and these by name.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import SpringBlock
+    >>> without_given(given_inputs(SpringBlock(mass=1.0), {"temperature": 35.0}))[1]
+    {'temperature': 35.0}
+    """
+    kind = _bare(type(mechanism))
+    own = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(kind)}
+    told: dict[str, Any] = {}
+    for field, (contact, name) in told_fields(mechanism).items():
+        part = told.setdefault(contact, {}) if contact else told
+        part[name] = getattr(mechanism, field)
+    return kind(**own), told
+
+
+def _flat(inputs: GivenInputs) -> dict[tuple[str, str], Drive | float]:
+    """Return inputs by contact and name; the contact is empty where all are told."""
+    found: dict[tuple[str, str], Drive | float] = {}
+    for key, value in inputs.items():
+        if isinstance(value, Mapping):
+            found |= {(key, name): one for name, one in value.items()}
+        else:
+            found["", key] = value
+    return found
+
+
+def told_fields(mechanism: Mechanism) -> Mapping[str, tuple[str, str]]:
+    """Return contact and name of each input that a mechanism was given, by its field.
+
+    Drives have the names of their fields; the contact is empty where all are told.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import SpringBlock
+    >>> told_fields(given_inputs(SpringBlock(mass=1.0), {"temperature": 20.0}))
+    {'contact_temperature': ('', 'temperature')}
+    """
+    return {input_field(*at): at for at in getattr(mechanism, "told_inputs", ())}
+
+
+def input_field(contact: str, name: str) -> str:
+    """Return the field, and the drive, of an input that a mechanism is given.
+
+    Examples
+    --------
+    >>> input_field("pad-2", "temperature")
+    'contact_pad_2_temperature'
+    """
+    return "_".join(("contact", *re.findall(r"\w+", contact), name))
+
+
+def _bare(kind: type[Mechanism]) -> type[Mechanism]:
+    """Return the type of a mechanism without given inputs."""
+    return getattr(kind, "told_of", kind)
+
+
+@functools.cache
+def _told(kind: type[Mechanism], inputs: tuple[tuple[str, str, bool], ...]) -> type[Mechanism]:
+    """Return the type of a mechanism with contact inputs: numbers, and drives where it says so."""
+    moving = {input_field(contact, name) for contact, name, drive in inputs if drive}
+
+    def drives(self: Any) -> Mapping[str, Drive]:
+        return {**kind.drives(self), **{field: getattr(self, field) for field in sorted(moving)}}
+
+    def contact_inputs(
+        self: Any,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        found: dict[str, Any] = {**kind.contact_inputs(self, t, q, q_dot, drives)}
+        for contact, name, _ in inputs:
+            field = input_field(contact, name)
+            value = drives[field] if field in moving else getattr(self, field)
+            if contact:
+                found[contact] = {**found.get(contact, {}), name: value}
+            else:
+                found[name] = value
+        return found
+
+    def reduce(self: Any) -> tuple[Any, ...]:  # a type that no module has
+        return given_inputs, without_given(self)
+
+    space = {
+        "drives": drives,
+        "contact_inputs": contact_inputs,
+        "__reduce__": reduce,
+        "told_of": kind,
+        "told_inputs": tuple((contact, name) for contact, name, _ in inputs),
+        "__module__": kind.__module__,
+        "__doc__": kind.__doc__,
+    }
+    fields: list[tuple[str, Any]] = [
+        (
+            input_field(contact, name),
+            Drive if drive else Annotated[float, CONTACT_INPUTS[name].quantity()],
+        )
+        for contact, name, drive in inputs
+    ]
+    made = dataclasses.make_dataclass(
+        kind.__name__, fields, bases=(kind,), namespace=space, frozen=True, kw_only=True
+    )
+    made.__qualname__ = kind.__qualname__
+    return made

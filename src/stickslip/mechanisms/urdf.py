@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from stickslip.mechanisms import Robot, RobotJoint  # as stubs declare them for users
 else:
-    from stickslip.mechanisms.robot import Robot, RobotJoint
+    from stickslip.mechanisms.robots import Robot, RobotJoint
 
 MOVES = ("revolute", "continuous", "prismatic")
 """Kinds of joints that move."""

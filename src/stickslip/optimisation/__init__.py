@@ -3,29 +3,29 @@
 from stickslip.lazy import attach
 
 HOMES = {
-    "Cycle": "cycle_metrics",
+    "Cycle": "problem",
     "GOALS": "problem",
     "Goal": "problem",
     "KINDS": "parametrisation",
     "Limits": "problem",
     "Margin": "problem",
-    "Optimum": "result",
-    "ParetoFront": "pareto",
-    "Scenarios": "scenarios",
+    "Optimum": "optimise",
+    "ParetoFront": "optimise",
+    "Scenarios": "problem",
     "ScoredMotion": "problem",
-    "guide_of": "cycle_metrics",
-    "measure": "cycle_metrics",
+    "guide_of": "problem",
+    "measure": "problem",
     "optimise_profile": "optimise",
-    "pareto_front": "pareto",
-    "units_of_limits": "cycle_metrics",
+    "pareto_front": "optimise",
+    "units_of_limits": "problem",
 }
 
 INSIDE = {
-    "COSTS": "pareto",
+    "COSTS": "optimise",
     "GoalName": "problem",
     "KindName": "parametrisation",
-    "load_shares": "cycle_metrics",
-    "slip_of_body": "cycle_metrics",
+    "load_shares": "problem",
+    "slip_of_body": "problem",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

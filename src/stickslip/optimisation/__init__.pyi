@@ -2,26 +2,26 @@
 from dataclasses import dataclass
 from typing import final
 
-from stickslip.optimisation.cycle_metrics import Cycle as Cycle
-from stickslip.optimisation.cycle_metrics import guide_of as guide_of
-from stickslip.optimisation.cycle_metrics import load_shares as load_shares
-from stickslip.optimisation.cycle_metrics import measure as measure
-from stickslip.optimisation.cycle_metrics import slip_of_body as slip_of_body
-from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_limits
+from stickslip.optimisation.optimise import COSTS as COSTS
+from stickslip.optimisation.optimise import Optimum as Optimum
+from stickslip.optimisation.optimise import ParetoFront as ParetoFront
 from stickslip.optimisation.optimise import optimise_profile as optimise_profile
+from stickslip.optimisation.optimise import pareto_front as pareto_front
 from stickslip.optimisation.parametrisation import KINDS as KINDS
 from stickslip.optimisation.parametrisation import KindName as KindName
-from stickslip.optimisation.pareto import COSTS as COSTS
-from stickslip.optimisation.pareto import ParetoFront as ParetoFront
-from stickslip.optimisation.pareto import pareto_front as pareto_front
+from stickslip.optimisation.problem import Cycle as Cycle
 from stickslip.optimisation.problem import GOALS as GOALS
 from stickslip.optimisation.problem import Goal as Goal
 from stickslip.optimisation.problem import GoalName as GoalName
 from stickslip.optimisation.problem import Limits as _Limits
 from stickslip.optimisation.problem import Margin as Margin
+from stickslip.optimisation.problem import Scenarios as Scenarios
 from stickslip.optimisation.problem import ScoredMotion as ScoredMotion
-from stickslip.optimisation.result import Optimum as Optimum
-from stickslip.optimisation.scenarios import Scenarios as Scenarios
+from stickslip.optimisation.problem import guide_of as guide_of
+from stickslip.optimisation.problem import load_shares as load_shares
+from stickslip.optimisation.problem import measure as measure
+from stickslip.optimisation.problem import slip_of_body as slip_of_body
+from stickslip.optimisation.problem import units_of_limits as units_of_limits
 from stickslip.quantities import Given as _Given
 
 @final

@@ -1,28 +1,268 @@
-"""The verb that looks for the best motion."""
+"""The best motion, what stands beside it, and trade-offs between goals.
 
-from collections.abc import Mapping, Sequence
+`optimise_profile` searches, polishes, and certifies what it returns; a front of trade-offs is a
+row of such results.
+"""
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, final
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
-from stickslip.drives import Profile
+from stickslip.drives import Profile, ThreePhase
 from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole
 from stickslip.executors import check_executor
+from stickslip.experiments import rig_toml
+from stickslip.formatting import number, with_unit
 from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation.cma_search import Memory, Told, search
-from stickslip.optimisation.cycle_metrics import fitted, measure, motor_of, slip_of_body
-from stickslip.optimisation.local_refinement import polish
-from stickslip.optimisation.parametrisation import KindName, Space, kind_of, space_of
-from stickslip.optimisation.problem import FINER, GOALS, GoalName, Limits, Problem, ScoredMotion
-from stickslip.optimisation.result import Optimum
-from stickslip.optimisation.scenarios import scenarios_of
+from stickslip.optimisation.parametrisation import (
+    KindName,
+    Space,
+    ThreeAccelerations,
+    kind_of,
+    space_of,
+)
+from stickslip.optimisation.problem import (
+    FINER,
+    GOALS,
+    Cycle,
+    Goal,
+    GoalName,
+    Limits,
+    Margin,
+    Problem,
+    Scenarios,
+    ScoredMotion,
+    fitted,
+    measure,
+    motor_of,
+    scenarios_of,
+    slip_of_body,
+)
+from stickslip.optimisation.search import Memory, Told, polish, search
 from stickslip.quantities import named
 from stickslip.simulation import event_driven_law, simulate
+from stickslip.tables import Tabular
+from stickslip.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+# The best motion that was found, and what stands beside it.
+
+SHOWN_CYCLES = 5
+"""Cycles that the rig file runs."""
+
+
+@final
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Optimum(Tabular):
+    """The best motion within limits, by certified runs.
+
+    `three_phase` is the three-phase motion optimised for the same goal within the same limits and
+    in the same scenarios; `start` is the motion that the mechanism came with.
+    """
+
+    mechanism: Mechanism
+    """With the best motion."""
+    law: FrictionLaw | Laws
+    """What holds it back."""
+    searched: str
+    """Kind of motion that was asked for."""
+    goal: Goal
+    """What is large."""
+    limits: Limits
+    """What the motion may take."""
+    scenarios: Scenarios
+    """What it stood."""
+    best: ScoredMotion
+    """The best motion: its goal, and what is left of each limit."""
+    three_phase: ScoredMotion | None
+    """The best three-phase motion; None if none keeps the limits."""
+    start: ScoredMotion
+    """The motion that the mechanism came with, within the limits or not."""
+    run: Trajectory
+    """Certified run with the law as given, from rest until its cycles repeat."""
+    polished: bool
+    """Whether the best comes from the quadratic programme and not from the evolution strategy."""
+    evaluations: int
+    """Motions that were tried, each in every scenario."""
+    seed: int
+    """What the random numbers came from."""
+    cancelled: bool
+    """Whether the search was ended early."""
+
+    @property
+    def profile(self) -> Profile:
+        """The best motion."""
+        return self.best.profile
+
+    @property
+    def kind(self) -> str:
+        """Its kind: another than `searched` where no such motion exceeds the one it began from."""
+        if isinstance(self.profile, ThreePhase) and self.profile.last is not None:
+            return ThreeAccelerations.kind
+        return kind_of(profile_values(self.profile)["type"])
+
+    @property
+    def shortfall(self) -> str:
+        """Sentence that says so; empty where the best motion is of the kind that was searched."""
+        if self.kind == self.searched:
+            return ""
+        return (
+            f"No {self.searched} motion within the limits was found that exceeds this"
+            f" {self.kind} motion, from which the search began."
+        )
+
+    @property
+    def value(self) -> float:
+        """Its goal, in SI units."""
+        return self.best.value
+
+    @property
+    def margins(self) -> tuple[Margin, ...]:
+        """What it leaves of each limit."""
+        return self.best.margins
+
+    @property
+    def cycle(self) -> Cycle:
+        """Its steady cycle, in the scenario that does worst."""
+        return min(self.best.cycles, key=self.goal.value)
+
+    @property
+    def factor(self) -> float | None:
+        """Its goal over that of the best three-phase motion; None where that has none above 0."""
+        return _over(self.value, self.three_phase)
+
+    @property
+    def factor_over_start(self) -> float | None:
+        """Its goal over that of the motion it started from, which may break limits."""
+        return _over(self.value, self.start)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return numbers and texts, for JSON."""
+        return {
+            "goal": self.goal.name,
+            "unit": self.goal.unit,
+            "kind": self.kind,
+            "searched": self.searched,
+            "value": self.value,
+            "profile": profile_values(self.profile),
+            "margins": [_margin(margin) for margin in self.margins],
+            "limits": self.limits.given(),
+            "scenarios": self.scenarios.words,
+            "cycle": _cycle(self.cycle),
+            "three_phase": _judged(self.three_phase),
+            "start": _judged(self.start),
+            "factor": self.factor,
+            "factor_over_start": self.factor_over_start,
+            "polished": self.polished,
+            "evaluations": self.evaluations,
+            "seed": self.seed,
+            "cancelled": self.cancelled,
+            "certified": self.run.certificate.certified,
+        }
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the motions that were compared as a pandas DataFrame, a row each.
+
+        Columns are the goal, whether all limits are kept, and numbers of the steady cycle in the
+        scenario that does worst [SI].
+        """
+        import pandas as pd
+
+        motions = {"best": self.best, "three-phase": self.three_phase, "start": self.start}
+        rows = [
+            {
+                "motion": name,
+                self.goal.name: motion.value,
+                "feasible": motion.feasible,
+                **(_cycle(motion.shown(self.goal)) if motion.cycles else {}),
+                "reason": motion.early_end,
+            }
+            for name, motion in motions.items()
+            if motion is not None
+        ]
+        return pd.DataFrame(rows)
+
+    @override
+    def _over(self) -> str:
+        return "motion"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {self.goal.name: self.goal.unit}
+
+    def to_toml(self) -> str:
+        """Return a rig file with the best motion, which `load_rig` and the command line read."""
+        title = f"Best {self.kind} motion for {self.goal.title}"
+        t_end = SHOWN_CYCLES * self.cycle.period
+        return rig_toml(self.mechanism, self.law, title=title, t_end=t_end)
+
+    @override
+    def __repr__(self) -> str:
+        head = f"{self.goal.title} {with_unit(number(self.value, 6), self.goal.unit)}"
+        if self.factor is not None and self.best is not self.three_phase:
+            head += f", {number(self.factor, 4)} times the best three-phase motion"
+        left = ", ".join(
+            f"{m.name} {number(m.reached, 5)} of {with_unit(number(m.allowed, 5), m.unit)}"
+            for m in self.margins
+        )
+        return "\n ".join(filter(None, (f"<{head}", str(self.profile), self.shortfall, left))) + ">"
+
+
+def _over(value: float, other: ScoredMotion | None) -> float | None:
+    return None if other is None or not other.value > 0.0 else value / other.value
+
+
+def profile_values(profile: Profile) -> dict[str, Any]:
+    """Return a profile as its table in a rig file.
+
+    Examples
+    --------
+    >>> from stickslip.drives import SineSwing
+    >>> profile_values(SineSwing(amplitude=0.5, frequency=2.0))
+    {'type': 'sine-swing', 'amplitude': 0.5, 'frequency': 2.0}
+    """
+    from stickslip.drives import PROFILES
+
+    names = {kind: name for name, kind in PROFILES.items()}
+    values = {field.name: getattr(profile, field.name) for field in dataclasses.fields(profile)}
+    listed = {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()}
+    return {"type": names.get(type(profile), type(profile).__name__)} | listed
+
+
+def _margin(margin: Margin) -> dict[str, Any]:
+    return dataclasses.asdict(margin) | {"margin": margin.margin}
+
+
+def _cycle(cycle: Cycle) -> dict[str, float]:
+    motion = ("period", "travel", "work", "energy", "position", "rate", "acceleration")
+    names = (*motion, "effort", "load_share", "back_slip")
+    return {name: getattr(cycle, name) for name in names}
+
+
+def _judged(judged: ScoredMotion | None) -> dict[str, Any] | None:
+    if judged is None:
+        return None
+    return {
+        "value": judged.value,
+        "feasible": judged.feasible,
+        "repeats": all(cycle.repeats for cycle in judged.cycles),
+        "reason": judged.early_end,
+        "profile": profile_values(judged.profile),
+        "margins": [_margin(margin) for margin in judged.margins],
+    }
+
 
 Array = NDArray[np.float64]
 
@@ -352,3 +592,167 @@ def _best(
     good = [one for one in known if one[0].feasible]
     judged, polished = max(good, key=lambda one: one[0].value, default=(None, False))
     return _Best(judged=judged, polished=polished, evaluations=evaluations, cancelled=cancelled)
+
+
+# Trade-offs between goals of a motion: the Pareto front by the method of epsilon-constraints.
+#
+# Speed is to be large; the energy per travel and the back-slip are to be small. The front is walked
+# along one of the two others:
+#
+# 1. Its ends: the motion that is fastest within the limits, and the one that costs least, which has
+#    the largest travel per work, or is the fastest without any back-slip.
+# 2. Between their costs, evenly spread bounds: the fastest motion with the cost as a further limit,
+#    searched from the motion whose cost is nearest.
+# 3. What another motion beats in both speed and cost is dropped.
+#
+# Each motion is the result of `optimise_profile`: certified, within all limits, in all scenarios.
+#
+# Source: Y. Y. Haimes, L. S. Lasdon, D. A. Wismer, IEEE Trans. Syst. Man Cybern. 1 (1971) 296-297.
+
+CostName: TypeAlias = Literal["energy", "back_slip"]
+COSTS = {"energy": "J/m", "back_slip": "m"}
+"""What a front trades speed for, with units: names of `Limits` and of `Cycle`."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParetoFront(Tabular):
+    """Motions none of which another beats in both speed and cost, the fastest first."""
+
+    cost: CostName
+    """What speed is traded for."""
+    motions: tuple[Optimum, ...]
+    """Results of `optimise_profile`, the fastest first."""
+
+    @property
+    def speeds(self) -> NDArray[np.float64]:
+        """Mean speeds (n,) [m/s]."""
+        return np.array([speed_of(motion) for motion in self.motions])
+
+    @property
+    def costs(self) -> NDArray[np.float64]:
+        """Energies per travel [J/m] or back-slips per cycle [m] (n,), the worst scenario's."""
+        return np.array([cost_of(motion, self.cost) for motion in self.motions])
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each motion."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "speed": self.speeds,
+                self.cost: self.costs,
+                "profile": [str(motion.profile) for motion in self.motions],
+            }
+        )
+
+
+def cost_of(motion: Optimum, cost: CostName) -> float:
+    """Return the cost of a motion in the scenario that does worst."""
+    return max(float(getattr(cycle, cost)) for cycle in motion.best.cycles)
+
+
+def pareto_front(
+    mechanism: Mechanism,
+    law: Friction,
+    *,
+    limits: Limits,
+    cost: CostName = "energy",
+    points: int = 7,
+    progress: Callable[[int, int], object] | None = None,
+    **options: object,
+) -> ParetoFront:
+    """Find motions that trade mean speed for energy or for back-slip.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With a prescribed motion, see `optimise_profile`.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back.
+    limits : Limits
+        What the motions may take.
+    cost : {"energy", "back_slip"}
+        Work of the motor over the travel [J/m], or back-slip per cycle [m].
+    points : int
+        Motions between the ends of the front.
+    progress : callable, optional
+        Called with the motions that were optimised and how many there will be; if it returns
+        False, the front so far is the result.
+    **options : object
+        ``kind``, ``scenarios``, ``interval``, ``quantile``, ``evaluations``, ``seed``,
+        ``executor`` and the others of `optimise_profile`, for each motion.
+
+    Returns
+    -------
+    ParetoFront
+        The motions, the fastest first.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    ParameterError
+        If the number of points is no whole number of at least 0.
+    ConvergenceError
+        If no motion keeps the limits.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> from stickslip.optimisation import Limits, pareto_front
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> limits = Limits(position=0.01, rate=0.8, acceleration=100.0)
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> front = pareto_front(capsule, law, limits=limits, points=1, evaluations=10)
+    >>> bool((front.speeds[1:] < front.speeds[:-1]).all())
+    True
+    """
+    if cost not in COSTS:
+        raise InputError(f"cost must be {' or '.join(map(repr, COSTS))}, got {cost!r}.")
+    if type(points) is not int or points < 0:
+        raise ParameterError(not_whole("points", 0, points))
+    motions: list[Optimum] = []
+
+    def search(goal: GoalName = "speed", bound: float | None = None) -> bool:
+        """Optimise with a bound of the cost; return whether the walk goes on."""
+        near = min(motions, key=lambda m: abs(cost_of(m, cost) - (bound or 0.0)), default=None)
+        given = limits if bound is None else dataclasses.replace(limits, **{cost: bound})
+        start = mechanism if near is None else near.mechanism
+        try:
+            motions.append(optimise_profile(start, law, limits=given, goal=goal, **options))  # type: ignore[arg-type]  # those of the other function
+        except ConvergenceError:
+            if not motions:
+                raise
+        return progress is None or progress(len(motions), 2 + points) is not False
+
+    running = search()
+    if running and cost_of(motions[0], cost) > 0.0:
+        running = search("economy") if cost == "energy" else search(bound=0.0)
+    costs = [cost_of(motion, cost) for motion in motions]
+    for bound in np.linspace(max(costs), min(costs), points + 2)[1:-1].tolist():
+        if not running or len(set(costs)) < 2:
+            break
+        running = search(bound=bound)
+    return ParetoFront(cost=cost, motions=_not_beaten(motions, cost))
+
+
+def speed_of(motion: Optimum) -> float:
+    """Return the mean speed of a motion in the scenario that does worst [m/s]."""
+    return min(cycle.travel / cycle.period for cycle in motion.best.cycles)
+
+
+def _not_beaten(motions: list[Optimum], cost: CostName) -> tuple[Optimum, ...]:
+    """Return the motions that no other beats, the fastest first."""
+    ranked = sorted(motions, key=lambda motion: (-speed_of(motion), cost_of(motion, cost)))
+    front: list[Optimum] = []
+    for motion in ranked:
+        if speed_of(motion) > 0.0 and (
+            not front or cost_of(motion, cost) < cost_of(front[-1], cost)
+        ):
+            front.append(motion)
+    return tuple(front)

@@ -3,33 +3,28 @@ from dataclasses import dataclass
 from typing import final
 
 from stickslip.quantities import Given as _Given
-from stickslip.solver.base import Solver as Solver
-from stickslip.solver.base import column_units as column_units
-from stickslip.solver.base import path_units as path_units
+from stickslip.solver.backend import Equations as Equations
 from stickslip.solver.block_diagram import BreakAway as BreakAway
 from stickslip.solver.block_diagram import BreakAway as _BreakAway
 from stickslip.solver.block_diagram import SoftConstraint as _SoftConstraint
+from stickslip.solver.compile.modules import Progress as Progress
+from stickslip.solver.compile.modules import WarmUp as WarmUp
 from stickslip.solver.compile.modules import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
-from stickslip.solver.compile.observer_code import observe as observe
-from stickslip.solver.compile.precompile import Progress as Progress
-from stickslip.solver.compile.precompile import WarmUp as WarmUp
-from stickslip.solver.compile.precompile import warm_up as warm_up
-from stickslip.solver.compile.states_code import states_along as states_along
-from stickslip.solver.drive_schedule import gather as gather
+from stickslip.solver.compile.modules import warm_up as warm_up
+from stickslip.solver.compile.states import observe as observe
+from stickslip.solver.compile.states import states_along as states_along
 from stickslip.solver.ensembles import as_numbers as as_numbers
 from stickslip.solver.ensembles import check_columns as check_columns
 from stickslip.solver.ensembles import run_ensemble as run_ensemble
-from stickslip.solver.evaluator import Equations as Equations
 from stickslip.solver.event_driven import BareRun as BareRun
 from stickslip.solver.event_driven import EventDriven as _EventDriven
 from stickslip.solver.event_driven import status_of as status_of
 from stickslip.solver.fixed_step import FixedStep as _FixedStep
 from stickslip.solver.fixed_step import Method as Method
 from stickslip.solver.fixed_step import Method as _Method
-from stickslip.solver.incremental_ensemble import IncrementalEnsemble as IncrementalEnsemble
-from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
-from stickslip.solver.initial_states import within_stops as within_stops
+from stickslip.solver.incremental import IncrementalEnsemble as IncrementalEnsemble
+from stickslip.solver.incremental import IncrementalRun as IncrementalRun
 from stickslip.solver.reducers import EventCount as EventCount
 from stickslip.solver.reducers import EventTimes as EventTimes
 from stickslip.solver.reducers import Final as Final
@@ -40,8 +35,13 @@ from stickslip.solver.reducers import Output as Output
 from stickslip.solver.reducers import Samples as Samples
 from stickslip.solver.reducers import Sensitivity as Sensitivity
 from stickslip.solver.reducers import reasons as reasons
+from stickslip.solver.run import Solver as Solver
 from stickslip.solver.run import Tier as _Tier
+from stickslip.solver.run import column_units as column_units
+from stickslip.solver.run import path_units as path_units
 from stickslip.solver.run import prepare as prepare
+from stickslip.solver.starts import gather as gather
+from stickslip.solver.starts import within_stops as within_stops
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)

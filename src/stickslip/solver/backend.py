@@ -1,18 +1,36 @@
-"""The kernels of a tier, and the vectors they take."""
+"""The kernels of a tier and their vectors, equations in plain numbers, and runs played back."""
 
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.formulation import Model
-from stickslip.kernels.driver import events_are_full, log_is_full
-from stickslip.kernels.state_layout import ADDRESS, BOOKS, FULL, SEVERAL, SIZE, STATUS, Sizes
-from stickslip.solver.compile.modules import is_loaded, load, load_compiled
+from stickslip.kernels.driver import events_are_full, log_is_full, piece_at
+from stickslip.kernels.equations import load_piece, put_constants
+from stickslip.kernels.mode_transitions import set_flags
+from stickslip.kernels.state_layout import (
+    ADDRESS,
+    BOOKS,
+    FULL,
+    GIVEN,
+    N_DRIVES,
+    ROW_COLUMNS,
+    SEVERAL,
+    SIZE,
+    STATUS,
+    Sizes,
+    Y,
+)
+from stickslip.solver.compile.modules import is_loaded, load, load_compiled, plain_equations
+from stickslip.solver.starts import Inputs
+
+# The kernels of a tier, and the vectors they take.
 
 
 @dataclass(frozen=True)
@@ -146,3 +164,168 @@ def runner_of(model: Model, *, compiled: bool) -> Runner:
 def _again(model: Model, compiled: bool) -> Runner:
     """Return the runner of a pickle; machine code only where this process has it already."""
     return runner_of(model, compiled=compiled and is_loaded(model))
+
+
+# The equations of a model, called with plain numbers.
+
+
+@functools.lru_cache(maxsize=256)
+def _lengths(sizes: Sizes) -> Mapping[str, int]:
+    """Return how many numbers each function writes."""
+    return MappingProxyType(sizes.lengths())
+
+
+class Equations:
+    """Evaluates the equations of one mechanism with one law at any state."""
+
+    def __init__(self, model: Model, inputs: Inputs) -> None:
+        """Take the equations, and the parameters."""
+        runner = runner_of(model, compiled=False)
+        self.sizes = sizes = model.sizes
+        self.functions = plain_equations(model)
+        self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
+        self.lengths = _lengths(sizes)
+        self.whole: list[int] = runner.whole()
+        self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
+        put_constants(self.w, self.whole)
+        self.width = 1 + 3 * self.whole[N_DRIVES]
+        self.load(0)
+
+    def load(self, piece: int) -> None:
+        """Load a piece of the drives."""
+        self.piece = piece
+        load_piece(self.table, piece, self.w, self.whole)
+
+    def load_at(self, t: float) -> None:
+        """Load the piece of the drives that holds at a time; times mostly go forwards."""
+        begun = self.piece * self.width
+        first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
+        self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
+
+    def linear(self, t: float) -> list[float]:
+        """Return the linear part of each drive at a time, in the piece that is loaded."""
+        first = self.piece * self.width + 1
+        row = self.table[first : first + self.width - 1]
+        return [row[k] + row[k + 1] * (t - row[k + 2]) for k in range(0, len(row), 3)]
+
+    def _put(self, y: Sequence[Any]) -> None:
+        first, n = self.whole[Y], self.sizes.states
+        self.w[first : first + n] = y[:n]
+
+    def flags(self, t: float, y: Sequence[Any]) -> int:
+        """Return the flags of the switches that a state asks for."""
+        self._put(y)
+        return set_flags(t, self.w, self.whole, self.whole[Y], 0, 0)
+
+    def __call__(
+        self,
+        name: str,
+        mode: int,
+        flags: int,
+        t: float,
+        y: Sequence[Any],
+        given: Sequence[Any] = (),
+    ) -> list[Any]:
+        """Return what a function of the module gives, `given` in place of its drives."""
+        self._put(y)
+        return self.here(name, mode, flags, t, given)
+
+    def here(
+        self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
+    ) -> list[Any]:
+        """Return what a function gives at the state that flags were last asked for."""
+        to, length = self.whole[SIZE], self.lengths[name]
+        place = self.whole[GIVEN]
+        self.w[place : place + len(given)] = given
+        self.functions[name](mode, flags, t, self.w, self.whole[Y], to)
+        return self.w[to : to + length]
+
+
+# Plays a recorded run back at any times.
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Playback:
+    """The rows of a run: start, end, length, mode, flags, piece, states, dense output."""
+
+    model: Model
+    """The equations that were run."""
+    runner: Runner
+    """The kernels that ran them."""
+    inputs: Inputs
+    """Parameters and drives of the run."""
+    log: Any
+    """The rows one after the other, as the tier keeps them: a list or an array."""
+    rows: Array
+    """The same, a row a step."""
+
+    @classmethod
+    def from_log(
+        cls, model: Model, runner: Runner, inputs: Inputs, log: Sequence[float], count: int
+    ) -> Self:
+        """Take the recorded part of a log."""
+        width = runner.header[ROW_COLUMNS]
+        log = log[: count * width]
+        return cls(
+            model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
+        )
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the rows; the log is made of them, as the tier takes it."""
+        return _restored, (self.model, self.runner, self.inputs, self.rows)
+
+    def span(self) -> tuple[float, float]:
+        """Return the first and the last time."""
+        return float(self.rows[0, 0]), float(self.rows[-1, 1])
+
+    def times(self) -> Array:
+        """Return the ends of the steps."""
+        return self.column(0, self.rows[-1, 1])
+
+    def column(self, index: int, last: float) -> Array:
+        """Return a number of each row, and one more behind them."""
+        found = np.empty(len(self.rows) + 1)
+        found[:-1] = self.rows[:, index]
+        found[-1] = last
+        return found
+
+    def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
+        n, size, wide = len(self.model.states), len(t), self.model.sizes.columns
+        states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
+        self.runner.kernels.enter_play(
+            self.log,
+            len(self.rows),
+            self.runner.flat(t),
+            self.runner.flat(self.inputs.table),
+            self.runner.working(self.inputs.p),
+            self.runner.whole(),
+            states,
+            forces,
+            rows,
+        )
+        return (
+            np.reshape(states, (size, n)),
+            np.reshape(forces, (size, wide)),
+            np.asarray(rows, dtype=np.intp),
+        )
+
+    def __call__(self, t: Array) -> Mapping[str, Array]:
+        """Return all columns at an array of times."""
+        states, forces, rows = self.played(t)
+        columns: dict[str, Any] = dict(zip(self.model.states, states.T, strict=True))
+        columns |= dict(zip(self.model.columns, forces.T, strict=True))
+        if self.model.contacts:
+            for name in self.model.contacts:
+                mode = self.model.column("mode", name)
+                columns[mode] = columns[mode].astype(np.int8)
+            return columns
+        return columns | {"mode": self.rows[rows, 3].astype(np.int8)}
+
+
+def _restored(model: Model, runner: Runner, inputs: Inputs, rows: Array) -> Playback:
+    """Return the playback of a pickle."""
+    return Playback(model, runner, inputs, runner.flat(rows), rows)

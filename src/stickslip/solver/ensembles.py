@@ -21,23 +21,18 @@ from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, standing_path, vary
 from stickslip.solver.backend import Runner, runner_of
-from stickslip.solver.base import path_units
-from stickslip.solver.certify import passes
-from stickslip.solver.drive_schedule import refuse_turned, schedule, values_of
+from stickslip.solver.certify import Directions, directions_of, passes, quantities_of, roots_of
 from stickslip.solver.event_driven import EventDriven, status_of
-from stickslip.solver.initial_states import (
+from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
+from stickslip.solver.run import FIRST_ROWS, path_units, work_of
+from stickslip.solver.starts import (
     narrowest,
     refuse_masses,
+    refuse_turned,
+    schedule,
     starts_as_told,
     starts_within_stops,
-)
-from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
-from stickslip.solver.run import FIRST_ROWS, work_of
-from stickslip.solver.sensitivities import (
-    Directions,
-    directions_of,
-    quantities_of,
-    roots_of,
+    values_of,
 )
 from stickslip.trajectory import Ensemble
 

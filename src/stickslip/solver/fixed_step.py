@@ -24,16 +24,16 @@ from stickslip.formulation import PAINLEVE
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, has_one_slip, stops_of
 from stickslip.quantities import Quantity
-from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.block_diagram import (
     BlockDiagram,
     BreakAway,
+    ContactDiagram,
     Diagram,
     SoftConstraint,
     limits_of,
 )
-from stickslip.solver.contact_diagram import ContactDiagram
-from stickslip.solver.initial_states import refuse_limits, within_stops
+from stickslip.solver.run import Solver, column_units, name_of_only_contact
+from stickslip.solver.starts import refuse_limits, within_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]

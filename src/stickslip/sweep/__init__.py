@@ -2,21 +2,26 @@
 
 from stickslip.mechanisms import cycle_of
 from stickslip.sweep.bands import Band, Spread, band_of
-from stickslip.sweep.basins import Attractor, Basins, basins
-from stickslip.sweep.bifurcation import Bifurcation, bifurcation
+from stickslip.sweep.bifurcation import (
+    Attractor,
+    Basins,
+    Bifurcation,
+    DrivenCycle,
+    basins,
+    bifurcation,
+    cycles_in,
+)
 from stickslip.sweep.campaign import Campaign, CampaignRuns, Case, Estimate, campaign
 from stickslip.sweep.continuation import (
     Branch,
     BranchEvent,
     continue_orbit,
 )
-from stickslip.sweep.cycles import DrivenCycle, cycles_in
-from stickslip.sweep.design import Design, Factor, Levels, Normal, Uniform
+from stickslip.sweep.design import Design, Factor, Levels, Normal, SensitivityIndices, Uniform
 from stickslip.sweep.mean_velocity import VelocityBand, VelocityMap, average_velocity, velocity_band
 from stickslip.sweep.orbit_diagram import OrbitDiagram, orbit_diagram
 from stickslip.sweep.orbits import Orbit, periodic_orbit
 from stickslip.sweep.refit import ParameterAgreement, Refit, compare_estimates
-from stickslip.sweep.sensitivity_indices import SensitivityIndices
 from stickslip.sweep.validation import ValidatedRecord, ValidatedTravel, Validation, validate
 
 __all__ = [

@@ -25,13 +25,13 @@ from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, 
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.simulation import GivenFriction, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
-from stickslip.sweep.parameter_grid import early_ends
-from stickslip.sweep.sensitivity_indices import (
+from stickslip.sweep.design import (
     NEARLY_INDEPENDENT,
     SensitivityIndices,
     first_order_of,
     refuse_correlated,
 )
+from stickslip.sweep.parameter_grid import early_ends
 from stickslip.tables import Tabular
 from stickslip.trajectory import completed
 

@@ -43,9 +43,16 @@ from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import beginning_pair, ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, check_columns
-from stickslip.sweep.design import OF_INDICES, Design, DesignName, Factor, Levels
+from stickslip.sweep.design import (
+    OF_INDICES,
+    Design,
+    DesignName,
+    Factor,
+    Levels,
+    SensitivityIndices,
+    indices_of,
+)
 from stickslip.sweep.parameter_grid import early_ends
-from stickslip.sweep.sensitivity_indices import SensitivityIndices, indices_of
 from stickslip.tables import Tabular
 from stickslip.trajectory import Status
 

@@ -34,7 +34,7 @@ from stickslip.simulation import (
     initial_state,
 )
 from stickslip.solver import EventDriven, Output, Samples
-from stickslip.sweep.cycles import CLOSED, period_of
+from stickslip.sweep.bifurcation import CLOSED, period_of
 from stickslip.sweep.orbits import (
     Orbit,
     ReturnMap,

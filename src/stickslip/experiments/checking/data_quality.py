@@ -1,41 +1,33 @@
-"""What a measurement can tell and what is wrong with it, before anything is fitted."""
+"""What a measurement can tell and what is wrong with it, before anything is fitted.
+
+`check` gathers the remarks of all families. What no fit is made from is refused in the same words
+by every verb.
+"""
 
 import html
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from typing_extensions import override
 
-from stickslip.errors import InputError
-from stickslip.experiments.checking import (
-    consistency,
-    dynamics,
-    mains,
-    map_coverage,
-    motion,
-    order,
-    signal_quality,
-    stationarity,
-)
+from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
+from stickslip.experiments.checking import coverage, motion, signal_quality
+from stickslip.experiments.checking.coverage import same
 from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
-from stickslip.experiments.films import is_filmed, other_drives
-from stickslip.experiments.measurement import Measurement, as_turning
+from stickslip.experiments.measurement import Measurement, as_turning, quantity_called
 from stickslip.experiments.rig import check_record
-from stickslip.formatting import quantity, unbroken
-from stickslip.mechanisms import (
-    PREFIX,
-    BoundedMechanism,
-    Mechanism,
-    cycle_or_none,
-    slip_names,
-)
+from stickslip.experiments.travels import is_filmed, other_drives
+from stickslip.formatting import joined, quantity, unbroken
+from stickslip.mechanisms import PREFIX, BoundedMechanism, Mechanism, cycle_or_none, slip_names
 from stickslip.quantities import vary
 from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 RESTING_BODY = "the body rested, which bounds its friction at rest."
 """What it means that a body does not move in one of several trials."""
@@ -208,7 +200,7 @@ def _beside_mass(findings: Iterable[Finding], vary: str | Collection[str]) -> It
     """Yield findings without those about a mass that is fitted."""
     names = [vary] if isinstance(vary, str) else vary
     free = any(name.rpartition(".")[2] in MASSES for name in names)
-    yield from (one for one in findings if not (free and dynamics.compares_mass(one)))
+    yield from (one for one in findings if not (free and motion.compares_mass(one)))
 
 
 def _findings(
@@ -221,16 +213,16 @@ def _findings(
     """Yield all findings; with ``grave`` only those of checks that can find errors."""
     records = measurement.records()
     if measurement.kind == "scalars":
-        yield from map_coverage.settings(records, conditions)
-        yield from () if grave else order.settings(records)
-    yield from map_coverage.lost((measurement, *records))
-    yield from map_coverage.alike(records)
+        yield from coverage.settings(records, conditions)
+        yield from () if grave else coverage.order_of_settings(records)
+    yield from coverage.lost((measurement, *records))
+    yield from coverage.alike(records)
     if not grave:
-        yield from map_coverage.repeated(records)
+        yield from coverage.repeated(records)
     own = [*_of_records(measurement, mechanism, grave)]
     yield from _beside_others(own, len(records)) if measurement.trials else own
     if not grave:
-        yield from map_coverage.unused(records, conditions)
+        yield from coverage.unused(records, conditions)
 
 
 def _of_records(
@@ -326,15 +318,15 @@ def _agreement(
     coupled: bool,
 ) -> Iterator[Finding]:
     """Yield what signals say of each other; force says nothing where two of them contradict."""
-    agree = [*consistency.velocity_and_position(record)]
+    agree = [*motion.velocity_and_position(record)]
     yield from agree
-    yield from consistency.friction_sign(record, moving)
+    yield from motion.friction_sign(record, moving)
     if not _wrong(agree) and not coupled:
-        yield from dynamics.energy(record, mechanism)
-        size = [*dynamics.proportion(record, mechanism)]
+        yield from motion.energy(record, mechanism)
+        size = [*motion.proportion(record, mechanism)]
         yield from size
         if not size:
-            yield from consistency.direction(record, moving)
+            yield from motion.direction(record, moving)
 
 
 def _record(
@@ -346,13 +338,13 @@ def _record(
     if huge:
         return
     if record.kind == "friction-map":
-        yield from map_coverage.coverage(record)
-        yield from map_coverage.resting(record)
+        yield from coverage.coverage(record)
+        yield from coverage.resting(record)
         if not grave:
-            yield from order.speeds(record)
+            yield from coverage.speeds(record)
             yield from signal_quality.plausible(record, None)
     if not grave:
-        yield from consistency.coefficient(record, mechanism)
+        yield from motion.coefficient(record, mechanism)
     if record.time is None:
         return
     yield from signal_quality.length(record.time)
@@ -379,7 +371,7 @@ def _signals(
     enough: bool,
 ) -> Iterator[Finding]:
     """Yield what each signal tells by itself."""
-    yield from dynamics.missing(record, mechanism)
+    yield from motion.missing(record, mechanism)
     yield from signal_quality.plausible(record, moving)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
@@ -392,7 +384,7 @@ def _signals(
     yield from signal_quality.cut_off(record)
     yield from signal_quality.quantised(record)
     yield from signal_quality.lifted(record)
-    yield from mains.hum(record)
+    yield from signal_quality.hum(record)
     if record.position is None and record.velocity is None:
         yield Finding(
             kind="motion",
@@ -410,15 +402,15 @@ def _course(
 ) -> Iterator[Finding]:
     """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
-        yield from motion.reversals(moving, offset=dynamics.has_offset(record, mechanism))
+        yield from motion.reversals(moving, offset=motion.has_offset(record, mechanism))
         yield from motion.rests(moving)
         yield from motion.slow(moving)
     if coupled:  # levels are what a force has beside its own acceleration
         return
-    levels = list(stationarity.levels(record, moving))
+    levels = list(coverage.levels(record, moving))
     if moving is None or not moving.hardly_moves:  # at rest, levels are those of what is applied
-        yield from stationarity.drift(levels)
-    yield from stationarity.effective(record, levels)
+        yield from coverage.drift(levels)
+    yield from coverage.effective(record, levels)
 
 
 def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
@@ -452,3 +444,166 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
                 ),
                 numbers={"reached": float(reached), "stop": float(stop)},
             )
+
+
+# What no fit is made from, refused in the same words by every verb.
+
+MOST_LISTED = 6
+"""Names of trials in a message."""
+ACTING = ("force", "reference", "friction")
+"""What acts on a body: a second record without it would be predicted as if nothing did."""
+
+
+def refuse_faults(
+    measurement: Measurement, mechanism: Mechanism, vary: Collection[str] = ()
+) -> None:
+    """Refuse a measurement with errors that `check` finds where some parameters are fitted.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> still = Measurement(time=list(range(50)), position=[0.0] * 50)
+    >>> refuse_faults(still, Axis(inertia=1.0))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: This record cannot be fitted. Position is constant: ...
+    """
+    wrong = faults(measurement, mechanism=mechanism, vary=vary)
+    if wrong:
+        raise refusal(wrong)
+
+
+def refusal(wrong: Sequence[Finding]) -> InputError:
+    """Return what refuses a record with these errors."""
+    return InputError(f"This record cannot be fitted. {findings_text(wrong)}")
+
+
+def findings_text(findings: Sequence[Finding]) -> str:
+    """Return findings as one text: what several trials have in common once, after their names.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
+    >>> findings_text([still, replace(still, record="run2"), replace(still, record="")])
+    'run1 and run2: Position is constant. Position is constant.'
+    """
+    records: dict[tuple[str, bool], list[str]] = {}
+    for one in findings:
+        records.setdefault((one.sentence, bool(one.record)), []).append(one.record)
+    return " ".join(
+        f"{_listed(names)}: {sentence}" if named else sentence
+        for (sentence, named), names in records.items()
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names in words, of many the first ones."""
+    names = list(dict.fromkeys(names))
+    if len(names) > MOST_LISTED:
+        names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
+    return joined(names)
+
+
+def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:
+    """Refuse settings of records in time or of friction that would have no effect.
+
+    Examples
+    --------
+    >>> refuse_unused(Measurement(time=[0.0, 1.0], position=[0.0, 0.1], initial={"x": 1.0}))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: Measurement.initial (x) of the record has no effect on ...
+    """
+    for record in measurement.records():
+        label = f"record {record.name!r}" if record.name else "the record"
+        for name, why in (
+            ("initial", "the initial states of its segments are estimated"),
+            ("uncertainty", "intervals come from the residuals of the fit"),
+        ):
+            given = ", ".join(one for one in getattr(record, name) if one not in inside)
+            if given:
+                raise InputError(
+                    f"Measurement.{name} ({given}) of {label} has no effect on fits to records:"
+                    f" {why}. Leave it out."
+                )
+
+
+def refuse_lack(
+    first: Measurement, second: Measurement, *, compared: str = "", which: str = "the second record"
+) -> None:
+    """Refuse a record that has not what another one has that a fit was made to.
+
+    Examples
+    --------
+    >>> time, x = [0.0, 1.0], [0.0, 0.1]
+    >>> driven = Measurement(time=time, position=x, force=x)
+    >>> refuse_lack(driven, Measurement(time=time, position=x))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: the second record has no force (u) [N], which ...
+    """
+    needed = [name for name in first.quantities() if name.partition(".")[0] in ACTING]
+    for name in dict.fromkeys([*needed, *([compared] if compared else [])]):
+        for record in second.records():
+            if name in record.quantities():
+                continue
+            label = f"{which} {record.name!r}" if record.name else which
+            quantity = quantity_called(name)
+            cure = " Where no force acted, give a force of 0." if name == "force" else ""
+            raise InputError(
+                f"{label} has no {name} ({quantity.symbol}) [{quantity.unit}], which the fitted"
+                f" record has; it has {', '.join(record.quantities())}.{cure}"
+            )
+
+
+def refuse_same(first: Measurement, second: Measurement) -> None:
+    """Refuse a second record that holds what the fit is made to, number by number.
+
+    Examples
+    --------
+    >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
+    >>> refuse_same(Measurement(**run, name="run 1"), Measurement(**run))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: the second record is identical to the fitted one ('run 1'), ...
+    """
+    for one in second.records():
+        for other in first.records():
+            if not same(one, other):
+                continue
+            name = one.name or other.name
+            told = f" ({name!r})" if name else ""
+            raise InputError(
+                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                " error would not be a held-out error. Give another record, or none: held-out"
+                " blocks then compare the laws on one record."
+            )
+
+
+@contextmanager
+def with_doubts(
+    measurement: Measurement,
+    mechanism: Mechanism,
+    of: type[InputError | ConvergenceError] = InputError,
+) -> Iterator[None]:
+    """Add what `check` warns of to the message of a record that turns out not to serve.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> few = Measurement(time=list(range(20)), velocity=[0.1 * (i % 5) for i in range(20)])
+    >>> with with_doubts(few, Axis(inertia=1.0)):
+    ...     raise InputError("it does not serve.")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: it does not serve. Warnings of the data check: ...
+    """
+    try:
+        yield
+    except (ParameterError, UnknownNameError):  # of what was asked, not of the record
+        raise
+    except of as error:
+        found = check(measurement, mechanism=mechanism).findings
+        doubts = [one for one in found if one.severity == "warning"]
+        if not doubts:
+            raise
+        text = str(error).rstrip()
+        text += "" if text.endswith((".", "!", "?")) else "."
+        said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
+        raise type(error)(said) from None

@@ -1,20 +1,41 @@
-"""Tables in text files: CSV in its dialects, and what only looks like one."""
+"""Tables in text files: CSV in its dialects, what only looks like one, and sheets of workbooks.
 
+Text whose tables only their own reader knows is tried first; sheets are read as if they had been
+saved as text.
+"""
+
+import csv
 import io
 import itertools
 import operator
 import re
 import warnings
+import zipfile
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from datetime import date, datetime, time, timedelta
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, final
 
 import pandas as pd
 
-from stickslip.errors import InputError, check_columns, check_size
-from stickslip.experiments.readers.dialects import dialect_of
+from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
+from stickslip.experiments.readers.instruments import (
+    LABVIEW,
+    SCOPE,
+    SERIAL,
+    TRIBOMETER,
+    is_labview,
+    is_scope,
+    is_serial,
+    is_tribometer,
+    read_labview,
+    read_scope,
+    read_serial,
+    read_tribometer,
+)
 from stickslip.experiments.readers.layout import (
     ALIKE,
     BRACKETS,
@@ -23,12 +44,110 @@ from stickslip.experiments.readers.layout import (
     cells_of,
     decoded,
     is_number,
+    layout_of,
     unit_in,
 )
-from stickslip.experiments.readers.table import FEWER_COLUMNS, Table, further_cells
+from stickslip.experiments.readers.table import (
+    FEWER_COLUMNS,
+    Table,
+    further_cells,
+    read_of,
+    unequal_rows,
+)
 from stickslip.experiments.readers.toml import decode
-from stickslip.experiments.readers.video_tracks import header_of, is_named
+from stickslip.experiments.readers.tracks import (
+    MOTION_CAPTURE,
+    header_of,
+    is_blocks,
+    is_capture,
+    is_named,
+    read_blocks,
+    read_capture,
+)
+from stickslip.formatting import joined
 from stickslip.units import shown
+
+# Text files whose tables only their own reader knows: a new one is a file and an entry here.
+
+FRANKA: Final = "time, success_rate, state.q[0]"
+"""How such a text begins: times are in milliseconds and say so nowhere."""
+
+
+def is_franka(text: str) -> bool:
+    """Whether a text is a log of libfranka.
+
+    Examples
+    --------
+    >>> is_franka("time, success_rate, state.q[0], state.q[1]"), is_franka("time, q")
+    (True, False)
+    """
+    return (
+        text.lstrip("\ufeff")[: len(FRANKA) + 8]
+        .replace(" ", "")
+        .startswith(FRANKA.replace(" ", ""))
+    )
+
+
+def read_franka(text: str) -> Table:
+    r"""Return the columns of a log with their units.
+
+    Examples
+    --------
+    >>> table = read_franka("time, success_rate, state.q[0], state.tau_J[0]\n7,1,0.5,2.5\n")
+    >>> table.data.to_dict("list"), table.first_row
+    ({'time [ms]': [7], 'success_rate': [1], 'state.q[0]': [0.5], 'state.tau_J[0]': [2.5]}, 2)
+    """
+    text = text.lstrip("\ufeff")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)  # of further cells: see below
+            table = pd.read_csv(io.StringIO(text), skipinitialspace=True, index_col=False)
+    except (pd.errors.ParserError, ValueError) as error:
+        raise unequal_rows(error) from None
+    width = len(table.columns)
+    more = sum(any(map(str.strip, line.split(",")[width:])) for line in text.splitlines())
+    return Table(
+        data=table.rename(columns={"time": "time [ms]"}),
+        first_row=2,
+        lost=(*further_cells(more, width),),
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Dialect:
+    """A kind of text files."""
+
+    title: str
+    is_text: Callable[[str], bool]
+    """Whether a text, or the top of one, is of this kind."""
+    read: Callable[[str], Table]
+    """Returns the table of a text."""
+
+
+DIALECTS: Final = (
+    Dialect(title="tracks of a video", is_text=is_blocks, read=read_blocks),
+    Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
+    Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
+    Dialect(title=TRIBOMETER, is_text=is_tribometer, read=read_tribometer),
+    Dialect(title=MOTION_CAPTURE, is_text=is_capture, read=read_capture),
+    Dialect(title=SERIAL, is_text=is_serial, read=read_serial),
+    Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
+)
+
+
+def dialect_of(text: str) -> Dialect | None:
+    """Return the kind of a text, or None for a table like others.
+
+    Examples
+    --------
+    >>> dialect_of("time, success_rate, state.q[0]").title, dialect_of("t,x")
+    ('log of libfranka', None)
+    """
+    return next((one for one in DIALECTS if one.is_text(text)), None)
+
+
+# Tables in text files: CSV in its dialects, and what only looks like one.
 
 HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
@@ -372,3 +491,86 @@ def grouped(cell: object) -> str:
         return ""
     plain = found[0].strip().replace(found["mark"] or found["comma"], "")
     return f" Write numbers without a thousands separator, here {plain!r}."
+
+
+# Tables in the sheets of Excel workbooks, which are read as if they had been saved as text.
+
+SPREADSHEET: Final = (".xlsx", ".xlsm")
+"""Endings of workbooks."""
+CURE: Final = "save the sheet of the record as CSV"
+MOST_CELLS: Final = 2e7
+"""Cells up to which a sheet is read, empty ones that are stepped over included."""
+
+
+def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> Table:
+    """Return the table of the first sheet that has one: names above rows of numbers."""
+    try:
+        import openpyxl
+    except ImportError:
+        raise InputError(
+            f"{path}: workbooks need the package openpyxl: pip install 'stickslip[xlsx]', or save"
+            " the sheet as CSV."
+        ) from None
+    try:
+        with path.open("rb") as data, zipfile.ZipFile(data) as parts:
+            expanded = sum(part.file_size for part in parts.infolist())
+            check_size(
+                str(path), float(expanded), CURE, unit="expanded bytes", most=4 * MOST_NUMBERS
+            )
+            with closing(openpyxl.load_workbook(data, read_only=True, data_only=True)) as book:
+                return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
+    except InputError:
+        raise
+    except Exception as error:
+        # The package has whatever error its parser stumbles over.
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        raise InputError(f"{path}: is not a workbook, or is damaged: {reason}.") from None
+
+
+def _first(path: Path, sheets: dict[str, str]) -> Table:
+    """Return the table of the first of the sheets, given as texts, that has one."""
+    for title, text in sheets.items():
+        dialect, found = dialect_of(text), layout_of(text, "utf-8")
+        if dialect is None and found is None:
+            continue
+        others = [name for name, rest in sheets.items() if name != title and rest.strip()]
+        remarks = [*read_of("sheet", title, others)]
+        if dialect is not None:
+            table = dialect.read(text)
+        elif found is not None:
+            table = read_as(path, text.encode(), found.layout)
+        return replace(table, remarks=(*remarks, *table.remarks))
+    listed = joined([*map(shown, sheets)])
+    raise InputError(
+        f"{path}: no sheet has a row of names above rows of numbers; the sheets are {listed}."
+    )
+
+
+def _text(path: Path, sheet: Any) -> str:
+    """Return the cells of a sheet as text, parted by tabs."""
+    sheet.reset_dimensions()  # which programs write wrongly
+    out = io.StringIO()
+    writer = csv.writer(out, delimiter="\t", lineterminator="\n")
+    cells = 0
+    for row in sheet.iter_rows(values_only=True):
+        cells += max(1, len(row))
+        check_size(str(path), float(cells), CURE, unit="cells", most=MOST_CELLS)
+        writer.writerow(_written(row))
+    return out.getvalue()
+
+
+def _written(row: Iterable[Any]) -> Iterator[str]:
+    """Yield cells as a text file would have them."""
+    for cell in row:
+        if cell is None:
+            yield ""
+        elif isinstance(cell, datetime):
+            yield cell.isoformat(sep="T", timespec="microseconds")
+        elif isinstance(cell, timedelta):
+            yield repr(cell.total_seconds())
+        elif isinstance(cell, time):
+            yield cell.isoformat(timespec="microseconds")
+        elif isinstance(cell, date):
+            yield cell.isoformat()
+        else:
+            yield " ".join(str(cell).split())

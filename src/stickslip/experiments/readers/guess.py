@@ -14,33 +14,40 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments.differentiation import are_steady_readings
 from stickslip.experiments.measurement import (
     BY_JOINT,
     TRAVELS,
     Array,
     is_beside,
 )
-from stickslip.experiments.readers.column_words import (
-    ROLLING,
-    WANTED,
-    is_barred,
-    is_wanted,
-    parts_of,
-)
-from stickslip.experiments.readers.condition_columns import KELVINS, by_trial, conditions_in
-from stickslip.experiments.readers.csv_reader import refuse_numbers
-from stickslip.experiments.readers.dialects import dialect_of
-from stickslip.experiments.readers.formats import TEXT, data_file
-from stickslip.experiments.readers.header_units import (
+from stickslip.experiments.readers.columns import (
     LONGEST_HEADER,
+    ROLLING,
     STYLES,
     SURE,
     UNITS,
+    WANTED,
+    Column,
+    Reading,
+    is_barred,
     is_unit_of,
+    is_wanted,
+    motor_constants,
+    parts_of,
 )
-from stickslip.experiments.readers.layout import Layout, decoded, is_number, layout_of
-from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
-from stickslip.experiments.readers.servo_registers import (
+from stickslip.experiments.readers.csv_reader import dialect_of, refuse_numbers
+from stickslip.experiments.readers.layout import (
+    Layout,
+    Repair,
+    decoded,
+    is_number,
+    is_stamp,
+    layout_of,
+    nearly_zero,
+    seconds_of,
+)
+from stickslip.experiments.readers.robots import (
     RADIANS,
     Servo,
     are_counts,
@@ -48,10 +55,16 @@ from stickslip.experiments.readers.servo_registers import (
     check_one_servo,
     servo_of,
 )
-from stickslip.experiments.readers.steady_readings import are_steady_readings
 from stickslip.experiments.readers.table import TRIAL
-from stickslip.experiments.readers.table_reader import Frame, read_frame
-from stickslip.experiments.readers.time_stamps import Repair, is_stamp, nearly_zero, seconds_of
+from stickslip.experiments.readers.table_reader import (
+    KELVINS,
+    TEXT,
+    Frame,
+    by_trial,
+    conditions_in,
+    data_file,
+    read_frame,
+)
 from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import count, joined, number, percent
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown

@@ -11,7 +11,6 @@ from scipy.signal import correlate, correlation_lags
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.measurement import BESIDE, BY_JOINT, Array
-from stickslip.experiments.readers.formats import data_file
 from stickslip.experiments.readers.guess import (
     WHOLE,
     Found,
@@ -31,8 +30,8 @@ from stickslip.experiments.readers.guess import (
     times_of,
     trial_column,
 )
-from stickslip.experiments.readers.lerobot import NO_RADIANS
-from stickslip.experiments.readers.table_reader import Frame, read_frame
+from stickslip.experiments.readers.robots import NO_RADIANS
+from stickslip.experiments.readers.table_reader import Frame, data_file, read_frame
 from stickslip.experiments.readers.toml import check_file, check_path
 from stickslip.formatting import joined, lower_first, number, quantity
 from stickslip.mechanisms import coordinate_of, urdf_joints

@@ -1,10 +1,10 @@
-"""Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
+"""Files of any format as columns by the quantity they hold, and conditions of trials in them."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, final
 
 import numpy as np
 import pandas as pd
@@ -18,16 +18,121 @@ from stickslip.errors import (
     check_columns,
     check_size,
 )
-from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
-from stickslip.experiments.readers.formats import FORMATS, TEXT, data_file, format_of
-from stickslip.experiments.readers.header_units import stated_unit, without_unit
-from stickslip.experiments.readers.layout import Layout, unit_in
-from stickslip.experiments.readers.reader_options import Column
-from stickslip.experiments.readers.servo_registers import with_signs
-from stickslip.experiments.readers.time_stamps import seconds_of
+from stickslip.experiments.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
+from stickslip.experiments.readers.binary import (
+    MDF,
+    PARQUET,
+    TDMS,
+    read_mat,
+    read_mdf,
+    read_parquet,
+    read_tdms,
+)
+from stickslip.experiments.readers.columns import Column, stated_unit, without_unit
+from stickslip.experiments.readers.csv_reader import (
+    SPREADSHEET,
+    ambiguous,
+    culprit,
+    grouped,
+    read_spreadsheet,
+    read_text,
+)
+from stickslip.experiments.readers.layout import Layout, seconds_of, unit_in
+from stickslip.experiments.readers.robots import (
+    EPISODES,
+    INFO,
+    read_lerobot,
+    read_servo,
+    with_signs,
+)
+from stickslip.experiments.readers.table import TRIAL, Table
 from stickslip.experiments.readers.toml import check_file, check_path
-from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
+from stickslip.experiments.readers.tracks import SEPARATOR, seconds
+from stickslip.formatting import number
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
+
+# The file formats that are read, each by one function: a new one is a file and an entry here.
+
+TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
+"""Endings of text files."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format of data files."""
+
+    endings: tuple[str, ...]
+    """Endings of its files, in lower case, or the ends of their names."""
+    read: Callable[[Path, Collection[str]], Table]
+    """Reads a file; what it is told are the columns that are wanted by name."""
+    streamed: bool = False
+    """Whether a file may be of any size, because only parts of it are kept."""
+    within: str = ""
+    """Path of such a file in a folder that may be given instead."""
+    beside: tuple[str, ...] = ()
+    """Patterns of the files in that folder that hold the data."""
+
+
+FORMATS: Final = (
+    Format(endings=TEXT, read=lambda path, _: read_text(path)),
+    Format(endings=PARQUET, read=read_parquet),
+    Format(endings=(".mat",), read=read_mat),
+    Format(endings=MDF, read=read_mdf),
+    Format(endings=TDMS, read=read_tdms),
+    Format(endings=SPREADSHEET, read=read_spreadsheet),
+    Format(endings=MCAP, read=read_mcap, streamed=True),
+    Format(endings=BAGS, read=read_bag, streamed=True),
+    Format(endings=(METADATA,), read=read_bag, within=METADATA, beside=PARTS),
+    Format(endings=("info.json",), read=read_lerobot, within=INFO, beside=(EPISODES,)),
+    Format(endings=(".json",), read=read_servo),
+)
+"""Formats by the ends of the names of their files."""
+
+
+def format_of(path: Path) -> Format | None:
+    """Return the format of a file by its name; None if it is read by no function.
+
+    Examples
+    --------
+    >>> format_of(Path("run.CSV")) is FORMATS[0], format_of(Path("rig.toml"))
+    (True, None)
+    """
+    name = path.name.lower()
+    return next((one for one in FORMATS if name.endswith(one.endings)), None)
+
+
+def data_file(path: Path) -> Path:
+    """Return the file to read of a folder that holds a log; a file as it is."""
+    inside = (path / one.within for one in FORMATS if one.within)
+    return next((file for file in inside if file.is_file()), path)
+
+
+def log_name(path: Path) -> str:
+    """Return what a file is called without its ending; a log in a folder is called like that.
+
+    Examples
+    --------
+    >>> log_name(Path("run.csv")), log_name(Path("monday/metadata.yaml"))
+    ('run', 'monday')
+    """
+    known = format_of(path)
+    if known is None or not known.within:
+        return path.stem
+    return path.absolute().parents[len(Path(known.within).parts) - 1].name
+
+
+def log_files(path: Path) -> list[Path]:
+    """Return the files that hold what one stands for: several of a log in a folder."""
+    file = data_file(path)
+    known = format_of(file)
+    if known is None or not known.within:
+        return [file]
+    folder = file.parents[len(Path(known.within).parts) - 1]
+    return [file, *(one for pattern in known.beside for one in sorted(folder.glob(pattern)))]
+
+
+# Columns of CSV, Parquet and MATLAB files, by the quantity they hold.
 
 SECOND: Final = "position, second coordinate"
 """What the second column of a position in a plane is known by."""
@@ -395,3 +500,117 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
             f' Choose one, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
         )
     raise UnknownNameError(f"column of {file}:", str(column), own)
+
+
+# Conditions of trials from the columns of files, and the columns that nothing was read from.
+
+KELVINS = ("K", "°C", "degC", "°F", "degF")
+"""Units of temperatures."""
+STEADY = 0.05
+"""Share of its mean within which a number may vary in a trial: the mean is taken."""
+
+
+def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
+    """Yield the rows of each trial with its name, in the order in which they come.
+
+    A table without a column of trials, or with one trial only, is yielded as it is.
+    """
+    if TRIAL not in frame.names:
+        yield "", frame
+        return
+    cells = frame.data[frame.names[TRIAL]]
+    if cells.isna().any():
+        row = int(np.flatnonzero(cells.isna())[0])
+        raise InputError(
+            f"{frame.place(TRIAL, row)}: the trial of this row is missing: fill the cell."
+        )
+    if cells.nunique() == 1:
+        yield "", frame
+        return
+    for value in cells.unique():
+        name = f"{TRIAL} {value:g}" if isinstance(value, float) else f"{TRIAL} {value}"
+        yield name, replace(frame, data=frame.data[cells == value])
+
+
+def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
+    """Return the column of each condition, by name, with its unit if the column has one."""
+    found = {}
+    for name in columns:
+        own = next(
+            (
+                key
+                for key, header in frame.names.items()
+                if name in (key, header, header.partition("[")[0].strip())
+            ),
+            None,
+        )
+        if own is None:
+            raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
+        unit = frame.units.get(own)
+        found[f"{own} [{unit}]" if unit not in (None, "1") else own] = own
+    return found
+
+
+def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
+    """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
+    column = frame.data[frame.names[name]]
+    numbers = pd.to_numeric(column, errors="coerce")
+    if numbers.notna().sum() == column.notna().sum() and column.dtype != bool:
+        return [float(cell) if np.isfinite(cell) else None for cell in numbers.astype(float)]
+    return [None if pd.isna(cell) else str(cell).strip() or None for cell in column]
+
+
+def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str]:
+    """Return the conditions of a record, whose columns have one value each.
+
+    A condition without any value is left out.
+    """
+    found: dict[str, float | str] = {}
+    for key, name in condition_keys(frame, columns).items():
+        cells = [cell for cell in condition_cells(frame, name) if cell is not None]
+        values = set(cells)
+        if not values:
+            continue
+        known = [cell for cell in cells if isinstance(cell, float)]
+        if len(values) == 1:
+            found[key] = cells[0]
+        elif len(known) == len(cells) and (
+            np.ptp(known) <= STEADY * abs(float(np.mean(known)))
+            or _is_temperature(name, frame.units.get(name))
+        ):
+            found[key] = float(np.mean(known))
+        else:
+            shown = (
+                f"from {number(min(known))} to {number(max(known))}"
+                if len(known) == len(cells)
+                else f"{len(values)} texts"
+            )
+            raise InputError(
+                f"{frame.file}: column {frame.names[name]!r} changes within the trial ({shown}),"
+                " but a condition has one value per trial. Split the record, or leave the"
+                " condition out."
+            )
+    return found
+
+
+def _is_temperature(name: str, unit: str | None) -> bool:
+    """Whether a column is one of temperatures, which no experimenter can hold."""
+    words = re.split(r"[\W\d_]+", name.casefold())
+    named = any(
+        w == "temp" or w.startswith("temperatur") or w.endswith("temperatur") for w in words
+    )
+    return named or unit in KELVINS
+
+
+def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
+    """Return the columns that nothing was read from, with their value if they have one."""
+    found: dict[str, float | str | None] = {}
+    for name in frame.names:
+        if name in used or not name:
+            continue
+        column = frame.data[frame.names[name]]
+        alike = len(column) > 0 and bool((column == column.iloc[0]).all())
+        found[name] = (
+            condition_cells(replace(frame, data=frame.data[:1]), name)[0] if alike else None
+        )
+    return found

@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.experiments.rigs.validation_errors import place
+from stickslip.experiments.rigs.rig_models import place
 from stickslip.friction import FrictionLaw, curves_beside, is_composition, law_type, laws
 from stickslip.mechanisms import Mechanism
 

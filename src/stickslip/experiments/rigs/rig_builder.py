@@ -23,8 +23,8 @@ from stickslip.experiments.measurement import (
     quantity_called,
     tells_load,
 )
+from stickslip.experiments.readers.columns import Reading, column_of, motor_constants
 from stickslip.experiments.readers.layout import Layout
-from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
 from stickslip.experiments.readers.toml import (
     LARGEST,
     apply,
@@ -42,11 +42,25 @@ from stickslip.experiments.rig import (
     estimated_law,
     state_units,
 )
-from stickslip.experiments.rigs.law_tables import ContactUnits, python_name
-from stickslip.experiments.rigs.laws import by_contact, known_laws, laws_of, overridden_fields
+from stickslip.experiments.rigs.laws import (
+    ContactUnits,
+    by_contact,
+    known_laws,
+    laws_of,
+    overridden_fields,
+    python_name,
+)
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
-from stickslip.experiments.rigs.rig_models import Given, Number, Table
-from stickslip.experiments.rigs.robots import UrdfTable, fill_friction, robot_of
+from stickslip.experiments.rigs.rig_models import (
+    Given,
+    Number,
+    Table,
+    UrdfTable,
+    complaint,
+    fill_friction,
+    place,
+    robot_of,
+)
 from stickslip.experiments.rigs.schema import (
     ContactTable,
     EstimatesTable,
@@ -56,7 +70,6 @@ from stickslip.experiments.rigs.schema import (
     flat,
     rig_table,
 )
-from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.formatting import joined
@@ -530,7 +543,7 @@ def _paths(table: RigTable, file: str) -> list[Path]:
     paths = [folder / name for name in (own, *swings) if name]
     logs = [folder / name for name in measured if name]
     if logs:  # imported here so that rigs without data do without pandas
-        from stickslip.experiments.readers.formats import log_files
+        from stickslip.experiments.readers.table_reader import log_files
 
         paths += [one for log in logs for one in log_files(log)]
     return paths

@@ -1,7 +1,8 @@
-"""The tables of a rig file as pydantic models, built from the registries.
+"""The tables of a rig file as pydantic models, and what they refuse in the words of the file.
 
-Mechanisms, drives and laws are read from their declared quantities, so a new one can be written
-in files, and stands in the schema, without a line here.
+Mechanisms, drives and laws are read from their declared quantities, so a new one can be written in
+files, and stands in the schema, without a line here. Robots have a description in URDF, and what
+the file adds to its joints.
 """
 
 import contextlib
@@ -11,16 +12,39 @@ import math
 import re
 import types
 import typing
-from collections.abc import Mapping
+import warnings
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Union
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.experiments.readers.toml import paths_of
 from stickslip.experiments.units import check_uncertainty, read_number
-from stickslip.mechanisms import LOOPS, MOTORS, DCMotor, Mechanism, Motor, MotorLoop
+from stickslip.mechanisms import (
+    LOOPS,
+    MOTORS,
+    DCMotor,
+    Mechanism,
+    Motor,
+    MotorLoop,
+    Robot,
+    RobotDescription,
+    RobotJoint,
+    read_urdf,
+)
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import LONGEST, shown, split_number
 
@@ -385,3 +409,212 @@ def _alone(part: type) -> type[Table]:
 
 def _kebab(cls: type) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", cls.__name__).lower()
+
+
+# Robots in rig files: a description in URDF and what the file adds to its joints.
+
+URDF = "urdf"
+"""``type`` of a mechanism that a robot description gives."""
+ADDED = (
+    "damping", "armature", "coupling", "effort", "mass", "lower_stop", "upper_stop", "restitution",
+)  # fmt: skip
+"""What a rig file may say of a joint beside its description."""
+ANGLE, DISTANCE = Quantity("q", "rad"), Quantity("q", "m")
+Added = table_of(RobotJoint, "joint", only=ADDED)
+
+
+class UrdfTable(Table):
+    """A robot from a description in URDF."""
+
+    type: Literal["urdf"]
+    """Kind of the mechanism."""
+    file: str = Field(description="robot description (URDF), relative to the rig file")
+    moving: list[str] = Field(
+        default=[], min_length=1, description="joints that move; the others are locked at 0"
+    )
+    locked: dict[str, Annotated[Any, Number(ANGLE, alternatives=(DISTANCE,))]] = Field(
+        default={}, description="joint that is locked: where, an angle or a distance"
+    )
+    gravity: Annotated[Any, Number(fields_of(Robot)["gravity"])] = 9.81
+    """Acceleration of free fall [m/s^2]."""
+    joints: dict[str, Added] = Field(  # type: ignore[valid-type]  # made at run time
+        default={},
+        description="joint: damping, armature, mass, coupling, effort or stops of its own",
+    )
+    links: Literal["known", "unknown"] = Field(
+        default="known",
+        description="unknown: fits find what motion tells of masses and inertias of the links",
+    )
+
+
+def _described(table: UrdfTable, file: str) -> RobotDescription:
+    """Read the description that a table names."""
+    gravity = table.gravity.value if isinstance(table.gravity, Given) else table.gravity
+    path, moving = Path(file).parent / table.file, table.moving or None
+    try:
+        return read_urdf(path, joints=moving, locked=table.locked, gravity=gravity)
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} named by {file}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: mechanism: {error}") from None
+
+
+def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str) -> Robot:
+    """Return the robot of a table."""
+    described = _described(table, file)
+    for remark in described.remarks:
+        warnings.warn(f"{file}: {remark}", stacklevel=2)
+    robot = described.robot
+    known = [one.joint for one in robot.joints]
+    for name in added:
+        if name not in known:
+            raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
+    try:
+        joints = tuple(_with(one, added.get(one.joint, {})) for one in robot.joints)
+        return replace(robot, joints=joints)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: mechanism.joints: {error}") from None
+
+
+def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
+    """Return a joint with what a rig file adds; limits are of its angle, not of a motor's."""
+    if added.get("coupling"):
+        joint = replace(joint, lower_stop=None, upper_stop=None)
+    return replace(joint, **added)
+
+
+def fill_friction(
+    raw: dict[str, Any], table: UrdfTable, contacts: Collection[str], file: str
+) -> None:
+    """Put the friction levels of a description in where a rig file gives nothing else."""
+    friction = raw.setdefault("friction", {})
+    if not isinstance(friction, dict) or not set(friction) <= set(contacts):
+        return  # one law for all contacts, or what is refused elsewhere
+    for name, level in _described(table, file).levels.items():
+        own = {"coulomb": {"kinetic_coefficient": level}}
+        if len(contacts) > 1:
+            friction.setdefault(name, own)
+        elif not friction:
+            friction.update(own)
+
+
+# Turns what pydantic finds into one message in the words of the file.
+
+_WANTED = {
+    "model_type": "must be a table",
+    "model_attributes_type": "must be a table",
+    "dict_type": "must be a table",
+    "list_type": "must be a list of tables",
+    "string_type": "must be text in quotes",
+    "bool_type": "must be true or false",
+    "too_short": "must not be an empty list: leave it out or fill it",
+}
+
+
+def place(key: str, file: str, overridden: Collection[str]) -> str:
+    """Return where a key was given: the file, or an override of it."""
+    own = any(key == path or key.startswith(path + ".") for path in overridden)
+    return f"override of {file}" if own else file
+
+
+def complaint(
+    error: ValidationError,
+    raw: Mapping[str, Any],
+    file: str,
+    overridden: Collection[str],
+    called: Mapping[str, str],
+) -> InputError:
+    """Return the error to raise: the first that was found, unknown keys before all others."""
+    found = error.errors(include_url=False)
+    found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
+    first: Mapping[str, Any] = found[0]
+    key, value = _as_called(_key(first["loc"], raw), called), first["input"]
+    overridden = [_as_called(path, called) for path in overridden]
+    context = first.get("ctx", {})
+    kind = first["type"]
+    where = place(key, file, overridden)
+    if kind == "unknown_key":
+        full = _join(key, context["key"])
+        # An override may have made a whole table that is not known.
+        made = any(path.startswith(full + ".") for path in overridden)
+        where = place(full, file, [*overridden, full] if made else overridden)
+        table = f" in {_heading(key)}" if key else ""
+        known = context["known"]
+        of_law = key.partition(".")[0] == "friction" and isinstance(context["value"], dict)
+        if of_law and not nearest(context["key"], known):
+            return InputError(
+                f"{where}: [{full}] has the name of no law or contact: add law = "
+                f'"level + viscous", or another one, under [{full}].'
+            )
+        if not key and context["key"] in overridden:  # the end of a path, perhaps
+            ends = {path.rpartition(".")[2] for path in paths_of(raw)} - {context["key"]}
+            known = ends if nearest(context["key"], ends) else known
+        return UnknownNameError(f"key{table} of {where}:", context["key"], known)
+    if kind == "unknown_name":
+        owner = f"{context['kind']} in {key} of {where}:"
+        return UnknownNameError(owner, context["key"], context["known"])
+    if kind == "union_tag_invalid":
+        known = [tag.strip(" '") for tag in context["expected_tags"].split(",")]
+        return UnknownNameError(f"{key}.type in {where}:", context["tag"], known)
+    if kind == "union_tag_not_found":
+        return ParameterError(f'{where}: {key}.type is missing. Add type = "..." under [{key}].')
+    if kind == "missing_key":
+        return ParameterError(_missing(where, key, context))
+    if kind == "misplaced":
+        return ParameterError(f"{where}: {_join(key, context['key'])}: {context['cure']}.")
+    if kind == "value_error":
+        text = str(context["error"]).replace(ITS_TABLE, key.rpartition(".")[0])
+        return ParameterError(f"{where}: {key} {text}")
+    wanted = _WANTED.get(kind)
+    if kind == "literal_error":
+        wanted = f"must be {context['expected']}"
+    if wanted is None:
+        wanted = first["msg"]
+    return ParameterError(f"{where}: {key or 'the file'} {wanted}, got {shown(value)}.")
+
+
+def _as_called(key: str, called: Mapping[str, str]) -> str:
+    """Return a key with the name that the file gives its table."""
+    own = next((path for path in called if f"{key}.".startswith(f"{path}.")), None)
+    return key if own is None else called[own] + key.removeprefix(own)
+
+
+def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
+    name, quantity = context["key"], context["quantity"]
+    under = f"under {_heading(key)}" if key else "at the top of the file"
+    full = _join(key, name)
+    if quantity is None:
+        table = name in {"mechanism", "run", "friction"}
+        return f"{where}: {full} is missing. Add {f'[{name}]' if table else f'{name} {under}'}."
+    return f"{where}: {full} ({quantity.symbol}) is missing. Add {name} {under}, {quantity.range}."
+
+
+def _heading(key: str) -> str:
+    """Return how a table is written in the file; entries of a list are counted from 1."""
+    table, _, last = key.rpartition(".")
+    return f"[[{table}]] number {int(last) + 1}" if last.isdecimal() else f"[{key}]"
+
+
+def _join(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
+
+
+def _has(node: Any, step: int | str) -> bool:
+    if isinstance(node, list):
+        return isinstance(step, int) and step < len(node)
+    return isinstance(node, dict) and step in node
+
+
+def _key(loc: tuple[int | str, ...], raw: Any) -> str:
+    """Return the dotted key in the file; pydantic adds type names and indices of its own."""
+    parts: list[str] = []
+    node = raw
+    for step in loc:
+        if _has(node, step):
+            node = node[step]
+        elif " " in str(step) or (  # which of several kinds, in words
+            isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step)
+        ):
+            continue
+        parts.append(str(step))
+    return ".".join(parts)

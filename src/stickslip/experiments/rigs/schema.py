@@ -10,16 +10,23 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES
-from stickslip.experiments.readers.reader_options import MOTORS
-from stickslip.experiments.rigs.law_tables import (
+from stickslip.experiments.readers.columns import MOTORS
+from stickslip.experiments.rigs.laws import (
     NONE,
     ContactUnits,
     FrictionTable,
     friction_table,
     python_name,
 )
-from stickslip.experiments.rigs.rig_models import Number, Table, choice, drive_tables, table_of
-from stickslip.experiments.rigs.robots import URDF, UrdfTable
+from stickslip.experiments.rigs.rig_models import (
+    URDF,
+    Number,
+    Table,
+    UrdfTable,
+    choice,
+    drive_tables,
+    table_of,
+)
 from stickslip.experiments.units import read_gain
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws

@@ -1,16 +1,28 @@
-"""Forces that vanish at rest and do not depend on the load."""
+"""Forces that vanish at rest, smooth functions in place of the sign, and factors of parts."""
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING
 from typing import Annotated, final
 
 from typing_extensions import Doc, override
 
-from stickslip.friction.coefficients import ViscousCoefficient, ViscousExponent
-from stickslip.friction.parts.base import Becomes, Flow, Parameter, Part, Slip, Values
-from stickslip.maths import Scalar, arctan, power, where
+from stickslip.friction.base import ViscousCoefficient, ViscousExponent
+from stickslip.friction.parts.base import (
+    Becomes,
+    Factor,
+    Flow,
+    Parameter,
+    Part,
+    Slip,
+    SmoothSign,
+    Values,
+)
+from stickslip.maths import Scalar, arctan, cos, exp, power, sin, sqrt, tanh, where
 from stickslip.quantities import Quantity
+
+# Forces that vanish at rest and do not depend on the load.
 
 PLATEAU = 1e-6
 """Speed [m/s] below which a power of the speed gives way to the straight line that meets it there.
@@ -160,3 +172,168 @@ def _coefficient(power: int) -> object:
         ),
         Doc(f"Coefficient of the power {power} of the speed; friction is passive if none is < 0."),
     ]
+
+
+# What multiplies a part, or one of its parameters, as an input of the contact changes.
+
+
+@final
+class Linear(Factor):
+    """A straight line through 1 where the input is 0."""
+
+    name = "linear"
+    tex = r"(1 + \alpha_{1} {0})"
+    vanishes = {"slope": 0.0}
+    slope: Annotated[
+        float,
+        Quantity("alpha_{0}", "1/{0}", scale="none", bounds=(-1.0, 1.0), start=0.0),
+        Doc("Relative change of what is multiplied, over the input."),
+    ]
+
+    @override
+    def factor(self, p: Values, s: Slip) -> Scalar:
+        (x,) = s.inputs
+        return 1.0 + p.slope * x
+
+
+@final
+class Exponential(Factor):
+    """A decay from 1 where the input is 0, as of a viscosity with the temperature."""
+
+    name = "exponential"
+    opposes = True
+    tex = r"e^{-\beta_{1} {0}}"
+    vanishes = {"decay": 0.0}
+    decay: Annotated[
+        float,
+        Quantity("beta_{0}", "1/{0}", scale="none", bounds=(-1.0, 1.0), start=0.0),
+        Doc("Relative decrease of what is multiplied, over the input."),
+    ]
+
+    @override
+    def factor(self, p: Values, s: Slip) -> Scalar:
+        (x,) = s.inputs
+        return exp(-p.decay * x)
+
+
+@final
+class Ripple(Factor):
+    """One harmonic of the input, as of cogging and tooth mesh."""
+
+    name = "ripple"
+    positive_if = "if a^2 + b^2 <= 1 of each ripple"
+    tex = r"(1 + a_{1} \cos(m_{1} {0}) + b_{1} \sin(m_{1} {0}))"
+    vanishes = {"cosine": 0.0, "sine": 0.0}
+    cosine: Annotated[
+        float,
+        Quantity("a_{0}", low=-1, high=1, scale="none", bounds=(-0.7, 0.7), start=0.0),
+        Doc("Relative amplitude of the cosine."),
+    ]
+    sine: Annotated[
+        float,
+        Quantity("b_{0}", low=-1, high=1, scale="none", bounds=(-0.7, 0.7), start=0.0),
+        Doc("Relative amplitude of the sine; friction stays above 0 where a^2 + b^2 < 1."),
+    ]
+    harmonic: Annotated[
+        float,
+        Quantity("m_{0}", "1/{0}", above=0),
+        Doc("Phase over the input: of an angle the number of periods in a turn."),
+    ] = 1.0
+
+    @override
+    def factor(self, p: Values, s: Slip) -> Scalar:
+        (x,) = s.inputs
+        phase = p.harmonic * x
+        return 1.0 + p.cosine * cos(phase) + p.sine * sin(phase)
+
+    @override
+    def positive(self, p: Values) -> bool:
+        return bool(p.cosine**2 + p.sine**2 <= 1.0)
+
+
+# Smooth functions of the speed in place of the sign: such laws creep and never stick.
+
+SmoothingVelocity = Annotated[
+    float,
+    Quantity("v_t", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
+    Doc("Speed over which the sign of the force changes."),
+]
+
+
+@final
+class Tanh(SmoothSign):
+    """A hyperbolic tangent."""
+
+    name = "tanh"
+    tex = r"\tanh(v / v_t)"
+    smoothing_velocity: SmoothingVelocity
+
+    @override
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        return tanh(s.speed / p.smoothing_velocity)
+
+
+@final
+class Atan(SmoothSign):
+    """An inverse tangent, which approaches the level slowly."""
+
+    name = "atan"
+    title = "arctan"
+    compared = False
+    tex = r"\frac{2}{\pi} \arctan(v / v_t)"
+    smoothing_velocity: SmoothingVelocity
+
+    @override
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        return 2.0 / math.pi * arctan(s.speed / p.smoothing_velocity)
+
+
+@final
+class Root(SmoothSign):
+    """The speed over the root of its square plus a constant."""
+
+    name = "root"
+    title = "square root"
+    compared = False
+    tex = r"v / \sqrt{v^2 + v_t^2}"
+    smoothing_velocity: SmoothingVelocity
+
+    @override
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        v_t = p.smoothing_velocity
+        return s.speed / sqrt(s.speed * s.speed + v_t * v_t)
+
+
+@final
+class Ramp(SmoothSign):
+    """A straight line up to the smoothing velocity."""
+
+    name = "ramp"
+    compared = False
+    tex = r"\min(|v| / v_t, 1) \operatorname{sgn} v"
+    smoothing_velocity: SmoothingVelocity
+
+    @override
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        v_t = p.smoothing_velocity
+        return where(s.speed < v_t, s.speed / v_t, 1.0)
+
+
+@final
+class Threlfall(SmoothSign):
+    """An exponential rise that reaches the level at the smoothing velocity."""
+
+    name = "threlfall"
+    title = "Threlfall"
+    compared = False
+    tex = (
+        r"\frac{1 - e^{-3|v|/v_t}}{1 - e^{-3}} \operatorname{sgn} v"
+        r" \text{ below } v_t, \operatorname{sgn} v \text{ above}"
+    )
+    smoothing_velocity: SmoothingVelocity
+
+    @override
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        v_t = p.smoothing_velocity
+        rise = (1.0 - exp(-3.0 * s.speed / v_t)) / (1.0 - math.exp(-3.0))
+        return where(s.speed < v_t, rise, 1.0)

@@ -7,7 +7,7 @@ from typing import Annotated, final
 
 from typing_extensions import Doc, override
 
-from stickslip.friction.coefficients import BristleDamping, BristleStiffness
+from stickslip.friction.base import BristleDamping, BristleStiffness
 from stickslip.friction.parts.base import Becomes, Memory, Parameter, Slip, Values
 from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, sqrt, where
 from stickslip.quantities import Quantity

@@ -1,0 +1,869 @@
+"""Capsules and carts that an inner body drives, by a motion that is given or by a force."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive, Profile, Sine
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar, cos, sin, where
+from stickslip.mechanisms.base import (
+    BoundedMechanism,
+    Contact,
+    ContactInputs,
+    Guide,
+    Incline,
+    Mechanism,
+    Stop,
+    gear_inputs,
+    height,
+    stops_between,
+)
+from stickslip.quantities import Parametrised, Quantity
+
+# What moves an inner body: a motion it is told, or a force or torque.
+
+DRIVE = "motor"
+"""Name of the drive that a motor has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor(Parametrised, ABC):
+    """What acts between a body and what it carries."""
+
+    name: ClassVar[str]
+    """``type`` in rig files."""
+    wanted: ClassVar[str] = "a motor, Prescribed(...) or Torque(...)"
+
+    @override
+    @classmethod
+    def instead(cls, given: object) -> str:
+        if isinstance(given, Profile):
+            return "Write Prescribed(profile=...)."
+        if isinstance(given, Drive):
+            return "Write Torque(drive=...)."
+        return f"Write Torque(drive=...). {Drive.instead(given)}" if callable(given) else ""
+
+    @abstractmethod
+    def drives(self) -> Mapping[str, Drive]:
+        """Return the drives that are fitted, by name."""
+
+    @abstractmethod
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        """Return the force [N] or torque [N m] at present values of the drives."""
+
+    @abstractmethod
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        """Return where the driven coordinate begins, by name; empty where it is free to.
+
+        Parameters
+        ----------
+        coordinate : str
+            Name of the driven coordinate.
+        rate : str
+            Name of its rate.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Values at time 0, in SI units.
+        """
+
+    @abstractmethod
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        """Return how the coordinate is guided, None where a force moves it.
+
+        Parameters
+        ----------
+        effort : str
+            Name for the force or torque that the motion takes, as a column of runs.
+        unit : str
+            Unit of that effort, ``"N"`` or ``"N m"``.
+
+        Returns
+        -------
+        Guide or None
+            The guide of the coordinate.
+        """
+
+    @abstractmethod
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        """Return what ends a run as a guided coordinate needs too much, by event."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Prescribed(Motor):
+    """A prescribed motion; the force or torque that it requires is computed.
+
+    Examples
+    --------
+    >>> from stickslip.drives import ThreePhase
+    >>> motor = Prescribed(profile=ThreePhase(amplitude=0.8, fast=120.0, slow=30.0))
+    >>> float(motor.start("theta", "omega")["theta"])
+    -0.8
+    """
+
+    name: ClassVar[str] = "prescribed"
+
+    profile: Profile
+    """The motion."""
+    limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
+    """Largest force or torque; a run that needs more ends there. None if not given."""
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {DRIVE: self.profile}
+
+    @override
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        return 0.0
+
+    @override
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        return {coordinate: self.profile.start_position, rate: self.profile.start_rate}
+
+    @override
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        return Guide(drive=DRIVE, effort=effort, unit=unit)
+
+    @override
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        if self.limit is None:
+            return {}
+        share = effort / self.limit
+        return {"motor limit forward": 1.0 - share, "motor limit backward": 1.0 + share}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Torque(Motor):
+    """A force or torque given as a function of time, limited to what the motor can supply.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Sine
+    >>> Torque(drive=Sine(amplitude=0.4, frequency=1.0), limit=0.3).name
+    'torque'
+    """
+
+    name: ClassVar[str] = "torque"
+
+    drive: Drive | None = None
+    """Torque [N m] or force [N]; none if not given."""
+    limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
+    """Largest torque: beyond it the motor saturates. None if not given."""
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {} if self.drive is None else {DRIVE: self.drive}
+
+    @override
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        wanted = drives.get(DRIVE, 0.0)
+        if self.limit is None or self.drive is None:
+            return wanted
+        most = self.limit
+        named = ("motor saturates", "motor leaves saturation")
+        above = where(wanted > most, most, wanted, named)
+        return where(wanted < -most, -most, above, named)
+
+    @override
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        return {}
+
+    @override
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        return None
+
+    @override
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        return {}
+
+
+IDLE = Torque()
+"""A motor that does nothing."""
+
+MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed, Torque)}
+"""The motors by the ``type`` they have in rig files."""
+
+
+# A capsule that an inner mass drives.
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SoftStop(Parametrised):
+    """An elastic stop: a spring and a damper that the inner mass meets at a place.
+
+    It pushes the mass away with ``k d + c d'`` while it is pressed in by `d`. It does not pull:
+    where the damper would, the mass leaves it early, unless it `sticks`, as in models whose damper
+    acts for as long as the spring is pressed in.
+
+    Examples
+    --------
+    >>> SoftStop(place=2e-3, stiffness=5000.0).damping
+    0.0
+    """
+
+    place: Annotated[float, Quantity("xi_s", "m")]
+    """Place of the inner mass where it meets the stop."""
+    stiffness: Annotated[float, Quantity("k_s", "N/m", above=0)]
+    """Its spring."""
+    damping: Annotated[float, Quantity("c_s", "N s/m", low=0)] = 0.0
+    """Its damper."""
+    sticks: bool = False
+    """Whether its damper may pull."""
+
+    def energy(self, xi: Scalar, side: int, events: tuple[str, str]) -> Scalar:
+        """Return the potential energy [J] of a stop above (side 1) or below (-1) the mass."""
+        depth = side * (xi - self.place)
+        return where(depth > 0.0, 0.5 * self.stiffness * depth * depth, 0.0, events)
+
+    def damper_force(self, xi: Scalar, rate: Scalar, side: int, events: tuple[str, str]) -> Scalar:
+        """Return the force [N] on the inner mass beside that of the spring."""
+        depth, speed = side * (xi - self.place), side * rate
+        pull = self.damping * speed
+        if not self.sticks:
+            pressed = self.stiffness * depth
+            pull = where(pressed + pull > 0.0, pull, -pressed)
+        return -side * where(depth > 0.0, pull, 0.0, events)
+
+
+def soft_stops(
+    lower: SoftStop | None, upper: SoftStop | None, whose: str = ""
+) -> list[tuple[SoftStop, int, tuple[str, str]]]:
+    """Return the soft stops of a mass with their sides and the names of their events.
+
+    Examples
+    --------
+    >>> [events for _, _, events in soft_stops(None, SoftStop(place=2e-3, stiffness=1.0), "first ")]
+    [('first meets upper soft stop', 'first leaves upper soft stop')]
+    """
+    sides = ((lower, -1, "lower"), (upper, 1, "upper"))
+    return [
+        (stop, side, (f"{whose}meets {name} soft stop", f"{whose}leaves {name} soft stop"))
+        for stop, side, name in sides
+        if stop is not None
+    ]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Capsule(BoundedMechanism):
+    """A capsule on rough ground with a mass inside that moves along it.
+
+    The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it. A
+    force between the two drives it, or one from outside on the mass alone, as that of magnets, or
+    its motion is prescribed. With stops, hard or soft, it strikes the capsule, as in vibro-impact
+    capsules; at a hard one it bounces, and rests there while it is pressed. On an incline both are
+    pulled towards negative x.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=float(stroke.period))
+    >>> round(float(run["x"][-1]), 6)
+    0.00643
+    """
+
+    name: ClassVar[str] = "capsule"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "xi")
+    rates: ClassVar[tuple[str, ...]] = ("v", "xi_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "m")
+    moving_part: ClassVar[str] = "capsule"
+
+    capsule_mass: Annotated[float, Quantity("M", "kg", above=0)]
+    """Mass of the capsule."""
+    inner_mass: Annotated[float, Quantity("m", "kg", above=0)]
+    """Mass inside."""
+    drive: Motor = IDLE
+    """What moves the inner mass: `Prescribed`, or `Torque` for a force on it [N]."""
+    stiffness: Annotated[float, Quantity("k", "N/m", low=0)] = 0.0
+    """Spring between the two, free of force at xi = 0."""
+    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    """Damper between the two."""
+    gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
+    """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
+    lower_stop: Annotated[float, Quantity("xi_l", "m")] | None = None
+    """Hard stop that xi does not fall below; none if not given."""
+    upper_stop: Annotated[float, Quantity("xi_u", "m")] | None = None
+    """Hard stop that xi does not rise above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Relative speed after an impact over the speed before; 0 if nothing bounces."""
+    lower_soft_stop: SoftStop | None = None
+    """Elastic stop below; none if not given."""
+    upper_soft_stop: SoftStop | None = None
+    """Elastic stop above; none if not given."""
+    drive_on: Literal["both", "inner mass"] = "both"
+    """Where a force drives it: between the two, or from outside on the inner mass alone."""
+    squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
+    """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters: only a force can come from outside."""
+        if self.drive_on not in ("both", "inner mass"):
+            raise ParameterError(
+                f"Capsule.drive_on must be 'both' or 'inner mass', got {self.drive_on!r}."
+            )
+        if self.drive_on == "inner mass" and isinstance(self.drive, Prescribed):
+            raise ParameterError(
+                "Capsule.drive_on is 'inner mass', but the drive prescribes the motion between"
+                " both: give Torque(drive=...), or drive_on='both'."
+            )
+        super().__post_init__()
+
+    @classmethod
+    def dimensionless(
+        cls,
+        *,
+        alpha: float,
+        beta: float,
+        gamma: float,
+        delta: float,
+        xi: float,
+        omega: float,
+        coefficient: float,
+        drive_on: Literal["both", "inner mass"] = "inner mass",
+    ) -> "Capsule":
+        """Return a vibro-impact capsule by its dimensionless numbers.
+
+        Inner mass and spring are 1 kg and 1 N/m and the sliding friction is 1 N, so that times,
+        places and velocities of its runs are dimensionless. The soft stop is above and has no
+        damper; the force is ``alpha cos(omega t)``.
+
+        Parameters
+        ----------
+        alpha : float
+            Amplitude of the force over the sliding friction.
+        beta : float
+            Stiffness of the soft stop over that of the spring.
+        gamma : float
+            Mass of the capsule over the inner mass.
+        delta : float
+            Gap of the soft stop, times the stiffness of the spring, over the sliding friction.
+        xi : float
+            Damping ratio ``c / (2 sqrt(k m))`` of the inner mass.
+        omega : float
+            Angular frequency of the force over ``sqrt(k / m)``.
+        coefficient : float
+            Coefficient of sliding friction of the law that runs will take; gravity is such that
+            its friction is 1 N.
+        drive_on : {"inner mass", "both"}
+            Where the force acts.
+
+        Returns
+        -------
+        Capsule
+            The capsule.
+
+        References
+        ----------
+        Y. Liu, M. Wiercigroch, E. Pavlovskaia, H. Yu, Modelling of a vibro-impact capsule system,
+        Int. J. Mech. Sci. 66 (2013) 2-11.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, simulate
+        >>> capsule = Capsule.dimensionless(
+        ...     alpha=1.6, beta=15.0, gamma=5.0, delta=0.02, xi=0.05, omega=0.95, coefficient=0.3
+        ... )
+        >>> numbers = capsule.dimensionless_numbers(coefficient=0.3)
+        >>> round(numbers["beta"], 12), round(numbers["delta"], 12)
+        (15.0, 0.02)
+        """
+        drive = Sine(amplitude=alpha, frequency=omega / (2.0 * math.pi), phase=0.5 * math.pi)
+        return cls(
+            capsule_mass=gamma,
+            inner_mass=1.0,
+            stiffness=1.0,
+            damping=2.0 * xi,
+            gravity=1.0 / (coefficient * (1.0 + gamma)),
+            drive=Torque(drive=drive),
+            drive_on=drive_on,
+            upper_soft_stop=SoftStop(place=delta, stiffness=beta),
+        )
+
+    def dimensionless_numbers(self, coefficient: float) -> dict[str, float]:
+        """Return the dimensionless numbers of the capsule with a coefficient of sliding friction.
+
+        Those of a force that is no `Sine`, or of a soft stop that is not there, are left out; see
+        `dimensionless`.
+
+        Examples
+        --------
+        >>> capsule = Capsule(capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03)
+        >>> {name: round(one, 6) for name, one in capsule.dimensionless_numbers(0.2).items()}
+        {'gamma': 4.0, 'xi': 0.013693}
+        """
+        weight = self.gravity * (self.capsule_mass + self.inner_mass)
+        friction = coefficient * (weight + self.squeeze)
+        natural = math.sqrt(self.stiffness / self.inner_mass)
+        found = {
+            "gamma": self.capsule_mass / self.inner_mass,
+            "xi": 0.5 * self.damping / (self.inner_mass * natural),
+        }
+        drive = self.drive.drive if isinstance(self.drive, Torque) else None
+        if isinstance(drive, Sine):
+            found["alpha"] = drive.amplitude / friction
+            found["omega"] = 2.0 * math.pi * drive.frequency / natural
+        if self.upper_soft_stop is not None:
+            found["beta"] = self.upper_soft_stop.stiffness / self.stiffness
+            found["delta"] = self.upper_soft_stop.place * self.stiffness / friction
+        return found
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        inner = q_dot["x"] + q_dot["xi"]
+        upward = q_dot["y"] * q_dot["y"]
+        capsule = self.capsule_mass * (q_dot["x"] * q_dot["x"] + upward)
+        return 0.5 * capsule + 0.5 * self.inner_mass * (inner * inner + upward)
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        capsule = self.capsule_mass * height(self.incline, q["x"], q["y"])
+        inner = self.inner_mass * height(self.incline, q["x"] + q["xi"], q["y"])
+        springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
+            springs = springs + stop.energy(q["xi"], side, events)
+        return self.gravity * (capsule + inner) + self.squeeze * q["y"] + springs
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        drive = self.drive.force(drives)
+        between = drive - self.damping * q_dot["xi"]
+        for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
+            between = between + stop.damper_force(q["xi"], q_dot["xi"], side, events)
+        return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", normal="y"),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        whole = self.capsule_mass + self.inner_mass
+        return {"gravity": -whole * self.gravity * sin(self.incline), "position": q["x"]}
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return self.drive.drives()
+
+    @override
+    def start(self) -> Mapping[str, Scalar]:
+        return self.drive.start("xi", "xi_dot")
+
+    @override
+    def guided(self) -> Mapping[str, Guide]:
+        guide = self.drive.guide("force", "N")
+        return {} if guide is None else {"xi": guide}
+
+    @override
+    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        return self.drive.limits(forces["xi"]) if "xi" in forces else {}
+
+
+# A capsule that two inner masses drive.
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class InnerMass(Parametrised):
+    """A mass that moves along a straight line in a capsule.
+
+    Examples
+    --------
+    >>> InnerMass(mass=0.02, stiffness=60.0).angle
+    0.0
+    """
+
+    mass: Annotated[float, Quantity("m", "kg", above=0)]
+    """Its mass."""
+    angle: Annotated[float, Quantity("alpha", "rad")] = 0.0
+    """Angle of its line from the ground: pi/2 is upwards."""
+    drive: Motor = IDLE
+    """What moves it: `Prescribed`, or `Torque` for a force between it and the capsule [N]."""
+    stiffness: Annotated[float, Quantity("k", "N/m", low=0)] = 0.0
+    """Spring to the capsule, free of force in the middle."""
+    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    """Damper to the capsule."""
+    lower_stop: Annotated[float, Quantity("xi_l", "m")] | None = None
+    """Hard stop below; none if not given."""
+    upper_stop: Annotated[float, Quantity("xi_u", "m")] | None = None
+    """Hard stop above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Relative speed after an impact over the speed before."""
+    lower_soft_stop: SoftStop | None = None
+    """Elastic stop below; none if not given."""
+    upper_soft_stop: SoftStop | None = None
+    """Elastic stop above; none if not given."""
+
+    def soft_stops(self, whose: str) -> list[tuple[SoftStop, int, tuple[str, str]]]:
+        """Return the elastic stops with their sides and the names of their events."""
+        return soft_stops(self.lower_soft_stop, self.upper_soft_stop, f"{whose} mass ")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TwoMassCapsule(BoundedMechanism):
+    """A capsule on rough ground with two masses inside.
+
+    The places `xi` and `zeta` of both are counted from the capsule, each along its own line. One
+    that moves upwards changes the normal force: of two that move at right angles, one loosens the
+    capsule while the other pushes it on. A run ends where the capsule lifts off.
+
+    Examples
+    --------
+    Two masses that are one do what the inner mass of a `Capsule` does:
+
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import InnerMass, Prescribed
+    >>> stroke = Prescribed(profile=ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow"))
+    >>> half = InnerMass(mass=0.1, drive=stroke)
+    >>> capsule = TwoMassCapsule(capsule_mass=0.8, first=half, second=half)
+    >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=stroke.profile.period)
+    >>> round(float(run["x"][-1]), 6)
+    0.00643
+    """
+
+    name: ClassVar[str] = "two-mass-capsule"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "xi", "zeta")
+    rates: ClassVar[tuple[str, ...]] = ("v", "xi_dot", "zeta_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "m", "m")
+    moving_part: ClassVar[str] = "capsule"
+
+    capsule_mass: Annotated[float, Quantity("M", "kg", above=0)]
+    """Mass of the capsule."""
+    first: InnerMass
+    """The mass at `xi`."""
+    second: InnerMass
+    """The mass at `zeta`."""
+    gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
+    """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
+    squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
+    """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
+
+    def _inner(self) -> Iterator[tuple[str, str, str, InnerMass]]:
+        """Yield both masses with their names, coordinates and rates."""
+        yield "first", "xi", "xi_dot", self.first
+        yield "second", "zeta", "zeta_dot", self.second
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        v, w = q_dot["x"], q_dot["y"]
+        found = 0.5 * self.capsule_mass * (v * v + w * w)
+        for _, place, _, one in self._inner():
+            along = v + cos(one.angle) * q_dot[place]
+            up = w + sin(one.angle) * q_dot[place]
+            found = found + 0.5 * one.mass * (along * along + up * up)
+        return found
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        x, y = q["x"], q["y"]
+        found = self.gravity * self.capsule_mass * height(self.incline, x, y) + self.squeeze * y
+        for name, place, _, one in self._inner():
+            along, up = x + cos(one.angle) * q[place], y + sin(one.angle) * q[place]
+            found = found + self.gravity * one.mass * height(self.incline, along, up)
+            found = found + 0.5 * one.stiffness * q[place] * q[place]
+            for stop, side, events in one.soft_stops(name):
+                found = found + stop.energy(q[place], side, events)
+        return found
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        found: dict[str, Scalar] = {}
+        for name, place, _, one in self._inner():
+            own = {DRIVE: drives[motor]} if (motor := f"{name}_{DRIVE}") in drives else {}
+            force = one.drive.force(own) - one.damping * q_dot[place]
+            for stop, side, events in one.soft_stops(name):
+                force = force + stop.damper_force(q[place], q_dot[place], side, events)
+            found[place] = force
+        return found
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", normal="y"),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        mass = self.capsule_mass + self.first.mass + self.second.mass
+        return {"gravity": -mass * self.gravity * sin(self.incline), "position": q["x"]}
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return tuple(
+            stop
+            for _, place, _, one in self._inner()
+            for stop in stops_between(place, one.lower_stop, one.upper_stop, one.restitution)
+        )
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {
+            f"{name}_{motor}": drive
+            for name, _, _, one in self._inner()
+            for motor, drive in one.drive.drives().items()
+        }
+
+    @override
+    def start(self) -> Mapping[str, Scalar]:
+        return {
+            key: value
+            for _, place, rate, one in self._inner()
+            for key, value in one.drive.start(place, rate).items()
+        }
+
+    @override
+    def guided(self) -> Mapping[str, Guide]:
+        found = {}
+        for name, place, _, one in self._inner():
+            guide = one.drive.guide(f"{name}_force", "N")
+            if guide is not None:
+                drive = f"{name}_{guide.drive}"
+                found[place] = Guide(drive=drive, effort=guide.effort, unit=guide.unit)
+        return found
+
+    @override
+    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        return {
+            f"{name} {event}": margin
+            for name, place, _, one in self._inner()
+            if place in forces
+            for event, margin in one.drive.limits(forces[place]).items()
+        }
+
+
+# A cart that a swinging pendulum drives: the mechanism of capsule robots.
+
+GROUND = "ground"
+"""Name of the drive that shakes the ground."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PendulumCart(Mechanism):
+    """A cart on rough ground with an inverted pendulum, a ball on a light rod.
+
+    The angle `theta` is that of the rod from the normal of the ground, which is the upright where
+    the ground is level; the ball is at ``(x - length * sin(theta), length * cos(theta))``, along
+    the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
+    a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
+    at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
+    to give, and not the motion. With a `pivot_load` the pivot rubs too: the contacts are then
+    `wheels` and `pivot`. A run ends where the cart lifts off or tips over its wheels, and
+    where its equations lose their meaning (Painleve).
+
+    Examples
+    --------
+    >>> import math
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    >>> cart = PendulumCart(
+    ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    ... )
+    >>> run = simulate(cart, Coulomb(kinetic_coefficient=0.2), t_end=float(swing.period))
+    >>> round(float(run["x"][-1]), 7)
+    0.0248596
+    """
+
+    name: ClassVar[str] = "pendulum-cart"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "theta")
+    rates: ClassVar[tuple[str, ...]] = ("v", "omega")
+    units: ClassVar[tuple[str, ...]] = ("m", "rad")
+    moving_part: ClassVar[str] = "cart"
+    contact_names: ClassVar[str] = "wheels, pivot (with pivot_load)"
+    imposed: ClassVar[frozenset[str]] = frozenset({GROUND})
+
+    cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
+    """Mass of the cart."""
+    ball_mass: Annotated[float, Quantity("m", "kg", above=0)]
+    """Mass of the ball."""
+    length: Annotated[float, Quantity("l", "m", above=0)]
+    """Length of the rod."""
+    pendulum: Motor = IDLE
+    """What moves the pendulum: `Prescribed` or `Torque`."""
+    pivot_stiffness: Annotated[float, Quantity("k_theta", "N m/rad", low=0)] = 0.0
+    """Spring at the pivot, between rod and cart."""
+    pivot_angle: Annotated[float, Quantity("theta_0", "rad")] = 0.0
+    """Angle at which that spring is free of torque."""
+    pivot_damping: Annotated[float, Quantity("c_theta", "N m s/rad", low=0)] = 0.0
+    """Damper at the pivot, between rod and cart."""
+    pivot_load: Annotated[float, Quantity("N_p", low=0)] | None = None
+    """Load of the friction law of the pivot, 1 where its levels are torques; with None or 0, the
+    pivot does not rub."""
+    gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
+    """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
+    wheelbase: Annotated[float, Quantity("b", "m", above=0)] | None = None
+    """Distance of the outer wheels; a cart without one does not tip."""
+    pivot_height: Annotated[float, Quantity("h_p", "m", low=0)] = 0.0
+    """Height of the pivot above the ground; it matters to tipping only."""
+    centre_height: Annotated[float, Quantity("h_c", "m", low=0)] = 0.0
+    """Height of the cart's centre of mass above the ground; it matters to tipping only."""
+    ground: Drive | None = None
+    """Acceleration of the ground along its normal [m/s^2], as of a vibrating pipe; rest if not
+    given."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters; a pivot without load is no contact."""
+        super().__post_init__()
+        if self.pivot_load == 0.0:
+            object.__setattr__(self, "pivot_load", None)
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        tilt, tilting = q.get("tilt", 0.0), q_dot.get("tilt", 0.0)
+        angle, turning = q["theta"] + tilt, q_dot["theta"] + tilting
+        h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
+        x_dot, y_dot = q_dot["x"], q_dot["y"]
+        cart = _square(x_dot - h_c * cos(tilt) * tilting, y_dot - h_c * sin(tilt) * tilting)
+        ball = _square(
+            x_dot - h_p * cos(tilt) * tilting - l * cos(angle) * turning,
+            y_dot - h_p * sin(tilt) * tilting - l * sin(angle) * turning,
+        )
+        return 0.5 * self.cart_mass * cart + 0.5 * self.ball_mass * ball
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        tilt = q.get("tilt", 0.0)
+        h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
+        x, y, angle = q["x"], q["y"], q["theta"] + tilt
+        cart = height(self.incline, x - h_c * sin(tilt), y + h_c * cos(tilt))
+        ball = height(
+            self.incline,
+            x - h_p * sin(tilt) - l * sin(angle),
+            y + h_p * cos(tilt) + l * cos(angle),
+        )
+        wound = q["theta"] - self.pivot_angle
+        spring = 0.5 * self.pivot_stiffness * wound * wound
+        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball) + spring
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        pivot = self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]
+        if self.ground is None:
+            return {"theta": pivot}
+        shaken = self._shaken(q, drives)
+        normal = -(self.cart_mass + self.ball_mass) * drives[GROUND]
+        return {"theta": pivot + shaken, "y": normal} | dict.fromkeys(self.held(), shaken)
+
+    def _shaken(self, q: Mapping[str, Scalar], drives: Mapping[str, Scalar]) -> Scalar:
+        """Return the torque about the pivot of a ball that its ground carries along [N m]."""
+        angle = q["theta"] + q.get("tilt", 0.0)
+        return self.ball_mass * drives.get(GROUND, 0.0) * self.length * sin(angle)
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        if self.pivot_load is None:
+            return (Contact(slip="x", normal="y"),)
+        return (
+            Contact(slip="x", normal="y", name="wheels"),
+            Contact(slip="theta", load=self.pivot_load, name="pivot"),
+        )
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        whole = self.cart_mass + self.ball_mass
+        slope = -whole * self.gravity * sin(self.incline)
+        wheels: dict[str, Scalar] = {"gravity": slope, "position": q["x"]}
+        if self.pivot_load is None:
+            return wheels
+        leaning = self.ball_mass * self.gravity * self.length
+        weight = leaning * sin(q["theta"] + self.incline)
+        pivot: dict[str, Scalar] = {"gravity": weight, "position": q["theta"]}
+        if not self.guided():  # the torque of a prescribed motion follows from the motion
+            wound = self.pivot_stiffness * (q["theta"] - self.pivot_angle)
+            others = weight - wound - self.pivot_damping * q_dot["theta"]
+            others = others + self._shaken(q, drives)
+            pivot = gear_inputs(self.pendulum.force(drives), others, **pivot)
+        return {"wheels": wheels, "pivot": pivot}
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {**self.pendulum.drives(), **({} if self.ground is None else {GROUND: self.ground})}
+
+    @override
+    def start(self) -> Mapping[str, Scalar]:
+        return self.pendulum.start("theta", "omega")
+
+    @override
+    def guided(self) -> Mapping[str, Guide]:
+        guide = self.pendulum.guide("torque", "N m")
+        return {} if guide is None else {"theta": guide}
+
+    @override
+    def held(self) -> tuple[str, ...]:
+        return () if self.wheelbase is None else ("tilt",)
+
+    @override
+    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        found = dict(self.pendulum.limits(forces["theta"]) if "theta" in forces else {})
+        if self.wheelbase is not None:
+            # the ground's force acts between the wheels, its moment about their middle being "tilt"
+            reach, weight = 0.5 * self.wheelbase, self.gravity * (self.cart_mass + self.ball_mass)
+            spare, moment = forces["y"] / weight, forces["tilt"] / (reach * weight)
+            found |= {"tips forward": spare - moment, "tips backward": spare + moment}
+        return found
+
+
+def _square(a: Scalar, b: Scalar) -> Scalar:
+    return a * a + b * b
