@@ -58,6 +58,13 @@ def test_a_motion_that_repeats_after_three_cycles_is_that_of_its_drive() -> None
     assert len([*other_drives(capsule(0.4), other)]) == 1
 
 
+def test_a_slow_film_is_not_that_of_a_fast_drive_whatever_the_ratio() -> None:
+    t = np.arange(0.0, 4.0, 1.0 / 60.0)
+    for frequency in (0.7, 0.9, 1.25, 2.0, 2.5):
+        slow = Measurement(time=t, position=2e-3 * np.sin(2.0 * np.pi * frequency * t))
+        assert len([*other_drives(capsule(0.05), slow)]) == 1
+
+
 def test_a_film_that_begins_after_its_drive_is_refused() -> None:
     late = film(0.4, 60.0, 2e-4, 1)
     later = Measurement(time=late.time + 1.0, position=late.position)

@@ -310,7 +310,9 @@ Draws = Annotated[
         " draws from the estimates of the law.",
     ),
 ]
-DrawSeed = Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")]
+DrawSeed = Annotated[
+    int, typer.Option("--seed", min=0, help="Random seed where --ensemble draws from estimates.")
+]
 Quantile = Annotated[
     str,
     typer.Option(

@@ -91,18 +91,24 @@ def run_sweep(
     axes = _axes(vary)
     if draws is not None and (coordinate is not None or len(axes) > 1):
         raise InputError("--ensemble takes one --vary, and no --coordinate.")
+    if draws is not None and (count is not None or executor is not None):
+        raise InputError(
+            "--ensemble runs its laws in one process: leave --workers, --executor out."
+        )
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
     options: dict[str, Any] = {"cycles": cycles, "settle": settle, "y0": rig.start(law)}
     turns: Sequence[float] = []
-    measured: dict[float, float] = {}
+    measured: list[tuple[float, float]] = []
     found: VelocityMap | VelocityBand
     if draws is not None:
         laws, options["error"] = laws_drawn(rig, chosen, asked, draws, seed)
         ((name, values),) = axes.items()
         measured = _filmed(rig, name, values)
-        values = np.union1d(values, [*measured])  # a curve with jumps tells nothing in between
+        values = np.union1d(
+            values, [at for at, _ in measured]
+        )  # a curve with jumps tells nothing in between
         with Drawing("Running", "laws") as progress:
             found = velocity_band(rig.mechanism, laws, {name: values}, progress=progress, **options)
         content = _band_content(found, laws, measured)
@@ -137,20 +143,19 @@ def run_sweep(
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
 
 
-def _filmed(rig: Rig, name: str, values: Array) -> dict[float, float]:
-    """Return the speeds of films in which a parameter was set within a range, by its value."""
+def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
+    """Return values of a parameter within a range at which films were made, with their speeds."""
     known = {path: quantity for path, quantity, _ in parameters(rig.mechanism, "mechanism")}
-    films = [] if rig.measurement is None else rig.measurement.records()
-    found = {}
-    for film in films if any(film.overrides for film in films) else ():
-        at = film.overrides.get(full_path(name, known))
+    path, pairs = full_path(name, known), []
+    for film in () if rig.measurement is None else rig.measurement.records():
+        at = film.overrides.get(path)
         if at is not None and film.position is not None and values.min() <= at <= values.max():
-            found[at] = settled_speed(rig.mechanism, film)[0]
-    return found
+            pairs.append((at, settled_speed(rig.mechanism, film)[0]))
+    return pairs
 
 
 def _band_content(
-    found: VelocityBand, laws: Sequence[FrictionLaw], measured: Mapping[float, float]
+    found: VelocityBand, laws: Sequence[FrictionLaw], measured: Sequence[tuple[float, float]]
 ) -> dict[str, Any]:
     return {
         "path": found.path,
@@ -161,7 +166,7 @@ def _band_content(
         "level": found.level,
         "error": found.error,
         "laws": dict(Counter(one.name for one in laws)),
-        "measured": [list(pair) for pair in measured.items()],
+        "measured": [list(pair) for pair in measured],
         "early_ends": list(found.reasons),
     }
 
@@ -181,7 +186,10 @@ def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
 
 
 def _write_map(
-    found: VelocityMap | VelocityBand, measured: Mapping[float, float], output: Path, figure: Path
+    found: VelocityMap | VelocityBand,
+    measured: Sequence[tuple[float, float]],
+    output: Path,
+    figure: Path,
 ) -> None:
     from stickslip.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
@@ -195,10 +203,11 @@ def _write_map(
     write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
 
 
-def _show_band(found: VelocityBand, measured: Mapping[float, float]) -> None:
+def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
     stdout().print(str(found), markup=False)
-    ends = zip(found.values.tolist(), found.low, found.high, strict=True)
-    seen = [(at, low <= measured[at] <= high) for at, low, high in ends if at in measured]
+    ends = zip(found.low, found.high, strict=True)
+    band = dict(zip(found.values.tolist(), ends, strict=True))
+    seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
     if seen:
         off = [number(at, 6) for at, inside in seen if not inside]
         where = f", not at {joined(off)} {found.unit}" if off else ""

@@ -171,8 +171,8 @@ def frequency_of(time: Array, position: Array) -> tuple[float, float]:
 def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str]:
     """Yield a sentence for each film that oscillates with another frequency than its drive.
 
-    A motion that repeats itself after some cycles is that of its drive: then the frequency of the
-    film goes into that of the drive, as far as frequencies are tried.
+    A motion that repeats itself after up to four cycles is that of its drive: the frequency of the
+    film then goes into that of the drive, as far as frequencies are tried.
     """
     for index, record in enumerate(measurement.records(), 1):
         time, x = np.asarray(record.time), np.asarray(record.values("position"))
@@ -180,7 +180,8 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         best, share = frequency_of(time, x)
         own = oscillation(time, x, 0.5 * drive, 2 * HARMONICS)
         cycles = float(np.rint(drive / best))
-        repeats = cycles > 1.0 and abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
+        near = abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
+        repeats = near and 1.0 < cycles <= CYCLES
         if share > SHOWN and own < OTHER * share and not repeats:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"

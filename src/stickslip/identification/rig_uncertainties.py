@@ -72,5 +72,5 @@ def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float
         name: (quantity, value) for name, quantity, value in parameters(mechanism, "mechanism")
     }
     quantity, value = known[path]
-    step = STEP * abs(value) or doubt
+    step = STEP * (abs(value) or doubt)
     return max(value - step, quantity.low), min(value + step, quantity.high)

@@ -49,6 +49,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 MOST = 3
 """Parameters that a sentence names at most."""
+LEAST_P = 1e-3
+"""Below this, a probability is given as less than this."""
 LAW = "friction."
 """How paths of a law begin; what is looked for beside it is the rig's, one number of all trials."""
 NOT_ALONE = (
@@ -349,7 +351,7 @@ def _outcome(
             "Whether the trials share one law cannot be tested: the trials do not identify its"
             " parameters individually."
         )
-    p = f"p = {number(test.p, 2)}"
+    p = f"p < {number(LEAST_P)}" if test.p < LEAST_P else f"p = {number(test.p, 2)}"
     if not test.p < CHANCE:
         return f"The trials are consistent with one law ({p})."
     said = [_change(line) for line in clear] or _groups(trials) or _range(trials)

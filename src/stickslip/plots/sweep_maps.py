@@ -130,7 +130,10 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
     axes.grid(axis="y")
 
 
-def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | None = None) -> Draw:
+def draw_velocity_band(
+    result: VelocityBand,
+    measured: Mapping[float, float] | Sequence[tuple[float, float]] | None = None,
+) -> Draw:
     """Return a drawing of the band of the mean velocity over many laws, and what was measured."""
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -149,7 +152,8 @@ def draw_velocity_band(result: VelocityBand, measured: Mapping[float, float] | N
         )
         axes.plot(result.values, factor * median, color=C1, linewidth=1.4, label="median")
         if measured:
-            points = np.array([*measured.items()])
+            pairs = measured.items() if isinstance(measured, Mapping) else measured
+            points = np.array([*pairs])
             axes.plot(
                 points[:, 0],
                 factor * points[:, 1],

@@ -7,7 +7,8 @@ Along a branch F(u) = 0, where stability plays no part:
    through the last two points and their tangents where the same happens in both.
 2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
    the two before show what it leaves. The step grows where few of them are needed, up to where the
-   tangent turns by a given angle, and is halved where they fail. Scales follow the states.
+   tangent turns by a given angle, is halved where they fail and quartered where they fail again.
+   Scales follow the states.
 3. Events between two points, each located on the arc: by false position where the test function is
    smooth, else by bisection.
      fold             the tangent's component along p changes its sign
@@ -511,8 +512,9 @@ class _Curve:
         """Follow a branch to both sides of a point."""
         self.backward = True  # events are told in the order of the points
         turned = replace(first, tangent=-first.tangent, crossing=-first.crossing)
+        scale = self.scale  # that of the tangent; a walk goes on to others
         back, begun, before = self.walk(turned)
-        self.backward = False
+        self.backward, self.scale = False, scale
         ahead, ended, after = self.walk(first)
         points = [*back[:0:-1], *ahead]
         offset = len(back) - 1
@@ -761,12 +763,14 @@ class _Curve:
     # -- events
 
     def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
+        shot = point.shot
+        with suppress(SimulationError, InputError):  # beside a border the run may be another
+            again = self.map.shoot(shot.y, shot.value)
+            self.runs += 1
+            if signature_of(again) == point.signature:
+                shot = again
         return BranchEvent(
-            kind=kind,
-            value=point.shot.value,
-            index=index,
-            sentence=sentence,
-            orbit=self.map.orbit(self.map.shoot(point.shot.y, point.shot.value)),
+            kind=kind, value=shot.value, index=index, sentence=sentence, orbit=self.map.orbit(shot)
         )
 
     def jump(self, here: _Point, there: _Point) -> str:

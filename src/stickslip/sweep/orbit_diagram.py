@@ -285,8 +285,11 @@ def orbit_diagram(
         tally.tell(done)
         if not tally.going:
             break
-    while tally.going and (found := search.place()) is not None:
+    for _ in range(int(values) * int(starts)):  # as many again at most: chaos has no last branch
+        if not tally.going or (found := search.place()) is None:
+            break
         search.settle_at(*found)
+        tally.tell(len(grid))
     return search.diagram()
 
 
@@ -339,8 +342,11 @@ class _Search:
         """
         low, high = self.between
         span = high - low
-        if self.lost:
-            return self.lost.pop()
+        while self.lost:
+            beyond, columns = self.lost.pop()
+            unknown = any(begin < beyond < end for begin, end in self.gaps())
+            if unknown and self.is_new(beyond, RIGHT_BEHIND * span):
+                return beyond, columns
         for branch in self.branches:
             for end in (float(branch.values[0]), float(branch.values[-1])):
                 for off in BEHIND if low < end < high else ():

@@ -461,7 +461,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
         "thirds": thirds,
         "halves": halves,
-        "drifts": bool(check(measurement).of("drift")),
+        "drifts": any(one.severity != "info" for one in check(measurement).of("drift")),
         "regime": regime,
         "covariance": covariance,
     }

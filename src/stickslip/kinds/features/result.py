@@ -273,9 +273,9 @@ def is_missed(error: float) -> bool:
 
 
 def _has_drifted(observed: StickSlipFeatures, held: StickSlipFeatures) -> bool:
-    """Whether the mean changes from part to part by more than its interval."""
+    """Whether the mean changes from part to part by more than its interval, and by what matters."""
     doubt = math.sqrt(observed.covariance[1, 1] + held.covariance[1, 1])
-    return abs(math.log(held.mean / observed.mean)) > half_width(doubt)
+    return abs(held.mean / observed.mean - 1.0) > max(half_width(doubt), THRESHOLDS.material)
 
 
 def room_of(fit: FeatureFit) -> float:
