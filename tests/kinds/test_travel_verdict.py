@@ -240,3 +240,11 @@ def test_settings_that_are_off_are_explained_by_no_law():
     assert verdict.sentence.startswith("No law explains the travels: they are")
     assert "0.1 mm is stated" in verdict.sentence
     assert select(BLOCK, ["coulomb"], readings(law, settings=settings)).best is not None
+
+
+@pytest.mark.parametrize("name", ["lugre", "dahl", "stribeck"])
+def test_predictions_are_the_travels_of_the_law_that_is_handed_out(name):
+    truth = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.32, stribeck_velocity=0.4)
+    fit = select(BLOCK, [name], readings(truth)).candidates[0].fit
+    simulated = [travel(fit.law, setting) for setting in SETTINGS]
+    np.testing.assert_allclose(fit.predicted, simulated, rtol=1e-5)

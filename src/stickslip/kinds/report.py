@@ -1,4 +1,4 @@
-"""A verdict as files: a page, a JSON document, the law as a rig."""
+"""A verdict as files: a page, a JSON document, the law as a rig, and laws drawn beside it."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -74,9 +74,10 @@ def write_report(
 
     These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
     that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
-    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. There is no ``law.toml``
-    without a law to name, nor of laws that are not simulated. The command's page of the bundled rig
-    also audits the source paper.
+    fitted values, which `load_rig` reads and ``stickslip simulate`` takes; and of a verdict with a
+    band ``draws.json``, 100 laws drawn over it, which ``stickslip sweep --ensemble`` takes.
+    There is no ``law.toml`` without a law to name, nor of laws that are not simulated. The
+    command's page of the bundled rig also audits the source paper.
 
     Parameters
     ----------
@@ -150,7 +151,7 @@ def write_verdict(
     *,
     page: str | None = None,
 ) -> None:
-    """Write a verdict as its page, its document and its law, over those of an earlier one.
+    """Write a verdict as its page, document, law and draws, over those of an earlier one.
 
     All appear at once. What this verdict does not have is removed of an earlier one: a page that
     could not be drawn, a law where none is named. Files that were not written here stay.

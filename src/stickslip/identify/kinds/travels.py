@@ -481,10 +481,30 @@ class TravelJudgement:
         return next(law for law in self.laws if law.name == name)
 
     def unknowns_of(self, name: str) -> Array:
-        """Return the best unknowns (p,) of a law."""
+        """Return unknowns (p,) of a law with which its simulated travels meet the readings best."""
+        return self._best_run(name)[0]
+
+    def predicted(self, name: str) -> Array:
+        """Return the travels (n,) [m] of the best unknowns of a law, of the curve its own."""
+        if name:
+            return self._best_run(name)[1]
+        return np.asarray(self.measured - self.best_of(name).left * self.errors)
+
+    @cached_property
+    def _best_runs(self) -> dict[str, tuple[Array, Array]]:
+        return {}
+
+    def _best_run(self, name: str) -> tuple[Array, Array]:
+        """Return unknowns (p,) and travels (n,): of the linear problem, or where it was made."""
+        if name in self._best_runs:
+            return self._best_runs[name]
         best = self.best_of(name)
-        count = best.linear.structure.count
-        return np.concatenate([best.values[:count], best.linear.structure.unknowns[count:]])
+        start, count = best.linear.structure.unknowns, best.linear.structure.count
+        both = np.stack([np.concatenate([best.values[:count], start[count:]]), start])
+        travels = self.law_of(name).table(self.trials, both)
+        costs = np.sum(((self.measured - travels) / self.errors) ** 2, axis=1)
+        at = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        return self._best_runs.setdefault(name, (both[at], travels[at]))
 
     def named_travels(self, settings: Array) -> Array:
         """Return the travels (m,) [m] of the named law at settings of the knob."""

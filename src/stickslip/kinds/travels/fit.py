@@ -127,7 +127,7 @@ def travel_fit(judgement: TravelJudgement, name: str, named: Collection[str] = (
     Coefficients that the travels hardly depend on are left out, but for the first and those that
     are `named`, which have no interval then.
     """
-    best, law = judgement.best_of(name), judgement.law_of(name)
+    law = judgement.law_of(name)
     unknowns = judgement.unknowns_of(name)
     values, paths = law.values(unknowns[None])[0], law.model.free
     draws, limits = judgement.values(name), _limits(law.quantities)
@@ -170,7 +170,7 @@ def travel_fit(judgement: TravelJudgement, name: str, named: Collection[str] = (
         mechanism=trials[0].mechanism,
         estimates=tuple(estimates),
         measured=tuple(judgement.measured.tolist()),
-        predicted=tuple((judgement.measured - best.left * judgement.errors).tolist()),
+        predicted=tuple(judgement.predicted(name).tolist()),
         runs=law.model.runs,
         standard_errors=tuple(judgement.errors.tolist()),
         stated=judgement.stated,

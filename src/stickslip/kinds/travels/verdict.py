@@ -288,7 +288,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
         columns = {
             "measured": measured,
             "error": judgement.errors,
-            "predicted": measured - best.left * judgement.errors,
+            "predicted": judgement.predicted(judgement.named),
             "held_out_error": best.held_out,
         }
         scaled = {name: x / last for name, x in columns.items()}
