@@ -425,14 +425,14 @@ def columns_of(verdict: TravelVerdict | None) -> Columns[TravelCandidate]:
             value=lambda one: one.name, text=lambda one: one.title,
         ),
         Column(
-            key="parameters", title="fitted", page="fitted",
+            key="parameters", title="fitted", page="fitted", numeric=False,
             value=lambda one: ", ".join(
                 f"{e.quantity.symbol} = {number(e.value)}"
                 for e in (one.fit.estimates if one.fit else ())
             ),
             text=lambda one: _fitted(one) or None, why_empty="no value fits",
         ),
-        Column(key="range", title="95 %", page="95 %", phone="label", value=_ranges,
+        Column(key="range", title="95 %", page="95 %", numeric=False, phone="label", value=_ranges,
                text=lambda one: _ranges(one) or None),
         Column(
             key="travel", title="travel", page="travel\nm" if not ranked else "", phone="hide",
