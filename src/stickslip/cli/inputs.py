@@ -412,7 +412,7 @@ def laws_drawn(
             "--ensemble needs laws to draw: give the law.toml that `stickslip select` writes as"
             " --law, or a law with estimates."
         )
-    note("No laws were drawn beside this one as it stands: its parameters are, by their estimates.")
+    note("No laws were drawn for this law file as it stands: parameters follow their estimates.")
     values = known.draw(chosen.law, count, seed=seed)
     rows = zip(*(column.tolist() for column in values.values()), strict=True)
     return [vary(chosen.law, "friction", dict(zip(values, row, strict=True))) for row in rows], 0.0

@@ -92,9 +92,7 @@ def run_sweep(
     if draws is not None and (coordinate is not None or len(axes) > 1):
         raise InputError("--ensemble takes one --vary, and no --coordinate.")
     if draws is not None and (count is not None or executor is not None):
-        raise InputError(
-            "--ensemble runs its laws in one process: leave --workers, --executor out."
-        )
+        raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)

@@ -149,8 +149,8 @@ class Judgement:
     def intervals(self) -> tuple[Interval, ...]:
         """Intervals of the parameters of the named law.
 
-        Whichever law holds, half of the draws are of the named family, beside all that the band
-        has; and each rival has the root of its odds: what is not told apart must not be left out.
+        Whichever law holds, as many draws are of the named family as of all that the band has, and
+        each rival adds the root of its odds: what is not told apart must not be left out.
         """
         own, every = self.named_values, self.values(self.ensemble.draws())
         tail = 0.5 * (1.0 - THRESHOLDS.interval)
@@ -164,7 +164,6 @@ class Judgement:
         for path, x in self.composition.paths().items():
             low, high = np.quantile(own[path], (tail, 1.0 - tail)).tolist()
             others = every.get(path, own[path])
-            # as many draws of the named family as of all that have the parameter
             rest = [values[path] for values in drawn if path in values]
             both = np.concatenate([own[path], np.resize(others, len(own[path])), *rest])
             low_any, high_any = np.quantile(both, (tail, 1.0 - tail)).tolist()

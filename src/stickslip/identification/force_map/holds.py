@@ -23,13 +23,14 @@ from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
 from stickslip.identification.force_map.joint_balance import joint_stretches
-from stickslip.identification.force_map.start_values import SPEEDS
 from stickslip.identification.series.applied_force import driven
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.mechanisms import Mechanism
 
 Array = NDArray[np.float64]
 
+WIDTHS: Final = (0.0316, 0.1, 0.316)
+"""Widths of peaks of friction at rest that a nuisance may have, over the largest speed."""
 WIDER: Final = 3.0
 """Factor on what the filter of inverse dynamics passes: half a sample is a fast effect."""
 
@@ -187,7 +188,7 @@ def _nuisance(one: MotionSegment, top: float) -> Array:
     """Return what friction and parameters may be (n, p): both free beside the hold."""
     v, load = one.path.velocity, one.path.load
     sign = np.sign(v)
-    peaks = [sign * np.exp(-np.square(v / (width * max(top, 1e-300)))) for width in SPEEDS[3:6]]
+    peaks = [sign * np.exp(-np.square(v / (width * max(top, 1e-300)))) for width in WIDTHS]
     shapes = [shape * load for shape in (sign, *peaks)]
     own = np.column_stack([np.ones_like(v), np.abs(v), v, v * np.abs(v), *shapes])
     linear = np.zeros((len(v), 0)) if one.regressors is None else one.regressors

@@ -32,6 +32,8 @@ from stickslip.quantities import Quantity, fields_of, full_path, parameters, var
 
 Array = NDArray[np.float64]
 
+FOLLOWED = 7
+"""Starts with different speeds that are followed."""
 SPEEDS = tuple(float(f"{share:.3g}") for share in np.geomspace(1e-3, 1.0, 7))
 """Stribeck velocities over the largest speed: half decades."""
 STIFFNESSES = tuple(float(10.0 ** (0.5 * power)) for power in range(-6, 3))
@@ -101,7 +103,7 @@ def _best_of_each(
     for k in order:
         key = tuple(points[k][path] for path in speeds if path in points[k]) or (float(k),)
         kept.setdefault(key, rated[k])
-    return list(kept.values())[: len(SPEEDS)]
+    return list(kept.values())[:FOLLOWED]
 
 
 def _has_memory(problem: ForceMap) -> bool:

@@ -69,6 +69,8 @@ friction scatter by a few per cent."""
 ROUGH = 0.01
 """Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
 of this is said."""
+MOVED = 1e-3
+"""Share by which a level is moved for the slope of its travels."""
 LEAST = THRESHOLDS.fewest
 """Runs at each setting: fewer do not show their scatter ..."""
 MOST = 10
@@ -304,7 +306,7 @@ class _Bench:
         path = self.now.law_of(self.named).model.free[0]
         level = {p: value for p, _, value in parameters(law, "friction")}[path]
         model = TravelModel(law, [path], self.now.t_end)
-        trials, step = self.trials(self.named, 1, units), THRESHOLDS.negligible
+        trials, step = self.trials(self.named, 1, units), MOVED
         ends = [model.travels(trials, [factor * level]) for factor in (1.0 - step, 1.0 + step)]
         slope = (ends[1] - ends[0]) / (2.0 * step)
         gain = slope / float(slope @ slope)
