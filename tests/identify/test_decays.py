@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
+from stickslip.identify.kinds.record_frame import free_form
 from stickslip.identify.kinds.record_signals import records_of
 from stickslip.identify.kinds.records import RecordsProblem
 
@@ -164,3 +165,11 @@ def test_a_row_of_a_free_motion_is_worth_less_than_a_reading():
     forced = Measurement(time=swings().time, position=swings().position,
                          force=np.sin(np.asarray(swings().time)))  # fmt: skip
     assert RecordsProblem(records_of(RIG, forced)).worth == 0.0
+
+
+@pytest.mark.parametrize("half", [0.0, 0.5])
+def test_swings_that_end_on_the_other_side_are_no_coast_down(half):
+    turns = np.arange(0.0, 1.0 + 1e-9, 1e-3)
+    x = np.exp(-0.1 * turns) * np.cos(2.0 * np.pi * (12.0 + half) * turns)
+    records = records_of(RIG, Measurement(time=10.0 * turns, position=x, turning=True))
+    assert free_form(records) == "work"

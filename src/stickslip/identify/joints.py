@@ -34,7 +34,7 @@ from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.joints import JointRecords, Links, links_of
 from stickslip.identify.kinds.record_signals import Record
-from stickslip.identify.kinds.records import RecordsProblem, goes_straighter
+from stickslip.identify.kinds.records import RecordsProblem, with_hold
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problem import Array
 from stickslip.identify.selection import record_verdict, refined, restrict
@@ -259,7 +259,7 @@ def select_joints(
     if not records.records:
         raise InputError("no joint moves in these records: nothing tells friction.")
     links, own = None, records.at({})
-    problem = partial(_problem, widest=records.widest, straight=settings.hold == "first")
+    problem = partial(_problem, widest=records.widest, hold=settings.hold)
     if paths or zeros:  # they were found, and are not wrong once more
         problem = partial(problem, without=(*WHOLE, "mechanism"))
         links = links_of({name: problem(one) for name, one in own.items()}, records)
@@ -285,17 +285,14 @@ def select_joints(
 
 
 def _problem(
-    records: list[Record], *, widest: float, straight: bool, without: Sequence[str] = WHOLE
+    records: list[Record], *, widest: float, hold: str | None, without: Sequence[str] = WHOLE
 ) -> RecordsProblem:
-    """Return the balance of a joint; its forces hold, or go straight."""
-    records = [replace(one, held=not straight) for one in records]
+    """Return the balance of a joint, whose forces run between samples as said, or as shown."""
+    records = [replace(one, held=True) for one in records]
     loads = [one.load for one in records if one.load is not None]
     normal = float(np.exp(np.mean(np.log(np.concatenate(loads))))) if loads else 1.0
     made = partial(RecordsProblem, normal=normal, widest=widest, without=without)
-    problem = made(records)
-    return (
-        made([replace(one, held=False) for one in records]) if goes_straighter(problem) else problem
-    )
+    return with_hold(made, records, hold)
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:

@@ -266,9 +266,13 @@ class Problem(ABC):
         return tuple(shape[: self.terms[name].shared])
 
     def family(self, structure: Structure) -> Family:
-        """Return the names of the terms of a structure, marked where it has a memory."""
+        """Return the names of the terms of a structure, marked where it has a memory.
+
+        What is doubtful of all laws alike is of no family.
+        """
         memory = any(one[0] != 0.0 for one in map(self._memory, structure) if one)
-        return (*family_of(structure), MEMORY) if memory else family_of(structure)
+        names = tuple(name for name in family_of(structure) if not self.terms[name].doubt)
+        return (*names, MEMORY) if memory else names
 
     def parameters(self, structure: Structure) -> int:
         """Return the number of parameters of a structure."""

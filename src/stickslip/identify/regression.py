@@ -91,7 +91,8 @@ class BlockRegression:
             doubts.append(self.problem.terms[name].doubt * np.ones(x.shape[1]))
             j += x.shape[1]
         matrix = np.hstack(parts)
-        size = np.sqrt(np.mean(matrix**2, axis=0)) + NOTHING
+        size = np.sqrt(np.mean(matrix**2, axis=0))
+        size[size == 0.0] = 1.0  # a shape that these rows do not reach, such as a limit
         self._size = np.concatenate([self._size, size])
         self._matrix = np.hstack([self._matrix, matrix / size])
         doubt = np.concatenate(doubts)
@@ -234,21 +235,16 @@ class BlockRegression:
             at += size
         return True
 
-    def left_between(
-        self, structure: Structure, parts: Sequence[Mask], others: Sequence[Mask] | None = None
-    ) -> Array:
-        """Return what a structure leaves of parts (n,), each predicted from the other rows.
-
-        These are all that are not in the part, or those of `others`, one for each part.
-        """
+    def left_between(self, structure: Structure, parts: Sequence[Mask]) -> Array:
+        """Return what a structure leaves of parts (n,), each predicted from all other rows."""
         columns, left = self.index(structure), np.array(self.problem.response)
         if not len(columns):
             return left
         a, y = self._weighted[:, columns], self.problem.response * self.weights
-        for rows, learned in zip(parts, others or [~rows for rows in parts], strict=True):
-            known = a[learned]
+        for rows in parts:
+            known = a[~rows]
             gram = known.T @ known + np.diag(self._ridge(columns))
-            c = np.linalg.solve(gram, known.T @ y[learned])
+            c = np.linalg.solve(gram, known.T @ y[~rows])
             left[rows] -= self._matrix[rows][:, columns] @ c
         return left
 

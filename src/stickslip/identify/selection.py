@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.special import fdtri
 
 from stickslip.experiments import Checks, Measurement, speeds_in_order
 from stickslip.formatting import quantity
@@ -16,7 +17,7 @@ from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import RecordsProblem, goes_straighter, unseen_length
+from stickslip.identify.kinds.records import RecordsProblem, unseen_length, with_hold
 from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
@@ -99,26 +100,8 @@ def _inside(band: PredictionBand, values: Array) -> float:
 
 
 def _is_held(measurement: Measurement) -> bool:
-    """Return whether what drives the records holds from sample to sample."""
-    return all(not goes_straight(one, "zero") for one in measurement.records())
-
-
-def _differ(problem: RecordsProblem, judgement: Judgement) -> float:
-    """Return the error of records that are predicted from others, over that of their stretches.
-
-    The stretches are predicted from the rest of their record alone.
-    """
-    records = problem.parts()
-    parts = [
-        (mask & (problem.stretches == k), mask & (problem.stretches != k))
-        for mask in records
-        for k in np.unique(problem.stretches[mask])
-    ]
-    inner = [(rows, others) for rows, others in parts if np.any(others)]
-    regression, named = judgement.regression, judgement.named
-    own = regression.left_between(named, [one for one, _ in inner], [one for _, one in inner])
-    between = regression.left_between(named, records)
-    return float(np.sqrt(np.mean(between**2) / (np.mean(own**2) + 1e-300)))
+    """Return whether what drives the records may hold from sample to sample."""
+    return all(not goes_straight(record, "zero") for record in measurement.records())
 
 
 def _remarks(
@@ -126,7 +109,10 @@ def _remarks(
 ) -> tuple[str, ...]:
     """Return what the number of records, a free motion and a balance leave to say."""
     if len(problem.records) > 1:
-        found = (DIFFER,) if _differ(problem, judgement) > THRESHOLDS.no_law_ratio else ()
+        chance = 1.0 - THRESHOLDS.pattern_chance
+        stretches = int(problem.stretches.max()) + 1
+        usual = fdtri(len(problem.records) - 1, stretches - 1, chance)
+        found = (DIFFER,) if problem.between > usual else ()
     else:
         found = (OTHERS,) if validate is None else ()
     if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:
@@ -137,7 +123,7 @@ def _remarks(
 
 
 def _problem(
-    mechanism: Mechanism, records: Sequence[Record], vary: Sequence[str], *, offset: bool
+    mechanism: Mechanism, records: Sequence[Record], *, vary: Sequence[str], offset: bool
 ) -> RecordsProblem:
     """Return records with the normal force, and the parameters that are looked for."""
     loads = [one.load for one in records if one.load is not None]
@@ -179,22 +165,22 @@ def found_values(judgement: Judgement) -> dict[str, float]:
 def _judged(
     mechanism: Mechanism,
     measurement: Measurement,
+    *,
     rig: Mechanism,
     laws: Any,
     vary: Sequence[str],
-    *,
     offset: bool,
+    hold: str | None,
 ) -> tuple[RecordsProblem, Judgement]:
     """Return records as a problem and its judgement, with the torques that the gear of a rig has.
 
-    Forces that are taken as held and go straight from sample to sample are taken as such.
+    Forces run between samples as `hold` says, or as the record shows.
     """
     seen = with_gear(rig, measurement)
     doubts = doubts_of(mechanism, measurement, vary)
-    records = partial(records_of, mechanism, seen, unknown=vary, offset=offset, doubts=doubts)
-    problem = _problem(mechanism, records(held=_is_held(measurement)), vary, offset=offset)
-    if goes_straighter(problem):
-        problem = _problem(mechanism, records(held=False), vary, offset=offset)
+    held = _is_held(measurement)
+    records = records_of(mechanism, seen, unknown=vary, offset=offset, held=held, doubts=doubts)
+    problem = with_hold(partial(_problem, mechanism, vary=vary, offset=offset), records, hold)
     if laws is not None:
         restrict(problem, laws)
     return problem, refined(Judgement.of(problem))
@@ -223,28 +209,35 @@ def select_record(
     *,
     laws: Any = None,
     vary: Sequence[str] = (),
-    held: bool = False,
+    offset: bool = True,
+    hold: str | None = None,
     validate: Measurement | None = None,
     route: str = "balance",
 ) -> BandVerdict:
-    """Judge records of one coordinate: which law, and what friction is whichever law holds."""
+    """Judge records of one coordinate: which law, and what friction is whichever law holds.
+
+    A constant force is among the terms with `offset`; `hold` says how the force runs between its
+    samples, as in `RecordSettings`, and None that the record is to tell it.
+    """
     checks = checked(mechanism, measurement, validate, unknown=vary)
     measurement, far = without_outliers(measurement)
-    problem, judgement = _judged(mechanism, measurement, mechanism, laws, vary, offset=not held)
+    judged = partial(
+        _judged, mechanism, measurement, laws=laws, vary=vary, offset=offset, hold=hold
+    )
+    problem, judgement = judged(rig=mechanism)
     rig = mechanism
     if vary and "gear" in problem.terms:  # what a gear transmits follows from what was found
         rig = with_values(mechanism, "mechanism", found_values(judgement))
-        problem, judgement = _judged(mechanism, measurement, rig, laws, vary, offset=not held)
+        problem, judgement = judged(rig=rig)
     others: list[Record] | None = None
     if validate is not None:
-        held_too = problem.records[0].held
         again = with_gear(rig, validate)
         others = records_of(
             mechanism,
             again,
             unknown=vary,
-            offset=not held,
-            held=held_too,
+            offset=offset,
+            held=problem.records[0].held,
             doubts=doubts_of(mechanism, measurement, vary),
         )
     return record_verdict(

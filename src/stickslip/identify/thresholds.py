@@ -57,7 +57,8 @@ class Thresholds:
     no_law: float = 0.9
     """Share of the measured curve, before its least share, from which no law explains ..."""
     no_law_gain: float = 2.0
-    """... and paired standard errors by which it predicts better (of 160 tables: none that has a
+    """... and paired standard errors by which it, or a force that goes straight between samples,
+    predicts better (of 160 tables: none that has a
     law, 5 % of those with a dip that no law has)."""
     no_law_ratio: float = 1.2
     """... and share by which its held-out error is smaller: on a record all is significant."""

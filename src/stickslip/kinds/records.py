@@ -48,6 +48,8 @@ class BandKind(Kind[RecordFit, BandVerdict]):
     """
 
     uses = frozenset({"route", "validate"})
+    compared: frozenset[str] = frozenset()
+    """Names of the settings that laws are compared by."""
 
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
@@ -80,7 +82,12 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         )
         if name == "route" and asked and (asked == self.routes[0]) is not selects:
             return f"{asked!r} {unused}"
-        if selects and name in {"settings", "horizon"} | self.settings:
+        if selects and name == "settings" and self.compared:
+            usual, given = RecordSettings(), request.settings or RecordSettings()
+            names = (one.name for one in fields(RecordSettings) if one.name not in self.compared)
+            changed = [one for one in names if getattr(given, one) != getattr(usual, one)]
+            return f"with {changed[0]} {unused}" if changed else ""
+        if selects and name in ({"settings", "horizon"} | self.settings) - self.compared:
             return unused
         known = not selects and name in self.uses | self.settings
         return self._why_not_fitted(name, request) if known else ""
@@ -175,6 +182,7 @@ class RecordKind(BandKind):
     measured = "records of motion or friction"
     uses = frozenset({"route", "validate", "horizon"})
     settings = frozenset(field.name for field in fields(RecordSettings))
+    compared = frozenset({"hold"})
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -190,7 +198,8 @@ class RecordKind(BandKind):
             request.measurement,
             laws=request.laws,
             vary=chosen.unknown,
-            held="mechanism.offset" in chosen.held,
+            offset="mechanism.offset" not in chosen.held,
+            hold=request.settings.hold if request.settings else None,
             validate=request.validate,
             route=BALANCE,
         )

@@ -17,8 +17,8 @@ WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
 FREE = 4.0
 """Band of a free motion over its mean frequency: its energy is that of all harmonics."""
-ONE_WAY = 0.9
-"""Distance between the ends over the range from which a motion goes on in one direction."""
+TURNED = 0.1
+"""Way back over the range up to which a motion goes on in one direction."""
 FREE_SAMPLED = 0.35
 """Its largest band over the sampling rate."""
 SAMPLED = 0.15
@@ -80,12 +80,17 @@ def alike(records: Sequence[Record], first: Record) -> list[Record]:
 
 
 def free_form(records: Sequence[Record]) -> str:
-    """Return how a free motion is integrated: its momentum where it goes on, else its work."""
+    """Return how a free motion is integrated: its momentum where it goes on, else its work.
+
+    It goes on where it turns back by little of its way.
+    """
     if any(np.ptp(one.force) > 0.0 or one.friction or one.driven for one in records):
         return ""
-    on = [abs(float(one.position[-1] - one.position[0])) / (np.ptp(one.position) + 1e-300)
-          for one in records]  # fmt: skip
-    return "momentum" if min(on) > ONE_WAY else "work"
+    back = []
+    for one in records:
+        q = one.position * np.sign(one.position[-1] - one.position[0])
+        back.append(float(np.max(np.maximum.accumulate(q) - q)) / (np.ptp(q) + 1e-300))
+    return "momentum" if max(back) < TURNED else "work"
 
 
 def balanced_band(records: Sequence[Record], inertia: float) -> float:

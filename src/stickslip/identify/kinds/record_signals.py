@@ -73,6 +73,8 @@ class Record:
     """Known constant resistance, which `force` is without [N]."""
     held: bool = False
     """Whether each force holds until the next sample, and so acts half a sample later."""
+    hold_doubt: float = 0.0
+    """Standard deviation of when the force acts, over half a sample."""
     driven: bool = False
     """Whether something drives the motion that is no force of the record, such as inner bodies."""
     friction: bool = False
@@ -279,13 +281,23 @@ class Filter:
         late: float = 0.0,
         full: bool = False,
         blue: float = math.inf,
+        bent: bool = False,
     ) -> Array:
         """Return columns (n, ...) after the filter, derived `slope` times, `late` [s]; or rows.
+
+        Columns are continued beyond their ends by the values there, twice, less the column. Those
+        of accelerations then follow from places that are `bent` as at the ends.
 
         Noise that grows from a frequency `blue` [Hz] on is white after it.
         """
         pad, rows, size = self._sizes
         ends = 2.0 * x[:1] - x[pad:0:-1], 2.0 * x[-1:] - x[-2 : -pad - 2 : -1]
+        if bent:
+            near = min(math.ceil(0.5 / (self.band * self.step)) + 3, self.count)
+            k = np.arange(near)
+            squares = [np.polynomial.polynomial.polyfit(k, y, 2)[2] for y in (x[:near], x[-near:])]
+            beyond = np.arange(1, pad + 1) ** 2.0
+            ends = ends[0] + 2.0 * squares[0] * beyond[::-1], ends[1] + 2.0 * squares[1] * beyond
         rest = size - self.count - 2 * pad
         # the two ends are joined by a line, so that nothing jumps
         first, last = ends[0][:1], ends[1][-1:]
@@ -320,8 +332,11 @@ def noise_of(x: Array) -> float:
     >>> noise_of(np.round(x, 3)) > 2.5e-4, noise_of(x) < 1e-6
     (True, True)
     """
-    known = np.diff(np.unique(np.round(x / max(float(np.ptp(x)), 1e-300), 12))) * float(np.ptp(x))
-    known = known[known > 1e-11 * float(np.ptp(x))]
+    range_ = float(np.ptp(x))
+    if range_ == 0.0:
+        return 1e-300
+    known = np.diff(np.unique(np.round(x / range_, 12))) * range_
+    known = known[known > 1e-11 * range_]
     least = float(known.min()) if known.size else 0.0
     steps = known[known < 50.0 * least] / max(least, 1e-300)
     even = len(steps) > 20 and float(np.mean(np.abs(steps - np.round(steps)) < 0.05)) > 0.95
@@ -329,7 +344,7 @@ def noise_of(x: Array) -> float:
     size = max(len(third) // STRETCHES, 8)
     parts = [third[i * size : (i + 1) * size].std() for i in range(max(len(third) // size, 1))]
     quiet = float(np.quantile(parts, 0.2)) / math.sqrt(20.0)
-    return max(least / math.sqrt(12.0) if even else 0.0, quiet, 1e-9 * float(np.ptp(x)), 1e-300)
+    return max(least / math.sqrt(12.0) if even else 0.0, quiet, 1e-9 * range_)
 
 
 def followed(path: Array, reach: float) -> Array:
@@ -536,7 +551,7 @@ class Along:
     def ways(self) -> list[Array]:
         """Positions of each record as the filter shows them (n,) [m]."""
         return [
-            filt(one.position, full=True)
+            filt(one.position, bent=True, full=True)
             for one, filt in zip(self.records, self.filters, strict=True)
         ]
 
@@ -545,7 +560,7 @@ class Along:
         """Energy, momentum or what moved of an inertia of 1 kg, every few samples."""
         found = []
         for one, filt, q in zip(self.records, self.filters, self.ways, strict=True):
-            v = filt(one.position, slope=1, full=True) if self.moves else None
+            v = filt(one.position, bent=True, slope=1, full=True) if self.moves else None
             if one.velocity is not None:
                 v = filt(one.velocity, full=True)
             assert v is not None
@@ -654,7 +669,7 @@ class Along:
         def made(one: Record, filt: Filter) -> Array:
             if one.velocity is not None:
                 return filt(one.velocity, wider=2.0, full=True)
-            return filt(one.position, slope=1, wider=2.0, full=True)
+            return filt(one.position, bent=True, slope=1, wider=2.0, full=True)
 
         return self._full(made)
 
@@ -663,7 +678,9 @@ class Along:
         """Accelerations at the rows [m/s^2]."""
         return self.rows_of(
             [
-                filt(one.position, slope=2) if one.velocity is None else filt(one.velocity, slope=1)
+                filt(one.position, bent=True, slope=2)
+                if one.velocity is None
+                else filt(one.velocity, slope=1)
                 for one, filt in zip(self.records, self.filters, strict=True)
             ]
         )
@@ -683,6 +700,12 @@ class Along:
     def force_rate(self) -> Array:
         """Rates of the recorded force at the rows [N/s]."""
         return self.seen(self.raw, slope=1)
+
+    @property
+    def half_sample(self) -> Array:
+        """Changes of the recorded force at the rows in half a sample [N]."""
+        steps = np.array([filt.step for filt in self.filters])
+        return np.asarray(0.5 * steps[self.record] * self.force_rate)
 
     def wave(self, number: float) -> Array:
         """Return sine and cosine (n, 2) of the place."""
@@ -760,7 +783,7 @@ class Along:
                 v = filt(one.velocity, wider=2.0, full=True)
                 noise = one.velocity_noise * math.sqrt(min(4.0 * filt.step * filt.band, 1.0))
             else:
-                v = filt(one.position, slope=1, wider=2.0, full=True)
+                v = filt(one.position, bent=True, slope=1, wider=2.0, full=True)
                 noise = one.position_noise * math.sqrt(
                     2.0 * filt.step * (2.0 * math.pi) ** 2 * filt.band**3 / 3.0
                 )
@@ -786,7 +809,7 @@ class Along:
 
         def made(one: Record, filt: Filter) -> Array:
             chatter = 0.5 * one.position_noise * math.sqrt(min(2.0 * filt.step * filt.band, 1.0))
-            return followed(filt(one.position, full=True), chatter)
+            return followed(filt(one.position, bent=True, full=True), chatter)
 
         return self._full(made)
 
@@ -863,7 +886,7 @@ class Along:
         What is made of these has no part of the noise of the recorded force, and turns with the
         motion.
         """
-        parts = [self._full(lambda one, filt: filt(one.position, slope=2, full=True))]
+        parts = [self._full(lambda one, filt: filt(one.position, bent=True, slope=2, full=True))]
         parts += [self.direction * self.load, self.velocity, np.ones(len(self.direction))]
         x = np.column_stack([self.acceleration, *(self.seen(part) for part in parts[1:])])
         c = np.linalg.lstsq(x, self.force, rcond=1e-9)[0]
@@ -877,8 +900,8 @@ class Along:
         """Return accelerations of a load in a gap, less those of the motor, at the rows."""
 
         def made(one: Record, filt: Filter) -> Array:
-            v = filt(one.position, slope=1, wider=2.0, full=True)
-            x = filt(one.position, wider=2.0, full=True)
+            v = filt(one.position, bent=True, slope=1, wider=2.0, full=True)
+            x = filt(one.position, bent=True, wider=2.0, full=True)
             return filt(coasting(x, v, half, filt.step) - x, slope=2, wider=CALM)
 
         both = zip(self.records, self.filters, strict=True)
@@ -973,7 +996,9 @@ class Steady:
     def _none(self) -> Array:
         return np.zeros(len(self.velocity))
 
-    acceleration = inertial = force_rate = mechanism = property(lambda self: self._none)
+    acceleration = inertial = force_rate = half_sample = mechanism = property(
+        lambda self: self._none
+    )
     scaled = transmitted = property(lambda self: self._none)
 
     def seen(self, x: Array, **options: Any) -> Array:

@@ -363,7 +363,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         late = LATEST / mean_frequency(rows.records)
         # the noise of positions leaves the moment of a reversal open by as much
         rate = float(np.sqrt(np.mean(rows.acceleration**2)))
-        least = max(rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
+        least = max(0.5 * rows.filters[0].step, 0.5 * math.sqrt(2.0 * frame.noise / rate))
         longest = max(late, 2.0 * least)
         between = math.log(longest / least) / math.log(LATER[1] / LATER[0])
         delays = np.geomspace(least, longest, math.ceil(between) + 1)

@@ -43,7 +43,7 @@ Source of the parallel filter: M. Gautier, "Dynamic identification of robots wit
 """
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, final
@@ -125,6 +125,10 @@ UNLIKE = (
 )  # fmt: skip
 """Terms that no law of `stickslip.friction` has."""
 DELAYS = ("delay", "latency")
+HOLD = "hold"
+"""Term of when forces act that may hold between samples, or go straight."""
+HOLD_DOUBT = 0.5
+"""Its standard deviation, over half a sample: a force that goes straight is two from one held."""
 """Those whose size is the product of both."""
 SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
@@ -185,6 +189,8 @@ class RecordsProblem(Problem):
         width = WHITE.get(self.free, 0.0) * self.rows.band
         self.worth = min(2.0 * width * filt.every * filt.step, 1.0)
         doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
+        if first.hold_doubt and not self.free:
+            doubts[HOLD] = first.hold_doubt
         sought = frozenset(first.unknown.keys() - doubts.keys()) | {
             *(["inertia"] if self.finds_inertia else []),
             *(["offset"] if self.offset.startswith("mechanism.") else []),
@@ -224,6 +230,7 @@ class RecordsProblem(Problem):
         self.remembering: set[tuple[frozenset[str], bool]] = set()
         self.memory: str = "dahl"
         """Which law a memory is said to be: its damping is in no balance."""
+        self.between: float = _between(self) if like is None else like.between
         self.spread = _spread(self) if like is None else like.spread
 
     @override
@@ -503,10 +510,10 @@ def _doubtful(path: str, doubt: float) -> Term:
     return Term(
         name=path,
         role="rig",
-        columns=lambda r, _: r.taken(path),
+        columns=lambda r, _: r.half_sample if path == HOLD else r.taken(path),
         doubt=doubt,
         cost=0,
-        title=path.rpartition(".")[2].replace("_", " "),
+        title="hold of the force" if path == HOLD else path.rpartition(".")[2].replace("_", " "),
     )
 
 
@@ -579,7 +586,7 @@ def _blocks(rows: Along) -> tuple[NDArray[np.intp], list[Mask], list[Mask]]:
 def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
     if problem.free:
         return _free_references(problem, memories)
-    base: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
+    base = _sought(problem)
     constant: list[Column] = [("offset", ())] if problem.offset else []
     # the curve is over speed and times the load: it has neither what inputs change nor, where the
     # load does, what this does not change
@@ -604,6 +611,12 @@ def _references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Stru
     ]
 
 
+def _sought(problem: RecordsProblem) -> list[Column]:
+    """Return the columns of what is looked for beside friction; what is doubtful stays as given."""
+    names = problem.always - {"offset"}
+    return [(name, ()) for name in names if not problem.terms[name].doubt]
+
+
 def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list[Structure]:
     """Return laws with curves beside them that bend by a part of the friction.
 
@@ -617,7 +630,7 @@ def _free_references(problem: RecordsProblem, memories: Sequence[Shape]) -> list
     )
     noise = float(np.std(left)) / (float(np.std(problem.response)) + 1e-300)
     beside = [(), (("offset", ()),)] if problem.free == "work" else [()]
-    always: list[Column] = [(name, ()) for name in problem.always - {"offset"}]
+    always = _sought(problem)
     return [
         tuple(
             sorted(
@@ -651,35 +664,49 @@ def by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
     return found
 
 
-def goes_straighter(problem: RecordsProblem) -> bool:
-    """Return whether forces that were taken as held go straight from sample to sample instead.
+def with_hold(
+    make: Callable[[Sequence[Record]], RecordsProblem], records: Sequence[Record], hold: str | None
+) -> RecordsProblem:
+    """Return the problem of records whose forces are commands, which run between samples as said.
 
-    The measured curve then leaves less of them half a sample earlier.
+    Where nothing is said, they go straight where the measured curve leaves less of them half a
+    sample earlier, by two standard errors over stretches, and hold elsewhere. When they act stays
+    doubtful, less so the nearer the difference is to what is material.
     """
+    problem = make([replace(one, held=one.held and hold != "first") for one in records])
+    if hold is not None or problem.free or not any(one.held for one in problem.records):
+        return problem
+    held, straight = _left_by_hold(problem).T
+    more = held - straight
+    earlier = np.mean(more) > THRESHOLDS.no_law_gain * np.std(more) / math.sqrt(len(more))
+    material = THRESHOLDS.material * max(float(np.mean(held)), float(np.mean(straight)))
+    doubt = HOLD_DOUBT * max(1.0 - abs(float(np.mean(more))) / (material + 1e-300), 0.0)
+    return make([replace(one, held=one.held and not earlier, hold_doubt=doubt) for one in records])
+
+
+def _left_by_hold(problem: RecordsProblem) -> Array:
+    """Return what the measured curve leaves of forces that hold, or go straight, by stretch."""
     rows = problem.rows
-    if not any(one.held for one in rows.records):
-        return False
     late = [
         f(one.force) - f(one.force, late=0.5 * f.step * one.held)
         for one, f in zip(rows.records, rows.filters, strict=True)
     ]
-    x, left = by_curve(problem)
+    x, held = by_curve(problem)
     y = problem.response + rows.rows_of(late)
     gram = x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1])
-    other = y - x @ np.linalg.solve(gram, x.T @ y)
-    return bool(np.median(np.abs(other)) < np.median(np.abs(left)))
+    straight = y - x @ np.linalg.solve(gram, x.T @ y)
+    stretches = [problem.stretches == k for k in np.unique(problem.stretches)]
+    return np.array([[np.abs(e[k]).mean() for e in (held, straight)] for k in stretches])
 
 
-def _spread(problem: RecordsProblem) -> float:
-    """Return how far another record differs, over the covariance of the mean of stretches.
+def _between(problem: RecordsProblem) -> float:
+    """Return the variance of the fit by what records differ, over that by what stretches do.
 
-    Of R records alike, another differs by R times the variance of their mean, which is that of
-    sums over records of the scores of the fit over that of sums over stretches. One record tells
-    nothing of it; few are weighed with the usual `SPREAD`.
+    Each is the variance of sums of the scores of the measured curve; a fit to records that share a
+    law leaves both the same. Without a second record it is 1.
     """
-    count, usual = len(problem.records), FREE_SPREAD if problem.free else SPREAD
-    if count < 2:
-        return usual
+    if len(problem.records) < 2:
+        return 1.0
     x, left = by_curve(problem)
     inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
     e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
@@ -690,7 +717,16 @@ def _spread(problem: RecordsProblem) -> float:
         own = len(np.unique(groups))
         return float(np.sum((x @ inverse @ scores.T) ** 2)) * own / max(own - 1, 1)
 
-    ratio = variance(problem.rows.record) / (variance(problem.stretches) + 1e-300)
-    found = (1.0 + count) * max(ratio, 1.0 / count)
+    return variance(problem.rows.record) / (variance(problem.stretches) + 1e-300)
+
+
+def _spread(problem: RecordsProblem) -> float:
+    """Return how far another record differs, over the covariance of the mean of stretches.
+
+    Of R records alike, another differs by R times the variance of their mean. One record tells
+    nothing of it; few are weighed with the usual `SPREAD`.
+    """
+    count, usual = len(problem.records), FREE_SPREAD if problem.free else SPREAD
+    found = (1.0 + count) * max(problem.between, 1.0 / count)
     share = (count - 1.0) / (count - 1.0 + LIKELY)
     return float(usual ** (1.0 - share) * found**share)
