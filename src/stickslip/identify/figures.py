@@ -2,7 +2,8 @@
 
 import math
 import textwrap
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -50,6 +51,8 @@ class BandDrawing:
     """Velocities that are proposed."""
     units: tuple[str, str]
     """Units of velocity and friction."""
+    by_load: Mapping[float, tuple[PredictionBand, Array]] = field(default_factory=dict)
+    """Band and named law (m,) at each load [N] that is drawn apart, instead of those at one."""
     names: tuple[str, str] = ("velocity", "friction")
     """What is drawn over what: travels over a setting are drawn alike."""
 
@@ -66,21 +69,23 @@ def draw_band(what: BandDrawing) -> "Draw":
     def draw(figure: "Figure", narrow: bool) -> None:
         axes = figure.add_subplot()
         x = factor * what.speeds
-        for part in _directions(what.speeds):
-            first = part[0] == 0
-            axes.fill_between(
-                x[part],
-                force * what.band.low[part],
-                force * what.band.high[part],
-                color=C1,
-                alpha=0.18,
-                linewidth=0,
-                label="95 % band, whichever law holds" if first else None,
-            )
-            # a law of many terms would leave no room for the axes
-            label = textwrap.fill(what.title, LETTERS) if first else None
-            axes.plot(x[part], force * what.law[part], color=C1, label=label)
-        for k, load in enumerate(_loads(what.load)):
+        # a law of many terms would leave no room for the axes
+        labels: dict[str, Any] = {
+            "band": "95 % band, whichever law holds", "law": textwrap.fill(what.title, LETTERS)
+        }  # fmt: skip
+        for band, law in what.by_load.values() or [(what.band, what.law)]:
+            for part in _directions(what.speeds):
+                axes.fill_between(
+                    x[part],
+                    force * band.low[part],
+                    force * band.high[part],
+                    color=C1,
+                    alpha=0.18,
+                    linewidth=0,
+                    label=labels.pop("band", None),
+                )
+                axes.plot(x[part], force * law[part], color=C1, label=labels.pop("law", None))
+        for k, load in enumerate(loads_apart(what.load)):
             at = np.isclose(what.load, load, rtol=ALIKE) if load else np.ones(len(v), dtype=bool)
             look: dict[str, Any] = {"color": DATA, "markersize": 4.5, "linestyle": "none"}
             marker = MARKERS[k % len(MARKERS)]
@@ -135,7 +140,7 @@ def _directions(speeds: Array) -> "list[NDArray[np.intp]]":
     return [np.flatnonzero(side) for side in sides if side.any()]
 
 
-def _loads(load: Array) -> list[float]:
+def loads_apart(load: Array) -> list[float]:
     """Return the loads that are drawn apart; one 0 if there is but one."""
     known = np.unique(load)
     apart = np.concatenate([[True], np.diff(np.log(known)) > ALIKE])

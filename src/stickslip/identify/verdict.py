@@ -11,7 +11,7 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
-from stickslip.formatting import Scale, number
+from stickslip.formatting import Scale
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     Estimate,
@@ -490,14 +490,21 @@ def drawing_of(
     places: Sequence[float] = (),
 ) -> "BandDrawing":
     """Return what a figure shows of a judged measurement."""
-    from stickslip.identify.figures import BandDrawing  # loads matplotlib
+    from stickslip.identify.figures import BandDrawing, loads_apart  # load matplotlib
 
     problem, estimated = judgement.problem, judgement.estimated
     fit = judgement.ensemble.fit(estimated)
     points = problem.points(estimated, fit.coefficients)
-    if float(np.ptp(points.load)) > 0.0:
-        title = f"{title} at {number(abs(problem.curve_rows()[2]))} N"
-    law = judgement.ensemble.predicted(estimated, fit.coefficients, problem.at(speeds))
+
+    def at(load: float | None) -> Array:
+        rows = problem.at(speeds, load)
+        return judgement.ensemble.predicted(estimated, fit.coefficients, rows)
+
+    loads = [one for one in loads_apart(points.load) if one]
+    by_load = {
+        load: (band_of(judgement.ensemble.curves(problem.at(speeds, load))), at(load))
+        for load in loads
+    }
     return BandDrawing(
         velocity=points.velocity,
         friction=points.friction,
@@ -505,7 +512,8 @@ def drawing_of(
         weights=judgement.regression.weights[points.rows],
         speeds=speeds,
         band=band,
-        law=law,
+        law=at(None),
+        by_load=by_load,
         title=title,
         places=tuple(places),
         units=(measurement.unit("velocity"), measurement.unit("friction")),
