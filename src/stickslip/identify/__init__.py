@@ -23,6 +23,7 @@ INSIDE = {
     "band_of": "ensemble",
     "draw_band": "figures",
     "fitted_travels": "kinds.travels",
+    "importance": "verdict",
     "joint_sections": "joints",
     "judged_travels": "kinds.travels",
     "knob_of": "kinds.travels",

@@ -4,10 +4,11 @@ import math
 from functools import partial
 
 from stickslip.formatting import NO_VALUE, capital, interval, number, percent, with_unit
+from stickslip.identification import Estimate
 from stickslip.identify.figures import draw_band
 from stickslip.identify.laws import TITLES
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.identify.verdict import BandVerdict
+from stickslip.identify.verdict import BandVerdict, importance
 from stickslip.plots import MAP_SIZES, inline_svg
 from stickslip.report import (
     MOST,
@@ -55,12 +56,18 @@ def opening_section(verdict: BandVerdict, origin: Origin, remark: str) -> Sectio
     )
 
 
-def facts(verdict: BandVerdict) -> list[Fact]:
-    """Return the parameters of the named law with their intervals, three at most."""
+def _estimates(verdict: BandVerdict) -> list[tuple[Estimate, Estimate]]:
+    """Return the parameters, if the named law holds and whichever does, levels and slopes first."""
     fit = verdict.closest.fit
     assert fit is not None
+    both = zip(fit.estimates, verdict.intervals, strict=True)
+    return sorted(both, key=lambda one: importance(one[0]))
+
+
+def facts(verdict: BandVerdict) -> list[Fact]:
+    """Return the parameters of the named law with their intervals, three at most."""
     found = []
-    for own, every in zip(fit.estimates, verdict.intervals, strict=True):
+    for own, every in _estimates(verdict):
         value = with_unit(number(own.value), own.quantity.unit)
         aside = f"95 %: {interval(every.low, every.high)}"
         found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
@@ -150,7 +157,7 @@ def parameters_section(verdict: BandVerdict) -> Section | None:
     if not fit.estimates:
         return None
     rows = []
-    for own, every in zip(fit.estimates, verdict.intervals, strict=True):
+    for own, every in _estimates(verdict):
         unit = "" if own.quantity.unit == "1" else own.quantity.unit
         value, doubt = own.parts
         rows.append(

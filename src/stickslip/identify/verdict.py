@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
 from stickslip.formatting import Scale
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, laws
 from stickslip.identification import (
     Estimate,
     Fit,
@@ -49,7 +49,7 @@ from stickslip.identify.wording import (
     untold_sentence,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, parameters, turned, vary
+from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.selection import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -718,7 +718,7 @@ def _estimate(
     name = one.path.rpartition(".")[2]
     known = {path: q for path, q, _ in parameters(law, "friction")}
     known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
-    own = known.get(one.path) or RIG_QUANTITIES.get(name) or Quantity(name, "1")
+    own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
     forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
     unit = own.force_unit if forces else own.unit
     own = replace(own, unit=turned(unit, measurement.turning))
@@ -732,6 +732,20 @@ def _estimate(
         high=max(high, least),
         interval="95 %",
     )
+
+
+def _usual_quantity(name: str) -> Quantity:
+    """Return a parameter of a law that is no composition as the usual laws have it."""
+    known = (fields_of(kind) for kind in laws().values())
+    return next((own[name] for own in known if name in own), Quantity(name, "1"))
+
+
+def importance(estimate: Estimate) -> int:
+    """Return where an estimate stands: levels, slopes, then speeds and shapes; the rig last."""
+    if not estimate.path.startswith("friction."):
+        return 1 if estimate.path == "mechanism.inertia" else 5
+    scale = estimate.quantity.scale.rstrip("+-")
+    return {"level": 0, "slope": 2, "drag": 2, "speed": 3}.get(scale, 4)
 
 
 def estimates_of(

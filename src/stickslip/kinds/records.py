@@ -21,7 +21,7 @@ from stickslip.identification import (
     fit_records,
     route_of,
 )
-from stickslip.identify import BandVerdict, select_record, verdict_sections
+from stickslip.identify import BandVerdict, importance, select_record, verdict_sections
 from stickslip.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.quantities import turned
 from stickslip.report import Origin, SectionMaker
@@ -141,7 +141,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ],
             rows=rows,
             checks=verdict.checks,
-            fitted=(closest.title, closest.fit.estimates),
+            fitted=(closest.title, sorted(closest.fit.estimates, key=importance)),
         )  # fmt: skip
 
     @override
