@@ -5,7 +5,7 @@ The one statistic is the score by block of `search.block_scores`. For Dirichlet 
 :math:`\mathrm{softmax}_S(-\tfrac{m}{2} \sum_b d_b R_b(S) + \log \pi_S)`; its *share* is the mean
 over the draws (pseudo-BMA+, Yao, Vehtari, Simpson, Gelman 2018). :math:`\pi_S` gives every family
 the same prior, spread evenly over the logarithms of its shapes. The curve as measured, which is no
-law, has at least the share `Thresholds.curve_share`.
+law, has at least the share `Problem.curve_share`.
 
 The named family has the most *evidence* (`stickslip.identify.evidence`); those against which the
 odds are less than `Thresholds.odds` are *not told apart* from it. On dense records everything is
@@ -80,7 +80,7 @@ def compare(search: Search) -> Comparison:
     if problem.worth:
         shares = _with_likelihood(search, shares, priors)
     curve_share = float(shares[~laws].sum())
-    shares = with_curve(shares, laws)
+    shares = with_curve(shares, laws, problem.curve_share)
     best_of: dict[Family, int] = {}
     for i in np.flatnonzero(laws):
         best_of.setdefault(families[i], int(i))
@@ -169,9 +169,8 @@ def _with_likelihood(search: Search, shares: Array, priors: Array) -> Array:
     return np.asarray(softmax(0.5 * (np.log(shares + LEAST) + log)))
 
 
-def with_curve(shares: Array, laws: Mask) -> Array:
-    """Return shares of which the measured curves have at least `Thresholds.curve_share`."""
-    least = THRESHOLDS.curve_share
+def with_curve(shares: Array, laws: Mask, least: float = THRESHOLDS.curve_share) -> Array:
+    """Return shares of which the measured curves have at least a given one."""
     curves = float(shares[~laws].sum())
     if curves >= least:
         return shares

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identify.laws import Composition
+from stickslip.identify.thresholds import THRESHOLDS
 
 Array: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -144,6 +145,8 @@ class Problem(ABC):
     """By name of a term, what the same columns could be too, which the vocabulary leaves out."""
     only: Sequence[Family] = ()
     """Families whose laws are compared beside properties of the rig; empty for all."""
+    curve_share: float = THRESHOLDS.curve_share
+    """Least share of the measured curve in the ensemble."""
     independent: bool
     """Whether the errors of rows are independent; else those of stretches are."""
     stretches: NDArray[np.intp]

@@ -28,7 +28,9 @@ class Thresholds:
     weighed: float = 0.05
     """... until no weight changes by more than this share."""
     curve_share: float = 0.1
-    """Least share of the measured curve in the ensemble (study: widths)."""
+    """Least share of the measured curve in the ensemble (study: widths) ..."""
+    free_curve_share: float = 0.2
+    """... and of free motions, whose work tells friction at low speeds least (study: decays)."""
     draws: int = 400
     """Dirichlet draws of the Bayesian bootstrap of blocks."""
     ensemble: int = 800

@@ -169,6 +169,8 @@ class RecordsProblem(Problem):
         base = min(band_for(self.records), widest) if like is None else like.frame.band
         self.free: str = free_form(self.records) if like is None else like.free
         frame = None if like is None else like.frame
+        if self.free:
+            self.curve_share = THRESHOLDS.free_curve_share
         self.rows = Along(self.records, frame, band * base, free=self.free)
         self.frame: Frame = frame_of(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
