@@ -21,7 +21,7 @@ from stickslip.formatting import (
     within,
 )
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, Trial, quantities_read
+from stickslip.identification import Estimate, Trial, durations, quantities_read
 from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.travels.result import TravelFit
@@ -250,18 +250,13 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
     @property
     def prediction_error(self) -> float:
-        """By how much predictions of settings that were not measured are off.
+        """By how much mean velocities are off beside what the laws tell [m/s]; 0 of runs to rest.
 
-        It is the median size of held-out errors of the named law, over that of a normal one, as
-        mean velocity where runs end with a cycle of the drive [m/s], else as travel [m]. No draw of
-        a law tells how far all laws are from the ground.
+        It is the scale of Student's t with four degrees of freedom that held-out errors of the named
+        law ask for beside those of the readings and of its coefficients. `band` has it; bands of
+        runs with laws that `sample` draws need it beside them.
         """
-        held_out = self.judgement.best_of(self.judgement.named).held_out
-        off = np.abs(held_out / durations(self.trials, self.t_end))
-        from scipy.special import ndtri
-
-        # over the median size of a normal error of standard deviation 1
-        return float(np.median(off) / ndtri(0.75))
+        return self.judgement.discrepancy
 
     def compared(self) -> "pd.DataFrame":
         """Return what was measured in each trial, and what the named law predicts.
@@ -369,19 +364,6 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "measure_at": {"setting": list(self.places)},
             "inside_second": None,
         }  # fmt: skip
-
-
-def durations(trials: Sequence[Trial], t_end: float) -> Array:
-    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
-
-    Examples
-    --------
-    >>> from stickslip import SpringBlock
-    >>> trial = Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)
-    >>> durations([trial], 10.0)
-    array([1.])
-    """
-    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
 
 
 def records_of(measurement: Measurement) -> list[Measurement]:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from stickslip.experiments import Finding, with_order
 from stickslip.formatting import capital, count, joined, percent, quantity
-from stickslip.identification import Estimate
+from stickslip.identification import Estimate, durations
 from stickslip.identify import PredictionBand, TravelJudgement, parameter_sentence
 from stickslip.kinds.travels.settings import words_of
-from stickslip.kinds.travels.verdict import TravelCandidate, durations, estimate_text
+from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection import Wording, friction_of, in_sentence, limits_of, not_distinguished
 
