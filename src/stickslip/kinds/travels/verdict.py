@@ -139,6 +139,15 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return self.judgement.shares.get("", 0.0)
 
     @property
+    def laws_drawn(self) -> Mapping[str, int]:
+        """How many different laws the band holds, by name; the measured curve is none."""
+        return {
+            one.law.name: len(np.unique(one.unknowns, axis=0))
+            for one in self.judgement.draws
+            if one.smooth is None
+        }
+
+    @property
     def explained(self) -> bool:
         """Whether a law predicts as well as the measured curve."""
         return self.judgement.explained
@@ -252,9 +261,9 @@ class TravelVerdict(Verdict[TravelCandidate]):
     def prediction_error(self) -> float:
         """By how much mean velocities are off beside what the laws tell [m/s]; 0 of runs to rest.
 
-        It is the scale of Student's t with four degrees of freedom that held-out errors of the named
-        law ask for beside those of the readings and of its coefficients. `band` has it; bands of
-        runs with laws that `sample` draws need it beside them.
+        It is the scale of Student's t with four degrees of freedom that held-out errors of the
+        named law ask for beside those of the readings and of its coefficients. `band` has it; bands
+        of runs with laws that `sample` draws need it beside them.
         """
         return self.judgement.discrepancy
 
@@ -307,7 +316,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
         assert self.travel is not None
         path = judgement.knob[0]
         unit = {p: q.unit for p, q, _ in parameters(self.mechanism, "mechanism")}[path]
-        cyclic = any(trial.cycles is not None for trial in self.trials)
+        what, read = what_of(self.trials)
         last = durations(judgement.at(self.settings), self.t_end)
         ends = (self.travel.low, self.travel.median, self.travel.high)
         low, median, high = (x / last for x in ends)
@@ -321,8 +330,8 @@ class TravelVerdict(Verdict[TravelCandidate]):
             law=judgement.named_travels(self.settings) / last,
             title=self.closest.title,
             places=self.places,
-            units=(unit, "m/s" if cyclic else "m"),
-            names=(words_of(path), "mean velocity" if cyclic else "travel"),
+            units=(unit, read),
+            names=(words_of(path), what),
         )
 
     @override
@@ -364,6 +373,19 @@ class TravelVerdict(Verdict[TravelCandidate]):
             "measure_at": {"setting": list(self.places)},
             "inside_second": None,
         }  # fmt: skip
+
+
+def what_of(trials: Sequence[Trial]) -> tuple[str, str]:
+    """Return what travels of trials are shown as, and its unit.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> what_of([Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)])
+    ('travel', 'm')
+    """
+    cyclic = any(trial.cycles is not None for trial in trials)
+    return ("mean velocity", "m/s") if cyclic else ("travel", "m")
 
 
 def records_of(measurement: Measurement) -> list[Measurement]:
