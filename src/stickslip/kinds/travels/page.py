@@ -4,7 +4,7 @@ import math
 from functools import partial
 from typing import Any, cast
 
-from stickslip.formatting import capital, count, joined, percent, quantity, scale_of
+from stickslip.formatting import capital, count, joined, percent, quantity
 from stickslip.identify import (
     THRESHOLDS,
     TITLES,
@@ -16,8 +16,8 @@ from stickslip.identify import (
 from stickslip.kinds.columns import page_table
 from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, what_of
 from stickslip.plots import MAP_SIZES, inline_svg
-from stickslip.report import Column as PageColumn
 from stickslip.report import (
+    MOST,
     Figure,
     Name,
     Origin,
@@ -28,6 +28,7 @@ from stickslip.report import (
     record_and_checks,
     reproduce,
 )
+from stickslip.report import Column as PageColumn
 from stickslip.selection import in_sentence
 
 
@@ -70,8 +71,10 @@ def _made_of(verdict: TravelVerdict) -> str:
     """Return how many different laws the band holds, and what else."""
     titles = {one.name: in_sentence(one.title) for one in verdict.candidates}
     parts = [f"{number} {titles[name]}" for name, number in verdict.laws_drawn.items()]
-    said = count(sum(verdict.laws_drawn.values()), "law") if len(parts) > 1 else ""
-    said = f"{said} ({joined(parts)})" if said else f"{parts[0]} laws" if parts else ""
+    said = f"{parts[0]} laws" if parts else ""
+    if len(parts) > 1:
+        kinds = joined(parts) if len(parts) <= MOST else f"of {len(parts)} kinds"
+        said = f"{count(sum(verdict.laws_drawn.values()), 'law')} ({kinds})"
     others = [said] if said else []
     if verdict.curve_share:
         others.append(f"the {TITLES['curve']}")
@@ -108,7 +111,7 @@ def laws_section(verdict: TravelVerdict) -> Section:
         "One law is left" if number == 1 else f"{number} laws are not told apart by these travels"
     )
     if not verdict.explained:
-        heading = "The measured curve predicts better than every law"
+        heading = "No law explains these travels"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
@@ -118,19 +121,17 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
         return None
     table, (_, unit) = verdict.compared(), what_of(verdict.trials)
     parts = {name: table[name].tolist() for name in ("measured", "predicted", "held_out_error")}
-    scale = scale_of([x for values in parts.values() for x in values], unit)
     if not verdict.ranked:
         del parts["held_out_error"]
     rows = tuple(
-        Row(cells=(Name(text=str(name)), *(scale.number(x[i]) for x in parts.values())))
+        Row(cells=(Name(text=str(name)), *(quantity(x[i], unit) for x in parts.values())))
         for i, name in enumerate(table.index)
     )
     heads = ("measured", verdict.closest.title, "held-out error")
     columns = (
         PageColumn(head="trial"),
-        *(PageColumn(head=f"{head}\n{scale.unit}", numeric=True)
-          for head in heads[: len(parts)]),
-    )  # fmt: skip
+        *(PageColumn(head=head, numeric=True) for head in heads[: len(parts)]),
+    )
     caption = "Held-out errors are those of a setting that the law was not fitted to."
     return Section(
         id="trials", nav="Trials", heading="Each trial",

@@ -109,12 +109,16 @@ def _setting(judgement: TravelJudgement, value: float) -> str:
 
 
 def _worst(judgement: TravelJudgement, off: Array, unit: str) -> str:
-    """Return where the largest held-out error is, if it is one setting's that differs."""
+    """Return where the largest held-out error is, if it makes most of their squares."""
     at, sizes = int(np.argmax(np.abs(off))), np.abs(off)
-    if judgement.knob is None or sizes[at] < THRESHOLDS.outlier * float(np.median(sizes)):
+    if (
+        judgement.knob is None
+        or sizes[at] ** 2 < 0.5 * float(np.sum(sizes**2))
+        or len(off) <= THRESHOLDS.fewest
+    ):
         return ""
     place = _setting(judgement, float(judgement.settings[at]))
-    return f", and worst at {place}, by {quantity(float(sizes[at]), unit, 2)}"
+    return f", worst at {place}, by {quantity(float(sizes[at]), unit, 2)}"
 
 
 def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | None) -> str:
@@ -200,20 +204,18 @@ def _next(
     places: Sequence[float],
 ) -> list[str]:
     """Return where another travel narrows the band most."""
+    known = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
     if band is None or judgement.knob is None or not places:
-        return ["Measure the same rig at other settings of one parameter, such as a compression."]
-    symbol = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
-    lasts = durations(judgement.at(np.array(places)), judgement.t_end)
+        such = "compression" if judgement.knob is None else words_of(judgement.knob[0])
+        return [f"Measure the same rig at other settings of one parameter, such as a {such}."]
+    at = int(np.argmin(np.abs(settings - places[0])))
     what, unit = what_of(judgement.trials)
-    ranges = []
-    for place, last in zip(places, lasts.tolist(), strict=True):
-        at = int(np.argmin(np.abs(settings - place)))
-        pair = [float(x[at]) / last for x in (band.low, band.high)]
-        ranges.append(scale_of(pair, unit).interval(*pair))
-    texts = [_setting(judgement, x) for x in places]
+    last = float(durations(judgement.at(settings[[at]]), judgement.t_end)[0])
+    pair = [float(x[at]) / last for x in (band.low, band.high)]
     return [
-        f"Set ${symbol[judgement.knob[0]]}$ to {joined(texts)}, three runs each: there, the band of"
-        f" the {what}, {joined(ranges)}, is widest beside the error of a reading."
+        f"Set ${known[judgement.knob[0]]}$ to {_setting(judgement, places[0])}, three runs each:"
+        f" there, the band of the {what}, {scale_of(pair, unit).interval(*pair)}, is widest beside"
+        " the error of a reading."
     ]
 
 
