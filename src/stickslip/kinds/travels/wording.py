@@ -155,9 +155,9 @@ def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | No
         said += f"; it is largest at {_setting(judgement, float(settings[best]))}, {range_at(best)}"
     last = int(np.argmax(np.abs(settings)))
     rests = float(np.max(np.abs(ends[:, last]))) < THRESHOLDS.negligible * float(np.max(sizes))
-    far = f"with {_setting(judgement, float(settings[last]))}"
-    said += f"; {far} the body stays where it is" if rests else f"; {far} it is {range_at(last)}"
-    return f"{said} (95 % band, whichever law holds)."
+    far = "the body stays where it is" if rests else f"it is {range_at(last)}"
+    place = _setting(judgement, float(settings[last]))
+    return f"{said}; with {place} {far} (95 % band, whichever law holds)."
 
 
 def _open(
