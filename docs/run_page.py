@@ -91,7 +91,8 @@ def written(text: str, outputs: list[str]) -> str:
         if match[1] != "text":
             last[0] = next(rest)
             return match[0]
-        return f"```text\n{last[0].strip()}\n```"
+        shown_lines = last[0].strip("\n").rstrip()
+        return f"```text\n{shown_lines}\n```"
 
     return BLOCK.sub(one, text)
 
