@@ -293,7 +293,9 @@ def test_the_band_of_a_driven_body_has_the_error_that_its_laws_leave(law):
     error, best = verdict.prediction_error, verdict.judgement.best_of("coulomb")
     lasts = durations(verdict.trials, 1.0)
     known = (best.growth * verdict.judgement.least_errors / lasts) ** 2
-    if law.name == "coulomb":  # the law is that of the ground: errors of readings, 5e-5 m/s, are left
+    if (
+        law.name == "coulomb"
+    ):  # the law is that of the ground: errors of readings, 5e-5 m/s, are left
         assert error < 2e-4
     else:  # Paule and Mandel's condition
         assert np.mean((best.held_out / lasts) ** 2 / (known + error**2)) == pytest.approx(1.0)
