@@ -1,13 +1,20 @@
-"""The films of the tutorial are those that the script in `benchmarks` makes."""
+"""The films of the tutorial can be made again, and its page shows what its commands print."""
 
+import re
+import subprocess
+import sys
 from io import BytesIO
 from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
+import pytest
 from benchmarks.films import FILMED, films_of_tutorial
+from tests.support import module_at
 
-KEPT = Path(__file__).parents[2] / "docs/howto/files/films.zip"
+DOCS = Path(__file__).parents[2] / "docs"
+KEPT = DOCS / "howto/files/films.zip"
+PAGE = DOCS / "tutorials/film-to-speed.md"
 
 
 def tables(archive: ZipFile) -> dict[str, np.ndarray]:
@@ -25,3 +32,26 @@ def test_the_films_of_the_tutorial_can_be_made_again() -> None:
     for name, table in old.items():
         # positions have three digits of a millimetre, of which rounding may move the last
         np.testing.assert_allclose(new[name], table, atol=2e-3)
+
+
+def test_the_commands_of_the_tutorial_are_those_that_init_names() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    (said,) = re.findall(r"^The rig file is .*$", text, re.MULTILINE)
+    _, *following = " ".join(said.partition("Next: ")[2].split()).split("; ")
+    assert len(following) == 2
+    for command in following:
+        assert f"```sh\n{command}\n```" in text
+
+
+def test_every_output_of_the_tutorial_is_shown() -> None:
+    runner = module_at(DOCS / "run_page.py")
+    outputs = runner.shown(PAGE.read_text(encoding="utf-8"))
+    assert sum(map(bool, outputs)) >= 7
+    assert list(runner.differences("half 2.0 mm\n", "half 2.1 mm\n")) == []
+    assert list(runner.differences("half 2.0 mm\n", "half 3.0 mm\n"))
+    assert list(runner.differences("Use LuGre.\n", "Use Dahl.\n"))
+
+
+@pytest.mark.slow
+def test_the_tutorial_shows_what_its_commands_print() -> None:
+    subprocess.run([sys.executable, DOCS / "run_page.py", PAGE], check=True)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import (
+    Capsule,
     Coulomb,
     CoulombViscous,
     Measurement,
@@ -17,9 +18,11 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.drives import Sine
 from stickslip.errors import InputError
-from stickslip.identification import trials_of
+from stickslip.identification import durations, trials_of
 from stickslip.identify.kinds.travels import judged_travels
+from stickslip.mechanisms import SoftStop, Torque
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
 PATH = "mechanism.compression"
@@ -248,3 +251,60 @@ def test_predictions_are_the_travels_of_the_law_that_is_handed_out(name):
     fit = select(BLOCK, [name], readings(truth)).candidates[0].fit
     simulated = [travel(fit.law, setting) for setting in SETTINGS]
     np.testing.assert_allclose(fit.predicted, simulated, rtol=1e-5)
+
+
+FREQUENCY = "mechanism.drive.drive.frequency"
+FILMED = (4.0, 5.5, 7.0, 9.0, 11.0, 13.0, 15.0)
+
+
+def capsule(frequency):
+    drive = Torque(drive=Sine(amplitude=0.2, frequency=frequency))
+    return Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, drive=drive,
+        drive_on="inner mass", upper_soft_stop=SoftStop(place=2e-3, stiffness=3000.0, damping=0.1),
+    )  # fmt: skip
+
+
+def cycle_mean(law, frequency, t_end=1.0):
+    """Mean velocity of a capsule over whole cycles from rest."""
+    count = int(t_end * frequency + 1e-9)
+    run = simulate(capsule(frequency), law, t_end=count / frequency)
+    return float(run["x"][-1] - run["x"][0]) / count * frequency
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        Coulomb(kinetic_coefficient=0.2),
+        CoulombViscous(kinetic_coefficient=0.18, viscous_coefficient=0.5),
+    ],
+    ids=lambda law: law.name,
+)
+def test_the_band_of_a_driven_body_has_the_error_that_its_laws_leave(law):
+    draw = np.random.default_rng(5).normal(size=len(FILMED))
+    trials = [
+        Measurement(
+            travel_per_cycle=cycle_mean(law, f) / f + 5e-6 * x, uncertainty=5e-6,
+            overrides={FREQUENCY: f},
+        )
+        for f, x in zip(FILMED, draw, strict=True)
+    ]  # fmt: skip
+    verdict = select(capsule(8.0), ["coulomb"], Measurement(trials=trials), t_end=1.0)
+    error, best = verdict.prediction_error, verdict.judgement.best_of("coulomb")
+    lasts = durations(verdict.trials, 1.0)
+    known = (best.growth * verdict.judgement.least_errors / lasts) ** 2
+    if (
+        law.name == "coulomb"
+    ):  # the law is that of the ground: errors of readings, 5e-5 m/s, are left
+        assert error < 2e-4
+    else:  # Paule and Mandel's condition
+        assert np.mean((best.held_out / lasts) ** 2 / (known + error**2)) == pytest.approx(1.0)
+        assert error > 5e-4
+    asked = np.linspace(4.2, 14.8, 12)
+    band, last = verdict.band(asked), durations(verdict.judgement.at(asked), 1.0)
+    true = np.array([cycle_mean(law, f) for f in asked])
+    assert np.mean((band.low / last <= true) & (true <= band.high / last)) >= 0.75
+    assert "it is largest at" in verdict.words.lede
+    assert sum(verdict.laws_drawn.values()) > 10
+    assert set(FILMED) <= set(verdict.settings.tolist())
+    assert len(verdict.settings) > 50

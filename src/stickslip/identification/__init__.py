@@ -12,6 +12,7 @@ HOMES = {
     "Score": "records.fit",
     "TrialComparison": "trials",
     "compare_trials": "trials",
+    "durations": "travel_model",
     "fit_joints": "records.joint_fitting",
     "fit_records": "records.fitting",
     "inverse_dynamics": "series.inverse_dynamics",

@@ -81,6 +81,7 @@ from stickslip.identification.travel_model import LEAST_ERROR as LEAST_ERROR
 from stickslip.identification.travel_model import TravelModel as TravelModel
 from stickslip.identification.travel_model import Trial as Trial
 from stickslip.identification.travel_model import driven_on as driven_on
+from stickslip.identification.travel_model import durations as durations
 from stickslip.identification.travel_model import is_rig as is_rig
 from stickslip.identification.travel_model import quantities_read as quantities_read
 from stickslip.identification.travel_model import standard_errors as standard_errors
@@ -113,6 +114,7 @@ __all__ = [
     "Score",
     "TrialComparison",
     "compare_trials",
+    "durations",
     "fit_joints",
     "fit_records",
     "inverse_dynamics",

@@ -233,6 +233,19 @@ def under_cycles(trials: Sequence[Trial]) -> bool:
     return any(repeats(trial.mechanism) for trial in trials)
 
 
+def durations(trials: Sequence[Trial], t_end: float) -> Array:
+    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> trial = Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)
+    >>> durations([trial], 10.0)
+    array([1.])
+    """
+    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
+
+
 @dataclass
 class TravelModel:
     """Travel as a function of the free parameters of a law, and of its mechanism."""

@@ -43,13 +43,16 @@ def verdict_sections(verdict: BandVerdict, origin: Origin, remark: str) -> tuple
     )
 
 
-def opening_section(verdict: BandVerdict, origin: Origin, remark: str) -> Section:
+def opening_section(
+    verdict: BandVerdict, origin: Origin, remark: str, figure: Figure | None = None
+) -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
     return opening(
         words,
         origin.data,
         remark,
+        figure=figure,
         facts=facts(verdict),
         settles=words.settles[:1],
         record="measurement",

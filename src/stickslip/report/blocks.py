@@ -578,6 +578,8 @@ class Opening:
         Two or three sentences why.
     cannot_tell : tuple of str
         What the record leaves open, one to three items. Never empty.
+    figure : Figure, optional
+        What a reader has to see beside the verdict.
     law : tuple of LawLine
         The law with its numbers.
     facts : tuple of Fact
@@ -608,6 +610,7 @@ class Opening:
     verdict: str
     lede: str
     cannot_tell: tuple[str, ...]
+    figure: Figure | None = None
     law: tuple[LawLine, ...] = ()
     facts: tuple[Fact, ...] = ()
     settles: tuple[str, ...] = ()

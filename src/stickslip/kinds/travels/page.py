@@ -4,7 +4,7 @@ import math
 from functools import partial
 from typing import Any, cast
 
-from stickslip.formatting import NO_VALUE, capital, percent
+from stickslip.formatting import capital, count, joined, percent, quantity
 from stickslip.identify import (
     THRESHOLDS,
     TITLES,
@@ -14,10 +14,10 @@ from stickslip.identify import (
     remarks_section,
 )
 from stickslip.kinds.columns import page_table
-from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, records_of
+from stickslip.kinds.travels.verdict import TravelVerdict, columns_of, what_of
 from stickslip.plots import MAP_SIZES, inline_svg
-from stickslip.report import Column as PageColumn
 from stickslip.report import (
+    MOST,
     Figure,
     Name,
     Origin,
@@ -28,14 +28,15 @@ from stickslip.report import (
     record_and_checks,
     reproduce,
 )
+from stickslip.report import Column as PageColumn
+from stickslip.selection import in_sentence
 
 
 def sections(verdict: TravelVerdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of the page of a verdict."""
     alike = cast("Any", verdict)  # sections that bands of friction have too
     return (
-        partial(opening_section, alike, origin, remark),
-        partial(figure_section, verdict),
+        partial(opening_section, alike, origin, remark, band_figure(verdict)),
         partial(laws_section, verdict),
         partial(parameters_section, alike),
         partial(trials_section, verdict),
@@ -45,7 +46,7 @@ def sections(verdict: TravelVerdict, origin: Origin, remark: str) -> tuple[Secti
     )
 
 
-def figure_section(verdict: TravelVerdict) -> Section | None:
+def band_figure(verdict: TravelVerdict) -> Figure | None:
     """Return the figure of the readings, the band and the law; None without a band."""
     if verdict.travel is None or verdict.judgement.knob is None:
         return None
@@ -58,15 +59,30 @@ def figure_section(verdict: TravelVerdict) -> Section | None:
         **MAP_SIZES,
     )
     text = (
-        f"**{capital(what)}.** Points: readings. Line: {verdict.closest.title}. Band: where the"
-        f" {what} lies with 95 % at each setting, whichever law, or the measured curve, holds."
+        f"**{capital(what)} over the {word}.** Points: readings. Line: {verdict.closest.title}."
+        f" Band: where the {what} lies with 95 % at each setting, by {_made_of(verdict)}."
     )
     if verdict.places:
         text += " Dotted: where another reading narrows the band most."
-    block = Figure(svg=svg, caption=text)
-    return Section(
-        id="band", nav="Band", heading=f"{capital(what)} over the {word}", blocks=(block,)
-    )
+    return Figure(svg=svg, caption=text)
+
+
+def _made_of(verdict: TravelVerdict) -> str:
+    """Return how many different laws the band holds, and what else."""
+    titles = {one.name: in_sentence(one.title) for one in verdict.candidates}
+    parts = [f"{number} {titles[name]}" for name, number in verdict.laws_drawn.items()]
+    said = f"{parts[0]} laws" if parts else ""
+    if len(parts) > 1:
+        kinds = joined(parts) if len(parts) <= MOST else f"of {len(parts)} kinds"
+        said = f"{count(sum(verdict.laws_drawn.values()), 'law')} ({kinds})"
+    others = [said] if said else []
+    if verdict.curve_share:
+        others.append(f"the {TITLES['curve']}")
+    if error := verdict.prediction_error:
+        others.append(
+            f"an error of {quantity(error, 'm/s', 2)} that they leave at held-out settings"
+        )
+    return joined(others)
 
 
 def laws_section(verdict: TravelVerdict) -> Section:
@@ -80,9 +96,14 @@ def laws_section(verdict: TravelVerdict) -> Section:
         chosen=lambda one: one is verdict.best,
         caption=(
             "The law with the most evidence is named: it fits with few and usual parts. Laws within"
-            f" {math.log(THRESHOLDS.odds):.1f} of it are not told apart. The band is made of all"
-            f" laws by how well they predict, and to {percent(verdict.curve_share)} of the"
-            f" {TITLES['curve']}."
+            f" {math.log(THRESHOLDS.odds):.1f} of it are not told apart. Shares of the band follow"
+            " from how well laws predict held-out settings, whatever their parts: another law than"
+            " the named one may have more."
+            + (
+                f" The {TITLES['curve']} has {percent(verdict.curve_share)}."
+                if verdict.curve_share
+                else ""
+            )
         ),
     )
     number = len(verdict.set)
@@ -90,42 +111,29 @@ def laws_section(verdict: TravelVerdict) -> Section:
         "One law is left" if number == 1 else f"{number} laws are not told apart by these travels"
     )
     if not verdict.explained:
-        heading = "The measured curve predicts better than every law"
+        heading = "No law explains these travels"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
 def trials_section(verdict: TravelVerdict) -> Section | None:
     """Return each trial with what the named law predicts; None of one trial."""
-    fit = verdict.closest.fit
-    if fit is None or len(verdict.trials) < 2:
+    if verdict.closest.fit is None or len(verdict.trials) < 2:
         return None
-    held_out = verdict.judgement.best_of(verdict.closest.name).held_out
+    table, (_, unit) = verdict.compared(), what_of(verdict.trials)
+    parts = {name: table[name].tolist() for name in ("measured", "predicted", "held_out_error")}
+    if not verdict.ranked:
+        del parts["held_out_error"]
     rows = tuple(
-        Row(
-            cells=(
-                Name(text=record.name or f"trial {i}"),
-                trial.as_read(trial.travel),
-                trial.as_read(predicted),
-                trial.as_read(left) if verdict.ranked else NO_VALUE,
-            )
-        )
-        for i, (record, trial, predicted, left) in enumerate(
-            zip(
-                records_of(verdict.measurement),
-                verdict.trials,
-                fit.predicted,
-                held_out,
-                strict=True,
-            ),
-            1,
-        )
+        Row(cells=(Name(text=str(name)), *(quantity(x[i], unit) for x in parts.values())))
+        for i, name in enumerate(table.index)
     )
+    heads = ("measured", verdict.closest.title, "held-out error")
     columns = (
         PageColumn(head="trial"),
-        PageColumn(head="measured", numeric=True),
-        PageColumn(head=verdict.closest.title, numeric=True),
-        PageColumn(head="held-out error", numeric=True, phone="label"),
+        *(PageColumn(head=head, numeric=True) for head in heads[: len(parts)]),
     )
     caption = "Held-out errors are those of a setting that the law was not fitted to."
-    table = Table(columns=columns, rows=rows, caption=caption)
-    return Section(id="trials", nav="Trials", heading=capital("each trial"), blocks=(table,))
+    return Section(
+        id="trials", nav="Trials", heading="Each trial",
+        blocks=(Table(columns=columns, rows=rows, caption=caption if verdict.ranked else ""),),
+    )  # fmt: skip

@@ -19,6 +19,7 @@ from stickslip.identification import (
     quantile_of,
     starting_law,
     trials_of,
+    under_cycles,
 )
 from stickslip.identify import THRESHOLDS, TravelJudgement, band_of, judged_travels
 from stickslip.kinds.travels.fit import travel_fit
@@ -43,8 +44,9 @@ BEYOND = (0.75, 1.5)
 """Least and largest settings of the band over those measured."""
 ALONE = (0.4, 1.5)
 """The same where there is but one."""
-PLACES = 7
-"""Settings of the band within those measured."""
+PLACES = (17, 41)
+"""Settings of the band within those measured, and of bodies that carry their drive, which have
+resonances: half a second, and three (`docs/decisions/0151`)."""
 
 
 def select_travels(
@@ -136,14 +138,14 @@ def band_settings(judgement: TravelJudgement) -> Array:
     """Return the settings over which the band is stated: those measured, between and beyond."""
     if judgement.knob is None:
         return np.zeros(0)
-    known = judgement.settings
+    known, count = judgement.settings, PLACES[under_cycles(judgement.trials)]
     low, high = float(known.min()), float(known.max())
     if low == high:
-        return np.unique([*(low * np.linspace(*ALONE, PLACES)), low])
+        return np.union1d(low * np.linspace(*ALONE, count), known)
     ends = sorted((BEYOND[0] * min(low, high, key=abs), BEYOND[1] * max(low, high, key=abs)))
-    inner = np.linspace(low, high, PLACES)
-    middle = 0.5 * (inner[-1] + ends[1])
-    return np.unique([ends[0], *inner, middle, ends[1]])
+    inner = np.linspace(low, high, count)
+    beyond = [np.linspace(*pair, count // 4) for pair in ((ends[0], low), (high, ends[1]))]
+    return np.unique(np.concatenate([known, inner, *beyond]))
 
 
 def _seen(trial: Trial, law: FrictionLaw, t_end: float) -> Criteria:

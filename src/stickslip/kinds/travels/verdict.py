@@ -21,7 +21,7 @@ from stickslip.formatting import (
     within,
 )
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, Trial, quantities_read
+from stickslip.identification import Estimate, Trial, durations, quantities_read
 from stickslip.identify import PredictionBand, TravelJudgement, band_of
 from stickslip.kinds.columns import Column, Columns, data_row
 from stickslip.kinds.travels.result import TravelFit
@@ -139,6 +139,15 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return self.judgement.shares.get("", 0.0)
 
     @property
+    def laws_drawn(self) -> Mapping[str, int]:
+        """How many different laws the band holds, by name; the measured curve is none."""
+        return {
+            one.law.name: len(np.unique(one.unknowns, axis=0))
+            for one in self.judgement.draws
+            if one.smooth is None
+        }
+
+    @property
     def explained(self) -> bool:
         """Whether a law predicts as well as the measured curve."""
         return self.judgement.explained
@@ -250,18 +259,13 @@ class TravelVerdict(Verdict[TravelCandidate]):
 
     @property
     def prediction_error(self) -> float:
-        """By how much predictions of settings that were not measured are off.
+        """By how much mean velocities are off beside what the laws tell [m/s]; 0 of runs to rest.
 
-        It is the median size of held-out errors of the named law, over that of a normal one, as
-        mean velocity where runs end with a cycle of the drive [m/s], else as travel [m]. No draw of
-        a law tells how far all laws are from the ground.
+        It is the scale of Student's t with four degrees of freedom that held-out errors of the
+        named law ask for beside those of the readings and of its coefficients. `band` has it; bands
+        of runs with laws that `sample` draws need it beside them.
         """
-        held_out = self.judgement.best_of(self.judgement.named).held_out
-        off = np.abs(held_out / durations(self.trials, self.t_end))
-        from scipy.special import ndtri
-
-        # over the median size of a normal error of standard deviation 1
-        return float(np.median(off) / ndtri(0.75))
+        return self.judgement.discrepancy
 
     def compared(self) -> "pd.DataFrame":
         """Return what was measured in each trial, and what the named law predicts.
@@ -312,7 +316,7 @@ class TravelVerdict(Verdict[TravelCandidate]):
         assert self.travel is not None
         path = judgement.knob[0]
         unit = {p: q.unit for p, q, _ in parameters(self.mechanism, "mechanism")}[path]
-        cyclic = any(trial.cycles is not None for trial in self.trials)
+        what, read = what_of(self.trials)
         last = durations(judgement.at(self.settings), self.t_end)
         ends = (self.travel.low, self.travel.median, self.travel.high)
         low, median, high = (x / last for x in ends)
@@ -326,8 +330,8 @@ class TravelVerdict(Verdict[TravelCandidate]):
             law=judgement.named_travels(self.settings) / last,
             title=self.closest.title,
             places=self.places,
-            units=(unit, "m/s" if cyclic else "m"),
-            names=(words_of(path), "mean velocity" if cyclic else "travel"),
+            units=(unit, read),
+            names=(words_of(path), what),
         )
 
     @override
@@ -371,17 +375,17 @@ class TravelVerdict(Verdict[TravelCandidate]):
         }  # fmt: skip
 
 
-def durations(trials: Sequence[Trial], t_end: float) -> Array:
-    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
+def what_of(trials: Sequence[Trial]) -> tuple[str, str]:
+    """Return what travels of trials are shown as, and its unit.
 
     Examples
     --------
     >>> from stickslip import SpringBlock
-    >>> trial = Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)
-    >>> durations([trial], 10.0)
-    array([1.])
+    >>> what_of([Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)])
+    ('travel', 'm')
     """
-    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
+    cyclic = any(trial.cycles is not None for trial in trials)
+    return ("mean velocity", "m/s") if cyclic else ("travel", "m")
 
 
 def records_of(measurement: Measurement) -> list[Measurement]:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.experiments import Finding, with_order
-from stickslip.formatting import capital, count, joined, percent, quantity
-from stickslip.identification import Estimate
-from stickslip.identify import PredictionBand, TravelJudgement, parameter_sentence
+from stickslip.formatting import capital, count, joined, percent, quantity, scale_of
+from stickslip.identification import Estimate, durations
+from stickslip.identify import THRESHOLDS, PredictionBand, TravelJudgement, parameter_sentence
 from stickslip.kinds.travels.settings import words_of
-from stickslip.kinds.travels.verdict import TravelCandidate, durations, estimate_text
+from stickslip.kinds.travels.verdict import TravelCandidate, estimate_text, what_of
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection import Wording, friction_of, in_sentence, limits_of, not_distinguished
 
@@ -40,11 +40,14 @@ def wording(
     phrase = friction_of(named.title)
     settles = []
     if ranked:
-        error = judgement.held_out(judgement.named)
-        share = error / float(np.sqrt(np.mean(judgement.measured**2)))
+        lasts = durations(judgement.trials, judgement.t_end)
+        what, unit = what_of(judgement.trials)
+        off = judgement.best_of(judgement.named).held_out / lasts
+        sizes = [float(np.sqrt(np.mean(x**2))) for x in (off, judgement.measured / lasts)]
         settles.append(
-            f"The law predicts held-out settings to {quantity(error, 'm', 2)}, {percent(share)} of"
-            " the travel (root mean square)."
+            f"The law predicts held-out settings to {quantity(sizes[0], unit, 2)},"
+            f" {percent(sizes[0] / sizes[1])} of the {what} (root mean square)"
+            f"{_worst(judgement, off, unit)}."
         )
     settles += [
         parameter_sentence(one, other, phrase)
@@ -105,6 +108,19 @@ def _setting(judgement: TravelJudgement, value: float) -> str:
     return quantity(value, units[judgement.knob[0]], 3, degrees=True)
 
 
+def _worst(judgement: TravelJudgement, off: Array, unit: str) -> str:
+    """Return where the largest held-out error is, if it makes most of their squares."""
+    at, sizes = int(np.argmax(np.abs(off))), np.abs(off)
+    if (
+        judgement.knob is None
+        or sizes[at] ** 2 < 0.5 * float(np.sum(sizes**2))
+        or len(off) <= THRESHOLDS.fewest
+    ):
+        return ""
+    place = _setting(judgement, float(judgement.settings[at]))
+    return f", worst at {place}, by {quantity(float(sizes[at]), unit, 2)}"
+
+
 def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | None) -> str:
     """Return how well the travel is known, at the settings and beyond them."""
     if band is None or judgement.knob is None:
@@ -113,23 +129,35 @@ def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | No
             " over a setting."
         )
     low, high = float(judgement.settings.min()), float(judgement.settings.max())
-    within = (settings >= min(low, high)) & (settings <= max(low, high))
-    last_for = durations(judgement.at(settings), judgement.t_end)
-    cyclic = any(trial.cycles is not None for trial in judgement.trials)
-    what, unit = ("mean velocity", "m/s") if cyclic else ("travel", "m")
-    below, above = band.low / last_for, band.high / last_for
-    half = 0.5 * (above - below)
-    known = quantity(float(np.median(half[within])), unit, 2)
-    word = words_of(judgement.knob[0])
-    ends = _setting(judgement, low)
-    span = f"With a {word} of {ends}" if low == high else (
-        f"With a {word} from {ends} to {_setting(judgement, high)}")  # fmt: skip
-    last = int(np.argmax(np.abs(settings)))
-    return (
-        f"{span}, the {what} is known to ± {known}; with {_setting(judgement, settings[last])} it"
-        f" is {quantity(float(below[last]), unit, 2)} to"
-        f" {quantity(float(above[last]), unit, 2)} (95 % band, whichever law holds)."
+    inside = np.flatnonzero((settings >= min(low, high)) & (settings <= max(low, high)))
+    lasts, (what, unit) = (
+        durations(judgement.at(settings), judgement.t_end),
+        what_of(judgement.trials),
     )
+    ends = np.array([band.low, band.high]) / lasts
+    half = 0.5 * (ends[1] - ends[0])
+    typical, widest = float(np.median(half[inside])), int(inside[np.argmax(half[inside])])
+    word, first = words_of(judgement.knob[0]), _setting(judgement, low)
+    span = f"With a {word} of {first}" if low == high else (
+        f"With a {word} from {first} to {_setting(judgement, high)}")  # fmt: skip
+    said = f"{span}, the {what} is known to ± {quantity(typical, unit, 2)}"
+    if half[widest] > 1.5 * typical:
+        place = _setting(judgement, float(settings[widest]))
+        said += f", at {place} to ± {quantity(float(half[widest]), unit, 2)}"
+
+    def range_at(k: int) -> str:
+        pair = ends[:, k].tolist()
+        return scale_of(pair, unit).interval(*pair)
+
+    sizes = np.abs(band.median / lasts)
+    if unit == "m/s":
+        best = int(inside[np.argmax(sizes[inside])])
+        said += f"; it is largest at {_setting(judgement, float(settings[best]))}, {range_at(best)}"
+    last = int(np.argmax(np.abs(settings)))
+    rests = float(np.max(np.abs(ends[:, last]))) < THRESHOLDS.negligible * float(np.max(sizes))
+    far = "the body stays where it is" if rests else f"it is {range_at(last)}"
+    place = _setting(judgement, float(settings[last]))
+    return f"{said}; with {place} {far} (95 % band, whichever law holds)."
 
 
 def _open(
@@ -142,6 +170,13 @@ def _open(
     if others:
         titles = joined([in_sentence(c.title) for c in candidates if c in (candidates[0], *others)])
         said.append(f"Which of {titles} friction holds: the evidence differs by less than 100 : 1.")
+        most = max(candidates, key=lambda one: one.share)
+        if most.share > candidates[0].share:
+            said[-1] += (
+                f" {most.title} predicts held-out settings best, and so is {percent(most.share)} of"
+                f" the band; {in_sentence(candidates[0].title)} is named, as it fits with fewer or"
+                " more usual parts."
+            )
     error = float(np.median(judgement.errors))
     if judgement.assumed and len(judgement.trials) > 1:
         stated = float(np.median(judgement.readings))
@@ -169,18 +204,18 @@ def _next(
     places: Sequence[float],
 ) -> list[str]:
     """Return where another travel narrows the band most."""
+    known = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
     if band is None or judgement.knob is None or not places:
-        return ["Measure the same rig at other settings of one parameter, such as a compression."]
-    symbol = {p: q.symbol for p, q, _ in parameters(judgement.mechanism, "mechanism")}
-    texts = [_setting(judgement, x) for x in places]
-    ranges = []
-    for place in places:
-        at = int(np.argmin(np.abs(settings - place)))
-        ends = (quantity(float(x[at]), "m", 2) for x in (band.low, band.high))
-        ranges.append(" to ".join(ends))
+        such = "compression" if judgement.knob is None else words_of(judgement.knob[0])
+        return [f"Measure the same rig at other settings of one parameter, such as a {such}."]
+    at = int(np.argmin(np.abs(settings - places[0])))
+    what, unit = what_of(judgement.trials)
+    last = float(durations(judgement.at(settings[[at]]), judgement.t_end)[0])
+    pair = [float(x[at]) / last for x in (band.low, band.high)]
     return [
-        f"Set ${symbol[judgement.knob[0]]}$ to {joined(texts)}, three runs each: the laws allow"
-        f" {joined(ranges)} there, and the widest place narrows the band most."
+        f"Set ${known[judgement.knob[0]]}$ to {_setting(judgement, places[0])}, three runs each:"
+        f" there, the band of the {what}, {scale_of(pair, unit).interval(*pair)}, is widest beside"
+        " the error of a reading."
     ]
 
 
