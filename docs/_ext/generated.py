@@ -56,10 +56,10 @@ def law_table() -> Iterator[str]:
 
 
 def requested_laws() -> Iterator[str]:
-    """What is tried on travels unasked, and how the others are asked for."""
+    """The default candidates on travels, and how other laws are selected."""
     *names, last = (f"`{name}`" for name, law in LAWS.items() if not law.on_request)
     yield (
-        f"The laws {', '.join(names)} and {last} are tried on travels unasked, the others only on"
+        f"The laws {', '.join(names)} and {last} are default candidates on travels, the others only on"
         " request: by their own table in a rig file, by a parameter that only they have, or by name"
         " in a call. A few travels cannot distinguish them from simpler laws."
     )
