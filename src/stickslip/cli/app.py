@@ -336,9 +336,7 @@ def apply(
     ],
     output: Annotated[
         Path,
-        typer.Option(
-            "-o", "--output", help="File to write: MODEL with other friction of its joints."
-        ),
+        typer.Option("-o", "--output", help="File to write: MODEL with this joint friction."),
     ],
     wanted: ApplyOptions,
     allow_import: AllowImport = False,
@@ -415,9 +413,7 @@ def sweep(
     executor: ExecutorAt = None,
     dry_run: Annotated[
         bool,
-        typer.Option(
-            "--dry-run", help="Print number, size and time of a campaign's runs; make none."
-        ),
+        typer.Option("--dry-run", help="Print number, size and time of a campaign; run nothing."),
     ] = False,
     output: Annotated[
         Path | None,

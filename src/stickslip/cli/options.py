@@ -564,9 +564,7 @@ class ExportOptions:
     law: LawOfFile = None
     contact: Annotated[
         str | None,
-        typer.Option(
-            "--contact", help="Contact whose law is exported, if contacts have different laws."
-        ),
+        typer.Option("--contact", help="Contact whose law is exported, if laws differ."),
     ] = None
     name: Annotated[
         str | None,
