@@ -15,6 +15,7 @@ release = importlib.metadata.version("stickslip")
 version = release
 
 extensions = [
+    "archive",
     "examples",
     "gallery",
     "generated",
@@ -28,7 +29,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md"]
+exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md", "decisions"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 

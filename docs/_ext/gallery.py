@@ -105,7 +105,7 @@ SYMPTOMS = (
         "cost",
     ),
 )
-"""What is seen, what is behind it, laws that show it or cure it, and the test that tells."""
+"""What is seen, its cause, laws that show it or cure it, and the test that distinguishes them."""
 
 
 def code_digest() -> str:
@@ -227,7 +227,7 @@ def uses(law: FrictionLaw, found: Characterization) -> tuple[list[str], list[str
     if law.directional:
         when.append("screws, cable drives and preloaded guides, which differ between directions")
     if law.inputs:
-        when.append(f"records and mechanisms that tell the {' and '.join(law.inputs)}")
+        when.append(f"records with {' and '.join(law.inputs)}, or a mechanism that computes it")
         not_when.append(f"records in which the {' and '.join(law.inputs)} does not vary")
     if found.presliding is not None and found.presliding.memory == "local":
         not_when.append("small swings on top of a motion: its memory is local")

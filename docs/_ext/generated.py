@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, ClassVar
 
 import typer.main
@@ -14,7 +14,7 @@ from sphinx.util.docutils import SphinxDirective
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
 from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
-from stickslip.identify import BandVerdict
+from stickslip.identify import USUAL_LAWS, BandVerdict
 from stickslip.kinds.registry import kinds
 from stickslip.quantities import fields_of
 
@@ -56,13 +56,18 @@ def law_table() -> Iterator[str]:
 
 
 def requested_laws() -> Iterator[str]:
-    """What is tried on travels unasked, and how the others are asked for."""
-    *names, last = (f"`{name}`" for name, law in LAWS.items() if not law.on_request)
+    """The default candidates on travels, and which laws the values of a rig file are for."""
+    shared = [name for name, law in LAWS.items() if not law.on_request]
     yield (
-        f"The laws {', '.join(names)} and {last} are tried on travels unasked, the others only on"
-        " request: by their own table in a rig file, by a parameter that only they have, or by name"
-        " in a call. A few travels cannot distinguish them from simpler laws."
+        f"Travels are compared by default with {_listed(USUAL_LAWS)}; name others to compare them."
+        f" Values directly under `[friction]` of a rig file are those of {_listed(shared)}, and of"
+        " laws with a table or a parameter of their own there."
     )
+
+
+def _listed(names: Sequence[str]) -> str:
+    *first, last = (f"`{name}`" for name in names)
+    return f"{', '.join(first)} and {last}"
 
 
 def laws() -> Iterator[str]:

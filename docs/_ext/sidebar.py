@@ -1,7 +1,7 @@
-"""The sidebar leaves pages of single Python names and decisions to the pages that list them.
+"""The sidebar leaves pages of single Python names to the pages that list them.
 
-The theme writes the whole sidebar into every page. With some 240 names and 120 records of decisions
-it was most of a page, and putting it together took most of the time in which pages are written.
+The theme writes the whole sidebar into every page. With some 240 names it was most of a page, and
+putting it together took most of the time in which pages are written.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
-LISTED = ("reference/generated/", "decisions/0")
+LISTED = ("reference/generated/",)
 """Pages that stay reachable by links, by search and by previous and next."""
 
 

@@ -1,4 +1,4 @@
-"""The changelog says what the first release contains, by names that exist."""
+"""The changelog says what the first release contains, by names that exist, and what is gone."""
 
 import pydoc
 import re
@@ -7,6 +7,7 @@ from pathlib import Path
 import typer.main
 from tests.support import for_all
 
+import stickslip
 from stickslip.cli.app import app
 from stickslip.friction import LAW_MODULES
 from stickslip.mechanisms import MECHANISM_MODULES
@@ -20,8 +21,26 @@ def test_every_law_mechanism_and_command_is_named(name: str) -> None:
     assert f"`{name}`" in TEXT or f"`stickslip {name}`" in TEXT
 
 
-def test_nothing_has_changed_before_a_release() -> None:
-    assert re.findall("^### (.*)$", TEXT.partition("\n## [0")[0], re.MULTILINE) == ["Added"]
+def test_what_is_removed_is_at_no_door() -> None:
+    added, changed, removed = re.split(
+        "^### .*\n", TEXT.partition("\n## [0")[0], flags=re.MULTILINE
+    )[1:]
+    names = set(re.findall(r"`(\w+)`", removed.partition("\n- Of fits")[0]))
+    assert names
+    doors = (
+        stickslip,
+        stickslip.identification,
+        stickslip.kinds,
+        stickslip.plots,
+        stickslip.results,
+    )
+    assert not {name for name in names for door in doors if name in dir(door)}
+    assert not names & set(re.findall(r"`(\w+)`", added + changed))
+
+
+def test_changes_stand_in_the_order_of_what_users_look_for() -> None:
+    heads = re.findall("^### (.*)$", TEXT.partition("\n## [0")[0], re.MULTILINE)
+    assert heads == ["Added", "Changed", "Removed"]
 
 
 def test_names_and_commands_exist() -> None:

@@ -92,9 +92,10 @@ def select(
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Fit and compare friction laws; write a report.
+    """Compare friction laws on a measurement; write a report.
 
-    The verdict names the law to use, with what is known of its parameters.
+    The verdict names a law and its parameters, gives a 95 % band that holds whichever law does,
+    and says what to measure next.
 
     While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
     so far, twice to cancel.
@@ -166,11 +167,11 @@ def init(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a rig file for a data file: what it seems to hold, and why.
+    """Detect the contents of a data file; write a rig file.
 
-    Finds out code page, separators, decimal comma, lines above the header, a row of units, time
-    stamps, and which column holds what, in English or German. Nothing is asked; what the file does
-    not tell is assumed, printed, and marked in the rig file, which `stickslip select` then takes.
+    Detects code page, separators, decimal comma, lines above the header, a row of units, time
+    stamps, and the quantity of each column, in English or German. What the file does not contain is
+    assumed, printed, and marked as assumed in the rig file, which `stickslip select` then takes.
 
     With --urdf, joints of the log are found by the names of the description, and the rig file is
     that of the robot: joints that stood still are locked where they were.
@@ -335,7 +336,7 @@ def apply(
     ],
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", help="File to write: MODEL, but for the joints' friction."),
+        typer.Option("-o", "--output", help="File to write: MODEL with this joint friction."),
     ],
     wanted: ApplyOptions,
     allow_import: AllowImport = False,
@@ -344,8 +345,8 @@ def apply(
 ) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
-    Prints what the file cannot have of the laws and what that costs: the error of the friction
-    force, of the motion in MuJoCo, and, with --record, on a measured record.
+    Prints which parts of the laws the format cannot express, and the resulting error of the
+    friction force, of the motion in MuJoCo and, with --record, on a measured record.
     """
     from stickslip.cli.export import run_apply
 
@@ -412,7 +413,7 @@ def sweep(
     executor: ExecutorAt = None,
     dry_run: Annotated[
         bool,
-        typer.Option("--dry-run", help="Only say number, size and time of a campaign's runs."),
+        typer.Option("--dry-run", help="Print number, size and time of a campaign; run nothing."),
     ] = False,
     output: Annotated[
         Path | None,
@@ -652,7 +653,7 @@ def paper(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Recompute the results of the source paper, or ask its questions of your own rig.
+    """Recompute the results of the source paper, or apply its criteria to your own rig.
 
     Every table and figure is shown beside the printed values. With a rig file: the same models,
     excitations, criteria and rules for rest for your own block on a spring.
@@ -687,7 +688,7 @@ def benchmark(
     """Run the friction benchmark: public records, our laws, other libraries.
 
     Each task fits one part of a record and predicts another. Records are downloaded where they are
-    missing. The same command goes on where one was ended.
+    missing. An interrupted benchmark is resumed by the same command.
     """
     from stickslip.cli.reproduce import run_benchmark
 
@@ -715,9 +716,9 @@ def warmup(
 
     Intended for container images and continuous integration.
 
-    Default: every mechanism, with and without a drive, with every law that is tried unasked, for
-    single runs and for ensembles; others with --laws. With --rig: the mechanism of the rig file
-    with its laws. Other parameter values need no compilation. Equations that are already in the
+    Default: every mechanism, with and without a drive, with every default candidate, for single
+    runs and for ensembles; others with --laws. With --rig: the mechanism of the rig file with its
+    laws. Other parameter values need no compilation. Equations that are already in the
     cache are kept.
     """
     from stickslip.cli.warmup import run

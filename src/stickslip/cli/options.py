@@ -232,7 +232,7 @@ Route = Annotated[
         "--route",
         help="Estimation method for records: shooting, force-map,"
         " inverse-dynamics, features or rate-state; balance to select by the band of all laws;"
-        " travel for films of what drives itself."
+        " travel for films of a capsule or a cart."
         " Default: chosen from the data.",
     ),
 ]
@@ -256,7 +256,7 @@ Hold = Annotated[
 Starts = Annotated[
     int | None,
     typer.Option(
-        "--starts", min=1, help="Number of starting points per search, for records (default 4)."
+        "--starts", min=1, help="Number of starting points per search, for records (default 1)."
     ),
 ]
 Seed = Annotated[
@@ -317,8 +317,8 @@ Quantile = Annotated[
     str,
     typer.Option(
         "--quantile",
-        help="What counts of --ensemble: a quantile of the objective, 0 for the worst case, or"
-        " mean.",
+        help="Statistic over the laws of --ensemble: a quantile of the objective, 0 for the worst"
+        " case, or mean.",
     ),
 ]
 Goal = Annotated[
@@ -564,7 +564,7 @@ class ExportOptions:
     law: LawOfFile = None
     contact: Annotated[
         str | None,
-        typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
+        typer.Option("--contact", help="Contact whose law is exported, if laws differ."),
     ] = None
     name: Annotated[
         str | None,
