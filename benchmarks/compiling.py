@@ -119,5 +119,5 @@ def default_calls(timed: Callable[[str, int], list[list[float]]] = calls_in_chil
         title=f"simulate(...) of a towed block with LuGre friction, {LONG:g} s, default settings",
         heads=("call", "processor time, ms", "error of the position, m"),
         rows=tuple(rows),
-        notes=("- The first call runs plain Python until loading machine code pays.",),
+        notes=("- The first call loads machine code that an earlier process has left.",),
     )

@@ -357,8 +357,8 @@ class EventDriven(Solver):
     tier: Tier = "auto"
     """``"python"`` runs at once; ``"compiled"`` compiles, which takes some seconds the first time
     on a machine and a tenth of a second for further equations, and is then a hundred times faster;
-    ``"auto"`` takes what this process has compiled already, and compiles once plain runs have taken
-    twice as long as that would."""
+    ``"auto"`` takes what this process or an earlier one has compiled already, and compiles once
+    plain runs have taken twice as long as that would."""
 
     @override
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ import functools
 import inspect
 import re
 import sys
+import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -144,7 +145,13 @@ def code_of(model: Model) -> EquationsCode:
 # Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
 # entries reach; their annotations say what everything is.
 
-KINDS = {"Vector": VECTOR, "Wholes": WHOLES, "float": REAL, "int": WHOLE, "bool": TRUTH}
+KINDS: Mapping[object, str] = {
+    backend.Vector: VECTOR,
+    backend.Wholes: WHOLES,
+    float: REAL,
+    int: WHOLE,
+    bool: TRUTH,
+}
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
@@ -251,26 +258,28 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
 @functools.cache
 def signature_of(function: FunctionType) -> Signature:
     """Return how a kernel is called, from its annotations."""
-    node = _definition(function)
+    # not from the source: to parse it takes longer than to load the machine code
+    kinds, code = function.__annotations__, function.__code__
     place = function.__module__.removeprefix(f"{kernels.__name__}.")
-    taken = tuple((a.arg, _kind(a.annotation, function)) for a in node.args.args)
-    return Signature(f"{place}.{function.__name__}", taken, _results(node.returns, function))
+    names = code.co_varnames[: code.co_argcount]
+    taken = tuple((name, _kind(kinds.get(name), function)) for name in names)
+    return Signature(f"{place}.{function.__name__}", taken, _results(function))
 
 
-def _results(node: ast.expr | None, function: FunctionType) -> tuple[str, ...]:
-    match node:
-        case ast.Constant(value=None):
-            return ()
-        case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=kinds)):
-            return tuple(_kind(kind, function) for kind in kinds)
-    return (_kind(node, function),)
+def _results(function: FunctionType) -> tuple[str, ...]:
+    returned = function.__annotations__.get("return", "")
+    if returned is None:
+        return ()
+    several = typing.get_origin(returned) is tuple
+    return tuple(
+        _kind(kind, function) for kind in (typing.get_args(returned) if several else (returned,))
+    )
 
 
-def _kind(node: ast.expr | None, function: FunctionType) -> str:
-    match node:
-        case ast.Name(id=name) if name in KINDS:
-            return KINDS[name]
-    shown = "nothing" if node is None else repr(ast.unparse(node))
+def _kind(annotation: object, function: FunctionType) -> str:
+    if annotation in KINDS:
+        return KINDS[annotation]
+    shown = repr(annotation) if annotation else "nothing"
     raise CompilationError(
         f"{function.__module__}.{function.__name__}: {shown} is no annotation that is compiled."
     )
