@@ -232,9 +232,7 @@ def test_sensitivities_in_plain_python_count(monkeypatch, tiers):
     moved = simulate(RIG, LAW, t_end=1.0).at(1.0)
     tiers.clear()
     clock = itertools.count()
-    monkeypatch.setattr(
-        certify, "thread_time", lambda: 0.6 * WAIT * next(clock)
-    )
+    monkeypatch.setattr(certify, "thread_time", lambda: 0.6 * WAIT * next(clock))
     for _ in range(3):
         moved.sensitivity("x", "kinetic_coefficient")
     assert tiers == [False, False, True]

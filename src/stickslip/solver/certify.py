@@ -178,7 +178,7 @@ def driving(
     found = []
     for contact in mechanism.contacts():
         own = law_of(contact.name, law)
-        if own is None or not _may_drive(own):
+        if own is None or not may_drive(own):
             continue
         several = bool(playback.model.contacts)
         taken = certificate.work[contact.name] if several else certificate.work_friction
@@ -194,8 +194,10 @@ def driving(
     return tuple(found)
 
 
-def _may_drive(law: FrictionLaw) -> bool:
+def may_drive(law: FrictionLaw | None) -> bool:
     """Whether friction may be along the slip; factors that would turn it end a run before."""
+    if law is None:
+        return False
     if law.passivity is ALWAYS or law.composition is None:
         return law.passivity is not ALWAYS
     parts = (name.part for name in law.composition.parts() if name.role != "factor")
@@ -241,16 +243,21 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
 def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     """Return the energies at the start of the first row and at the end of the last, and at rest."""
     rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
-    states = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.asarray(w[y : y + n])
+    # lists, as plain equations take them: of few numbers they are faster than arrays
+    start = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n].tolist()
+    states = start, [float(number) for number in w[y : y + n]]
     equations = Equations(playback.model, playback.inputs)
     coordinates = playback.runner.header[N_COORDINATES]
+    still = [0.0] * coordinates
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         equations.load(int(row[5]))
-        rest = state.copy()
-        rest[coordinates : 2 * coordinates] = 0.0
-        energies = [equations("energy", 0, int(row[4]), t, y.tolist())[0] for y in (state, rest)]
-        found.append([float(energy) for energy in energies])
+        energy = float(equations("energy", 0, int(row[4]), t, state)[0])
+        if state[coordinates : 2 * coordinates] == still:
+            found.append([energy, energy])
+            continue
+        rest = [*state[:coordinates], *still, *state[2 * coordinates :]]
+        found.append([energy, float(equations("energy", 0, int(row[4]), t, rest)[0])])
     return found
 
 
@@ -339,12 +346,13 @@ def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
         return _contact_drift(playback, w)
-    (held,) = np.nonzero(np.abs(rows[:, 3]) != 1)
+    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()
     if not held.size:
         return 0.0
     coordinate = header[SLIP] - header[N_COORDINATES]
     places = playback.column(ROW_DENSE + 1 + coordinate, w[header[Y] + coordinate])
-    return float(np.abs(places[held + 1] - places[held]).max())
+    moved = places[held + 1] - places[held]
+    return float(np.abs(moved).max()) if np.count_nonzero(moved) else 0.0
 
 
 # Sensitivities of a run, from its record.

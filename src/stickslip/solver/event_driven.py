@@ -12,7 +12,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number, quantity
 from stickslip.formulation import LINKS, PAINLEVE, Model, formulate, mass_fault, mass_vanishes
-from stickslip.friction import FrictionLaw, Laws, PrintedForm
+from stickslip.friction import FrictionLaw, Laws, PrintedForm, law_of
 from stickslip.kernels import state_layout
 from stickslip.kernels.batch import happened
 from stickslip.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
@@ -35,9 +35,9 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 from stickslip.mechanisms import MatrixMechanism, Mechanism
-from stickslip.quantities import Quantity, parameters
+from stickslip.quantities import Quantity, kept_by_identity, parameters, unchecked
 from stickslip.solver.backend import Playback, runner_of
-from stickslip.solver.certify import Sensing, certify, driving
+from stickslip.solver.certify import Sensing, certify, driving, may_drive
 from stickslip.solver.reducers import reasons
 from stickslip.solver.run import (
     Record,
@@ -45,10 +45,9 @@ from stickslip.solver.run import (
     Tier,
     column_units,
     execute,
-    name_of_only_contact,
     path_units,
 )
-from stickslip.solver.starts import Inputs, gather, within_stops
+from stickslip.solver.starts import Inputs, gather, inputs_of, numbers_of, within_stops
 from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
 # Why a run could not go on: its fastest motion, its drives, or its events.
@@ -393,10 +392,10 @@ class EventDriven(Solver):
                 " event-driven solution: run it with solver=FixedStep(...), or use the corrected"
                 f" law {law.corrected.__name__}."
             )
-        model = formulate(mechanism, law)
-        inputs, record = self._executed(mechanism, law, model, y0, t_end)
-        tolerance = self.tolerance_for(law)
-        run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end, told)
+        pair = _pair_of(mechanism, law)
+        inputs, tolerance = inputs_of(mechanism, pair.p, t_end), self.tolerance_for(law)
+        record = self._executed(mechanism, pair.model, inputs, y0, t_end, tolerance)
+        run = trajectory_of(mechanism, law, pair.model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
         half = max(0.5 * tolerance, TIGHTEST)
@@ -427,29 +426,66 @@ class EventDriven(Solver):
             Status, states and sensitivities of the run.
         """
         model = formulate(mechanism, law)
-        inputs, record = self._executed(mechanism, law, model, y0, t_end)
+        inputs = gather(mechanism, law, model, t_end)
+        record = self._executed(mechanism, model, inputs, y0, t_end, self.tolerance_for(law))
         return bare_run(mechanism, law, model, inputs, record, t_end)
 
     def _executed(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw | Laws,
         model: Model,
+        inputs: Inputs,
         y0: Sequence[float],
         t_end: float,
-    ) -> tuple[Inputs, Record]:
-        """Return the numbers of a run, and what the kernels wrote down of it."""
-        inputs = gather(mechanism, law, model, t_end)
-        record = execute(
+        tolerance: float,
+    ) -> Record:
+        """Return what the kernels wrote down of a run."""
+        return execute(
             model,
             inputs,
             within_stops(mechanism, y0),
             t_end=t_end,
-            tolerance=self.tolerance_for(law),
+            tolerance=tolerance,
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        return inputs, record
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """What all runs of a mechanism with a law have in common."""
+
+    model: Model
+    """Their equations."""
+    p: list[float]
+    """Parameters in the order of the model, not to be changed."""
+    names: tuple[str, ...]
+    """Columns of a run."""
+    units: dict[str, str]
+    """SI unit of each of them."""
+    contacts: tuple[str, ...]
+    """Names of the contacts; the only one may have none, ``""``."""
+    may_drive: bool
+    """Whether the friction of a law may be along the slip."""
+    reasons: Sequence[str | None]
+    """Names of what happens, by their codes."""
+
+
+@kept_by_identity
+def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
+    """Return what the runs of a mechanism with a law have in common."""
+    model = formulate(mechanism, law)
+    contacts = tuple(contact.name for contact in mechanism.contacts())
+    names = (*model.states, *model.columns, *(() if model.contacts else ("mode",)))
+    return _Pair(
+        model,
+        numbers_of(mechanism, law, model),
+        names,
+        column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
+        contacts,
+        any(may_drive(law_of(contact, law)) for contact in contacts),
+        reasons(model),
+    )
 
 
 @final
@@ -473,7 +509,9 @@ class BareRun:
     def events(self) -> tuple[Event, ...]:
         """Return what happened, in the order of time."""
         sensing = self.differentiate
-        return _events(sensing.mechanism, self.playback.model, sensing.record)
+        model, contacts = self.playback.model, sensing.mechanism.contacts()
+        names = model.contacts or tuple(contact.name for contact in contacts)
+        return _events(reasons(model), names, sensing.record)
 
 
 def bare_run(
@@ -518,7 +556,7 @@ def trajectory_of(
     told: Sequence[str] = (),
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
-    whole = record.whole
+    pair, whole = _pair_of(mechanism, law), record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
     status, cause = status_of(whole[STATUS], model), ""
     if status is Status.STEP_LIMIT:
@@ -527,15 +565,16 @@ def trajectory_of(
         cause = _cause_of_vanishing_mass(mechanism, playback)
         cause = cause or cause_of_small_steps(mechanism, law, model, inputs, record)
     certificate = certify(playback, record.w, whole, tolerance)
-    driven = driving(mechanism, law, playback, certificate)
-    certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
-    events = _events(mechanism, model, record)
+    driven = driving(mechanism, law, playback, certificate) if pair.may_drive else ()
+    if driven:
+        certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
+    events = _events(pair.reasons, model.contacts or pair.contacts, record)
     if status is Status.ZENO:
         cause = cause_of_zeno(events, playback.span()[1])
     return Trajectory(
         t=playback.times(),
-        names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),
-        units=column_units(mechanism, _others(mechanism, model)),
+        names=pair.names,
+        units=dict(pair.units),
         events=events,
         status=status,
         cause=cause,
@@ -544,7 +583,7 @@ def trajectory_of(
         evaluate=playback,
         states=model.states,
         differentiate=Sensing(mechanism, law, inputs, record, t_end, tuple(told)),
-        only_contact=name_of_only_contact(mechanism),
+        only_contact=pair.contacts[0] if len(pair.contacts) == 1 else "",
     )
 
 
@@ -579,34 +618,24 @@ def _cause_of_vanishing_mass(mechanism: Mechanism, playback: Playback) -> str:
     )
 
 
-def _others(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
-    """Return the columns that are no coordinates and no rates."""
-    bristles = model.states[2 * len(mechanism.coordinates) :]
-    return (*bristles, *model.columns, *(() if model.contacts else ("mode",)))
-
-
 def _events(
-    mechanism: Mechanism,
-    model: Model,
-    record: Record,
+    names: Sequence[str | None], contacts: Sequence[str], record: Record
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
-    names = reasons(model)
-    contacts = model.contacts or tuple(contact.name for contact in mechanism.contacts())
-    events = []
-    whole = record.whole
+    events, whole = [], record.whole
     rows = np.asarray(record.events[: EVENT_COLUMNS * whole[EVENTS]]).tolist()
     for i in range(whole[EVENTS]):
         t, before, after, _, _, margin, contact = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
         reason = names[happened(rows, i, whole)]
         if reason is not None:
-            event = Event(
-                t=float(t),
+            event = unchecked(
+                Event,
+                t=t,
                 contact=contacts[int(contact)],
                 from_mode=int(before),
                 to_mode=int(after),
                 reason=reason,
-                margin=float(margin),
+                margin=margin,
             )
             events.append(event)
     return tuple(events)

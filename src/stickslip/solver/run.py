@@ -122,12 +122,6 @@ def path_units(
     return units
 
 
-def name_of_only_contact(mechanism: Mechanism) -> str:
-    """Return the name of the contact where there is one; empty if there are several."""
-    contacts = mechanism.contacts()
-    return contacts[0].name if len(contacts) == 1 else ""
-
-
 # Runs a model in one of the two tiers: plain Python at once, or machine code.
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]

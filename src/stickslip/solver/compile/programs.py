@@ -267,13 +267,11 @@ def signature_of(function: FunctionType) -> Signature:
 
 
 def _results(function: FunctionType) -> tuple[str, ...]:
-    returned = function.__annotations__.get("return", "")
-    if returned is None:
-        return ()
-    several = typing.get_origin(returned) is tuple
-    return tuple(
-        _kind(kind, function) for kind in (typing.get_args(returned) if several else (returned,))
-    )
+    returned: Any = function.__annotations__.get("return", "")
+    kinds = () if returned is None else (returned,)
+    if typing.get_origin(returned) is tuple:
+        kinds = typing.get_args(returned)
+    return tuple(_kind(kind, function) for kind in kinds)
 
 
 def _kind(annotation: object, function: FunctionType) -> str:
@@ -306,23 +304,25 @@ def as_function(address: int, signature: Signature) -> Callable[..., Any]:
         types += [NUMBERS[kind]] if kind in NUMBERS else [ctypes.c_void_p, ctypes.c_int64]
     result = NUMBERS[signature.results[0]] if signature.results else None
     bare = ctypes.CFUNCTYPE(result, *types)(address)
-    arrays = [(i, ARRAYS[kind]) for i, kind in enumerate(kinds) if kind in ARRAYS]
+    wanted = [(name, ARRAYS.get(kind)) for name, kind in signature.parameters]
+    from_buffer, addressof = PLACE.from_buffer, ctypes.addressof
 
     def call(*arguments: Any) -> Any:
-        given: list[Any] = list(arguments)
-        for i, kind in reversed(arrays):
-            array = given[i]
+        given: list[Any] = []
+        for argument, (name, dtype) in zip(arguments, wanted, strict=True):
+            if dtype is None:
+                given.append(argument)
+                continue
             try:
-                place = PLACE.from_buffer(array)
-                fits = array.dtype == kind and array.ndim == 1
+                place = from_buffer(argument)
+                fits = argument.dtype == dtype and argument.ndim == 1
             except (TypeError, ValueError, BufferError):  # not writable, or with gaps
                 fits = False
             if not fits:
-                name = signature.parameters[i][0]
                 raise TypeError(
-                    f"{signature.symbol}: {name} must be a writable array of {kind} in one row."
+                    f"{signature.symbol}: {name} must be a writable array of {dtype} in one row."
                 )
-            given[i : i + 1] = ctypes.addressof(place), len(array)
+            given += addressof(place), len(argument)
         return bare(*given)
 
     return call
