@@ -71,17 +71,19 @@ def calls(count: int) -> None:
 
 
 def in_child(folder: str, count: int) -> list[float]:
-    return _told(folder, f"from benchmarks.compiling import child; child({count})")
+    return told_by_child(f"from benchmarks.compiling import child; child({count})", folder)
 
 
 def calls_in_child(folder: str, count: int) -> list[list[float]]:
-    return _told(folder, f"from benchmarks.compiling import calls; calls({count})")
+    return told_by_child(f"from benchmarks.compiling import calls; calls({count})", folder)
 
 
-def _told(folder: str, text: str) -> Any:
+def told_by_child(text: str, folder: str | None = None) -> Any:
+    """Return what a process prints, whose machine code is in a folder if one is given."""
+    place = {} if folder is None else {"STICKSLIP_CACHE": folder}
     run = subprocess.run(
         [sys.executable, "-c", text], check=True, capture_output=True, text=True,
-        env={**os.environ, "STICKSLIP_CACHE": folder},
+        env={**os.environ, **place},
     )  # fmt: skip
     return json.loads(run.stdout)
 

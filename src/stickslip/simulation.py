@@ -387,6 +387,8 @@ def initial_state(
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
         told = {**mechanism.start(), **y0}
+        if not told:
+            return [0.0] * len(names)
         y0 = [told.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
         raise InputError(f"y0 must be a mapping by state name or a sequence, got {y0!r}.")

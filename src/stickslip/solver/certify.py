@@ -251,7 +251,8 @@ def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     still = [0.0] * coordinates
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
-        equations.load(int(row[5]))
+        if row[5] != equations.piece:
+            equations.load(int(row[5]))
         energy = float(equations("energy", 0, int(row[4]), t, state)[0])
         if state[coordinates : 2 * coordinates] == still:
             found.append([energy, energy])

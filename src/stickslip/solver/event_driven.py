@@ -34,7 +34,7 @@ from stickslip.kernels.state_layout import (
     TIME,
     Y,
 )
-from stickslip.mechanisms import MatrixMechanism, Mechanism
+from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import Quantity, kept_by_identity, parameters, unchecked
 from stickslip.solver.backend import Playback, runner_of
 from stickslip.solver.certify import Sensing, certify, driving, may_drive
@@ -394,7 +394,8 @@ class EventDriven(Solver):
             )
         pair = _pair_of(mechanism, law)
         inputs, tolerance = inputs_of(mechanism, pair.p, t_end), self.tolerance_for(law)
-        record = self._executed(mechanism, pair.model, inputs, y0, t_end, tolerance)
+        start = within_stops(mechanism, y0) if pair.bounded else y0
+        record = self._executed(pair.model, inputs, start, t_end, tolerance)
         run = trajectory_of(mechanism, law, pair.model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
@@ -426,13 +427,12 @@ class EventDriven(Solver):
             Status, states and sensitivities of the run.
         """
         model = formulate(mechanism, law)
-        inputs = gather(mechanism, law, model, t_end)
-        record = self._executed(mechanism, model, inputs, y0, t_end, self.tolerance_for(law))
+        inputs, start = gather(mechanism, law, model, t_end), within_stops(mechanism, y0)
+        record = self._executed(model, inputs, start, t_end, self.tolerance_for(law))
         return bare_run(mechanism, law, model, inputs, record, t_end)
 
     def _executed(
         self,
-        mechanism: Mechanism,
         model: Model,
         inputs: Inputs,
         y0: Sequence[float],
@@ -443,7 +443,7 @@ class EventDriven(Solver):
         return execute(
             model,
             inputs,
-            within_stops(mechanism, y0),
+            y0,
             t_end=t_end,
             tolerance=tolerance,
             limit=int(self.max_steps),
@@ -467,6 +467,8 @@ class _Pair:
     """Names of the contacts; the only one may have none, ``""``."""
     may_drive: bool
     """Whether the friction of a law may be along the slip."""
+    bounded: bool
+    """Whether runs cannot begin anywhere: there are hard stops, or masses that may vanish."""
     reasons: Sequence[str | None]
     """Names of what happens, by their codes."""
 
@@ -484,6 +486,7 @@ def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
         column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
         contacts,
         any(may_drive(law_of(contact, law)) for contact in contacts),
+        isinstance(mechanism, MatrixMechanism) or bool(stops_of(mechanism)),
         reasons(model),
     )
 
