@@ -1,4 +1,23 @@
-"""The equations in each mode of one contact, and those of several contacts as parts."""
+"""The equations in each mode of one contact, and those of several contacts as parts.
+
+With M q'' = h - W F (`mechanics`) and a law F = a(v, z) + b(v, z) N, affine in the load N:
+
+    slip, v > 0 or v < 0:  q'' from both; N from the row of the held normal coordinate, one equation
+                           with the pivot 1 + (row M^-1 W) b, which is 0 in Painleve's paradox
+    stick:                 q''_s = 0; the others follow; what is left of the row of s is the needed
+                           friction r
+    at a stop:             as stick, but friction takes what it can of the force towards the stop
+
+What ends a mode are its guards, which fall below 0: v in the direction of slip; levels of both
+directions less r and plus r; the force away from a stop that friction does not hold; N, where it
+can change; and each condition `where` of law and mechanism that the rates or guards of the mode
+depend on. Limits that end a run stand beside them: those that mechanism and law have, and the
+pivot.
+
+Where several contacts rub, n of them would have 3^n modes. Their equations are parts instead: mass
+matrix, forces without friction, loads, how contacts slip, and each law once for each structure.
+What holds in which mode is worked out by the kernels (`kernels.contacts`).
+"""
 
 import enum
 from collections.abc import Mapping, Sequence
@@ -256,10 +275,6 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
 
 
 # Parts of the equations of a mechanism with several contacts; no mode enters them.
-#
-# They are the mass matrix, the forces without friction, the loads, how the contacts slip, and each
-# law once for each structure. What holds in which mode is worked out by the kernels: with n
-# contacts there would be 3^n sets of equations to derive.
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,23 @@
-"""What the record of a run gives beside its motion: a certificate, and sensitivities."""
+"""What the record of a run gives beside its motion: a certificate, and sensitivities.
+
+A certificate is evidence from outside of error control. With energies E of the states, which plain
+equations give, and works that the run has booked,
+
+    |E_end - E_start - W_supplied + W_friction + W_stops| / size
+
+is the energy error, at most 1e-8 or a thousandfold of the tolerance; its size is the largest of
+both energies, of the kinetic ones, and of all work done of either sign. Beside it stand the largest
+violation of a guard at the end of a step (1e-9 of its size), the largest distance from its guard at
+which an event was located (1e-6), and what a sticking body has moved, which has to be 0.
+
+Friction that drives is told where a law may do so: the work of min(F v, 0), by Gauss's rule in each
+step; of bristles, which give back what they took, what they gave beyond that.
+
+Sensitivities are asked of the recorded run, along directions d of parameters and initial states. A
+drive's table changes with its parameters by the imaginary parts of complex numbers, and states that
+begin where the mechanism says by those of its start (`starts`); the kernels do the rest
+(`kernels.sensitivities`).
+"""
 
 import math
 from collections.abc import Mapping, Sequence

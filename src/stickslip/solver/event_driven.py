@@ -1,4 +1,24 @@
-"""The event-driven solver: exact switching of stick and slip, and why a run could not go on."""
+"""The event-driven solver: exact switching of stick and slip, and why a run could not go on.
+
+A run, of `EventDriven`:
+
+1. Mechanism and law are traced to equations, once for each structure (`formulation`); what all runs
+   of the same objects have in common is kept (`_Pair`).
+2. Parameters, and the pieces of the drives, are put into vectors (`starts`).
+3. Kernels step from event to event in one of two tiers, which give the same bits (`run`,
+   `kernels.driver`), and write down steps and events.
+4. The record becomes a trajectory: a playback of its dense output, events in words, and a
+   certificate (`certify`).
+
+Where steps came out too small or too many, the cause is sought in the fastest motion: the
+eigenvalue l of largest size of the Jacobian J at the end of the run, by central differences, in the
+modes at hand or with all that is held slipping. With right and left vectors r and s, s r = 1, a
+parameter p enters its time scale 1 / |l| with the power
+
+    d ln(1 / |l|) / d ln p = -Re(s (p dJ/dp) r / l),
+
+and the parameters with the largest powers are named.
+"""
 
 import math
 from collections.abc import Sequence

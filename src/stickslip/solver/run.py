@@ -1,7 +1,17 @@
 """What a solver is, and a run: a model in one of the two tiers.
 
 The tiers are plain Python, at once, and machine code; both take the same vectors and give the same
-numbers, to the bit.
+numbers, to the bit. Which one a run takes, if it may choose (`Work.is_enough`):
+
+1. Machine code that this process has, or that files hold, is taken at once: to load it takes .02 s.
+2. What has to be compiled waits until plain runs have taken `PATIENCE` times as long as compiling
+   does, as one hires skis until that would have bought them: a run takes at most 1.5 times as long
+   as in plain Python then. Runs before count, of the same equations for these, and of all for the
+   kernels. One that is on its way asks every `STRETCH` steps and goes on in machine code.
+3. Kernels, which take seconds, are compiled by a process in the background; if there can be none,
+   by rule 2.
+
+Rows of steps and of events begin with some room, which is doubled where a run finds none.
 """
 
 import functools

@@ -1,4 +1,19 @@
-"""Campaigns: runs without number, on any executor, whose results are a folder of Parquet files."""
+"""Campaigns: runs without number, on any executor, whose results are a folder of Parquet files.
+
+A campaign is cases times a design, whose row i is worked out when it is asked for, so that memory
+does not grow with the number of runs.
+
+1. Values of all runs are checked and each case is compiled before anything is written.
+2. Runs are cut into parts of equal length. A part is a task of the executor: an ensemble in one
+   thread, whose table becomes the bytes of a file there. It depends on the campaign and its number
+   alone, not on the executor.
+3. The process that began writes each file as a whole, and then a line with its hash, its size and
+   how its runs ended to a journal. What is not in the journal was not made.
+4. A manifest holds a hash of all that results depend on: cases, design, outputs, versions, and the
+   source of classes that are not ours. A folder with the same hash goes on with the parts that it
+   lacks; another one is refused.
+5. Once all parts are there, they stand in the manifest, and the journal goes.
+"""
 
 import contextlib
 import dataclasses

@@ -1,4 +1,19 @@
-"""Mean velocity over grids of parameters."""
+"""Mean velocity over grids of parameters.
+
+A motion under drives that repeat themselves has a mean velocity over whole cycles,
+
+    V = (x(t_end) - x(t_end - n T)) / (n T).
+
+1. The axes are multiplied out; each row has the period T of its own drives.
+2. Rows whose periods are alike share an ensemble, and so an end, `settle` + n cycles of the longest
+   one; each has the mean of the rate over its own last n periods.
+3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
+4. A run that ends early has no mean, and the map says why.
+
+A band over many laws has the velocities of each, and errors of predictions beside them: quantiles
+of Student's t with four degrees of freedom, times a scale, are added to each law's velocity, and
+ends of the band are quantiles of all of that at each value.
+"""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor

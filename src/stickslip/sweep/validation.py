@@ -1,6 +1,19 @@
 """A law on a mechanism against what was measured there: residuals, and whether they are expected.
 
 The law is not fitted to the measurement: it comes from elsewhere, with its uncertainty.
+
+1. The motion is predicted with the best values. Of positions the mean of the first residuals is
+   taken off, as their origin is arbitrary; nothing else is fitted.
+2. Motions with draws of the uncertain parameters (`bands.draws_of`) have a variance s^2 at each
+   sample. With noise of the sensor, as stated or as estimated from the residuals, each of them is a
+   measurement that could have been made.
+3. The size of residuals r is the root mean square of r / sqrt(s^2 + noise^2), of the measurement
+   and of each simulated one; of travels, the sum of squares with errors of reading for noise. The
+   share of simulated ones that are as large is a p-value (a parametric bootstrap).
+4. The measurement agrees if the share is at least 5 %, and does not below 1 %; between, it is said
+   not to be clear. Without draws nothing is decided.
+5. The shift of the times with which a record would fit best is told beside it: a trigger that is
+   late looks like other friction.
 """
 
 import math
