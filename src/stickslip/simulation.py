@@ -209,14 +209,7 @@ def ensemble(
     >>> runs["fastest"].round(3), runs["rest"][:, 0].round(3)
     (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
     """
-    laws = check_pair(mechanism, law)
-    if not isinstance(laws, PrintedForm):
-        mechanism, laws = beginning_pair(mechanism, laws, parameters)
-    if isinstance(laws, PrintedForm):
-        raise InputError(
-            f"ensembles run with EventDriven only, which cannot solve {law!r}: give"
-            " another law, or run it alone with FixedStep(...)."
-        )
+    mechanism, laws = beginning_pair(mechanism, event_driven_law(mechanism, law), parameters)
     solver = EventDriven(tier="compiled") if solver is None else solver
     if not isinstance(solver, EventDriven):
         raise InputError(f"solver must be an EventDriven(...), got {solver!r}.")
@@ -358,7 +351,10 @@ def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
     """Return the law, or the laws by contact, for what takes no fixed steps."""
     found = check_pair(mechanism, law)
     if isinstance(found, PrintedForm):
-        raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
+        raise InputError(
+            f"this runs with EventDriven only, which cannot solve {law!r}: give another law, or"
+            " run it alone with FixedStep(...)."
+        )
     return found
 
 

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, final
 
@@ -266,18 +266,16 @@ def _at(table: Sequence[Piece], starts: Sequence[float], t: float) -> tuple[Scal
     return piece.value + piece.slope * (t - piece.start), piece.slope
 
 
-def parts_of(drive: Drive) -> Iterator[Drive]:
-    """Yield the drives that are added to make one; itself if it is no sum.
+def parts_of(drive: Drive) -> list[Drive]:
+    """Return the drives that are added to make one; itself if it is no sum.
 
     Examples
     --------
     >>> from stickslip.drives import Pulse, Sine
     >>> push, shake = Pulse(level=2.0, duration=1.0), Sine(amplitude=1.0, frequency=0.25)
-    >>> list(parts_of(push + (shake + push))) == [push, shake, push]
+    >>> parts_of(push + (shake + push)) == [push, shake, push]
     True
     """
-    if isinstance(drive, Sum):
-        for part in drive.parts:
-            yield from parts_of(part)
-    else:
-        yield drive
+    if not isinstance(drive, Sum):
+        return [drive]
+    return [one for part in drive.parts for one in parts_of(part)]

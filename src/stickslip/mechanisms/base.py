@@ -429,7 +429,7 @@ def stops_between(
     >>> [stop.side for stop in stops_between("x", None, 0.1, 0.5)]
     ['upper']
     """
-    ends: tuple[tuple[Literal["lower", "upper"], Any], ...] = ("lower", lower), ("upper", upper)
+    ends: Any = ("lower", lower), ("upper", upper)
     return tuple(
         Stop(coordinate=coordinate, position=position, side=side, restitution=restitution)
         for side, position in ends

@@ -213,10 +213,8 @@ def driving(
     return tuple(found)
 
 
-def may_drive(law: FrictionLaw | None) -> bool:
+def may_drive(law: FrictionLaw) -> bool:
     """Whether friction may be along the slip; factors that would turn it end a run before."""
-    if law is None:
-        return False
     if law.passivity is ALWAYS or law.composition is None:
         return law.passivity is not ALWAYS
     parts = (name.part for name in law.composition.parts() if name.role != "factor")
@@ -272,12 +270,10 @@ def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         if row[5] != equations.piece:
             equations.load(int(row[5]))
-        energy = float(equations("energy", 0, int(row[4]), t, state)[0])
-        if state[coordinates : 2 * coordinates] == still:
-            found.append([energy, energy])
-            continue
+        moves = state[coordinates : 2 * coordinates] != still
         rest = [*state[:coordinates], *still, *state[2 * coordinates :]]
-        found.append([energy, float(equations("energy", 0, int(row[4]), t, rest)[0])])
+        own = [equations("energy", 0, int(row[4]), t, y)[0] for y in (state, rest)[: 1 + moves]]
+        found.append([float(own[0]), float(own[-1])])
     return found
 
 

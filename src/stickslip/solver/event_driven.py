@@ -32,7 +32,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number, quantity
 from stickslip.formulation import LINKS, PAINLEVE, Model, formulate, mass_fault, mass_vanishes
-from stickslip.friction import FrictionLaw, Laws, PrintedForm, law_of
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.kernels import state_layout
 from stickslip.kernels.batch import happened
 from stickslip.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
@@ -505,7 +505,7 @@ def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
         names,
         column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
         contacts,
-        any(may_drive(law_of(contact, law)) for contact in contacts),
+        any(map(may_drive, dict(law.members).values() if isinstance(law, Laws) else [law])),
         isinstance(mechanism, MatrixMechanism) or bool(stops_of(mechanism)),
         reasons(model),
     )

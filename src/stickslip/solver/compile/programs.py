@@ -20,6 +20,7 @@ from stickslip import kernels
 from stickslip.errors import CompilationError
 from stickslip.formulation import Model
 from stickslip.kernels import backend, entries
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.equations import CALLED, LAW, LAW_MARGIN_SLOPES, LAW_MARGINS, LAW_SLOPES_OF
 from stickslip.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.solver.compile.translation import (
@@ -145,13 +146,7 @@ def code_of(model: Model) -> EquationsCode:
 # Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
 # entries reach; their annotations say what everything is.
 
-KINDS: Mapping[object, str] = {
-    backend.Vector: VECTOR,
-    backend.Wholes: WHOLES,
-    float: REAL,
-    int: WHOLE,
-    bool: TRUTH,
-}
+KINDS: dict[Any, str] = {Vector: VECTOR, Wholes: WHOLES, float: REAL, int: WHOLE, bool: TRUTH}
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
