@@ -335,6 +335,7 @@ class Mechanics:
         """Return how a friction force changes the accelerations."""
         indices = self.free
         unit = [int(i == self.slip) * size for i in indices]
+        # guided coordinates do not yield to a force
         column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, unit))
         found = [se.Integer(0)] * len(self.coordinates)
         for k, i in enumerate(indices):

@@ -136,6 +136,7 @@ class _Context:
 
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""
+        # one that parameters alone give would cost a guard in every step and never fall
         return {LIFT_OFF: normal} if self.varies(normal) else {}
 
 
@@ -155,6 +156,7 @@ def mode_equations(
     )
     modes = {}
     for mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
+        # the sign of the slip is known in a mode: |v| is v or -v there, without a switch
         board.signs = {str(velocity): int(mode)}
         modes[mode] = _with_switches(_slip(context, mode), context)
         board.signs = {}
@@ -176,7 +178,7 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     friction = expression(law.force(*arguments))
     bristle_rates = [expression(rate) for rate in law.rates(*arguments)]
     factor = load_factor(law, friction, load)
-    constant = friction.subs({load: 0})
+    constant = friction.subs({load: 0})  # laws are affine in the load, as `load_factor` checks
     motion = context.mechanics.slipping(constant, factor)
     normal = motion.normal
     friction = constant + factor * normal
@@ -206,6 +208,7 @@ def _stick(context: _Context) -> ModeEquations:
     ]
     parts = [e.subs(held) for e in (motion.normal, needed, ahead, back)]
     normal, needed, ahead, back = parts
+    # a column that is shown: guards watch both directions by themselves
     level = ahead if ahead == back else se.Piecewise((ahead, needed > 0), (back, True))
     return ModeEquations(
         rates=[e.subs(held) for e in rates],

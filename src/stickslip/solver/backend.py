@@ -102,6 +102,7 @@ class Runner:
     def taken_over(self, w: Sequence[Any]) -> Any:
         """Return the vector of a run that the other tier has begun."""
         numbers = list(w)
+        # functions in one tier and bits of addresses in the other: neither is a number to convert
         numbers[ADDRESS] = numbers[SEVERAL] = 0.0
         return self._addressed(self.vector(numbers))
 
@@ -142,6 +143,7 @@ class Runner:
     def _addressed(self, w: Any) -> Any:
         """Put in where the equations are."""
         if self.compiled:
+            # the bits of an address, which compiled code reads as a whole number
             w[ADDRESS : SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
         else:
             w[ADDRESS], w[SEVERAL] = self.equations, self.contacts
@@ -185,7 +187,7 @@ class Equations:
         self.functions = plain_equations(model)
         self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
         self.lengths, w, whole = _beginning_of(model, tuple(inputs.p))
-        self.w, self.whole = w.copy(), whole.copy()
+        self.w, self.whole = w.copy(), whole.copy()  # states and drives are written into them
         self._first, self._last = whole[Y], whole[Y] + model.sizes.states
         self.width = 1 + 3 * self.whole[N_DRIVES]
         self.load(0)
@@ -266,7 +268,7 @@ class Playback:
     ) -> Self:
         """Take the recorded part of a log."""
         width = runner.header[ROW_COLUMNS]
-        log = log[: count * width]
+        log = log[: count * width]  # behind them is room that no step needed
         return cls(
             model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )

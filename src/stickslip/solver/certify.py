@@ -109,7 +109,7 @@ def certify(
     drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
-    if not energy_error <= energy_limit:
+    if not energy_error <= energy_limit:  # NaN is above every limit
         problems.append(
             f"energy balance violated: relative error {number(energy_error, 2)},"
             f" allowed {number(energy_limit, 2)}"
@@ -201,6 +201,7 @@ def driving(
             continue
         several = bool(playback.model.contacts)
         taken = certificate.work[contact.name] if several else certificate.work_friction
+        # bristles give back what they took: only what goes beyond that has driven anything
         given = max(-taken, 0.0) if own.states else _driving_work(mechanism, contact, playback)
         if given > DRIVING_SHARE * abs(taken):
             where = f" at {contact.name}" if several else ""
@@ -242,6 +243,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over all energies and all work done."""
     (start, still), (end, at_rest) = _energies(playback, w)
+    # the run books works as it goes, by quadrature along its steps; energies are of states alone
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
     # of what falls freely, the sum of both energies may be rounding alone

@@ -114,6 +114,8 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     runner = _runner(job)
     vector = runner.flat
     rows = len(next(iter(columns.values())))
+    # Without drives that vary, one schedule serves all rows. Parameters of drives have a dot more
+    # than those of the mechanism itself; so have laws by contact, which cost a schedule a row.
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
     along = directions_of(

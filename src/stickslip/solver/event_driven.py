@@ -150,12 +150,13 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
     """Return the fastest motion of the equations at the end of a run, in its modes or slipping."""
     rates = _Rates(model, record)
     found = _eigen(rates)
+    # what is held has no motion of its own; a step that lets it slip meets that of slipping
     rates.slip()
     slipping = _eigen(rates)
     if found is None or (slipping is not None and abs(slipping[0]) > abs(found[0])):
         found = slipping
     else:
-        rates = _Rates(model, record)
+        rates = _Rates(model, record)  # powers are of the modes in which the eigenvalue is
     if found is None:
         return None
     value, right, left = found
@@ -173,6 +174,8 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
 def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     """Return the largest eigenvalue with its right and left vector, whose product is 1."""
     rates.prepare()
+    # States have other units and sizes: scaled by these, differences lose as little of one as of
+    # another, and eigenvalues stay what they are.
     columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
     scaled = np.array(columns).T / rates.sizes[:, None]
     if not np.isfinite(scaled).all():
@@ -419,6 +422,7 @@ class EventDriven(Solver):
         run = trajectory_of(mechanism, law, pair.model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
+        # errors that the tolerance controls fall with it, so that the difference is of their size
         half = max(0.5 * tolerance, TIGHTEST)
         finer = replace(self, tolerance=half, stiff_tolerance=None, estimate_error=False)
         other = finer.run(mechanism, law, y0=y0, t_end=t_end)
@@ -592,7 +596,7 @@ def trajectory_of(
     if driven:
         certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
     events = _events(pair.reasons, model.contacts or pair.contacts, record)
-    if status is Status.ZENO:
+    if status is Status.ZENO:  # whose cause is told by the events
         cause = cause_of_zeno(events, playback.span()[1])
     return Trajectory(
         t=playback.times(),

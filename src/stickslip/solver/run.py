@@ -270,12 +270,14 @@ def execute(
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
     table, bounds = map(runner.flat, given)
-    # each piece of the drives takes a step at least; pages that no step reaches cost nothing
+    # Each piece of the drives takes a step at least: room for as many spares doubling a long log.
+    # Pages that no step reaches cost nothing.
     pieces = len(table) // (1 + 3 * header[N_DRIVES]) if runner.compiled else 0
     log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[ROW_COLUMNS])
     events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
     spent = 0.0
     while True:
+        # plain runs stop now and then to ask whether machine code would pay by now
         most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
         start = 0.0 if runner.compiled else thread_time()
         log, events = runner.run(
@@ -285,7 +287,7 @@ def execute(
             taken = thread_time() - start
             work.add(taken)
             spent += taken
-        if most >= limit or whole[STATUS] != STEP_LIMIT:
+        if most >= limit or whole[STATUS] != STEP_LIMIT:  # of the run, not of the stretch
             known = spent if tier == "auto" else None
             return Record(runner, log, events, w, np.asarray(whole).tolist(), known)
         if work.is_enough(spent):  # the rest in machine code, which gives the same bits

@@ -256,7 +256,7 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
     """
     key = (*map(id, drives), t_end)
     with _LOCK:
-        kept = _KEPT.pop(key, None)
+        kept = _KEPT.pop(key, None)  # and put back last, as the one that was used most lately
         if kept is None:
             plan = _scheduled(drives, 1, t_end)
             plan.table.setflags(write=False)
@@ -467,6 +467,7 @@ def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Ar
     ends = np.concatenate([starts[:, 1:], np.full((count, 1), math.inf)], axis=1)
     for k, (drive, row) in enumerate(zip(drives, rows, strict=True)):
         value, slope = row[:, :, 0], row[:, :, 1]
+        # the last piece never ends: without the inner choice, slope 0 times infinity would be NaN
         last = np.where(slope == 0.0, value, value + slope * np.where(slope == 0, 0, ends - starts))
         smooth = [_smooth_bound(drive, side, count) for side in (0, 1)]
         for side, best in enumerate((np.minimum, np.maximum)):

@@ -357,6 +357,7 @@ def draws_of(
     known = {path: quantity for path, quantity, _ in declared}
     spreads = {full_path(name, known): one for name, one in uncertainties.items()}
     random = np.random.default_rng([seed, 1])  # independent of the draws of the law
+    # drawn again where a mechanism refuses them: to cut them off at a bound would heap them there
     kept: list[dict[str, float]] = []
     tried = 0
     while len(kept) < count:

@@ -374,6 +374,7 @@ class Campaign(metaclass=Described):
             if not type(one).__module__.startswith("stickslip.")
         }
         code = sorted(f"{one.__qualname__} {_source(one)}" for one in own)
+        # arrays in full and to the last bit: shortened ones would be the same for other runs
         with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
             text = repr((self, versions, code))
         if " at 0x" in text:
@@ -467,7 +468,8 @@ class Campaign(metaclass=Described):
                 finished, _ = _made("", case, self, start, min(start + BLOCK, count))
                 rows, data = rows + finished.rows, data + finished.size
             seconds += (time.perf_counter() - begun) / rows * count
-            empty = _made("", case, self, 0, 1)[0].size  # what a file takes without its rows
+            # what a file takes without its rows counts once a file, and the rest once a run
+            empty = _made("", case, self, 0, 1)[0].size
             each = max(data - len(starts) * empty, 0) / max(rows - len(starts), 1)
             size += -(-count // self.part) * empty + each * count
         files = len(self.cases) * -(-count // self.part)
@@ -488,6 +490,7 @@ class Campaign(metaclass=Described):
         design = self.whole
         for case in self.cases:
             law = event_driven_law(case.mechanism, case.law)
+            # part by part, as values of a whole design need not fit into memory
             for start in range(0, len(design), PART):
                 rows = design.rows(start, start + PART)
                 try:
@@ -631,6 +634,7 @@ class _Ledger:
 
     def add(self, finished: _Finished, data: bytes) -> None:
         """Keep a file; it is there before it is listed."""
+        # the file first: what a line names is there, however the process ends
         write_file(self.folder / finished.file, data)
         self.known[finished.file] = finished
         self.rows += finished.rows

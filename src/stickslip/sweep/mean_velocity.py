@@ -249,6 +249,7 @@ def average_velocity(
     columns = product(axes)
     periods = cycles_of(mechanism, columns, period)
     table, tally = _Table(len(periods)), Tally(len(periods), progress)
+    # an ensemble has one end: rows of short periods would run on for those of long ones
     for rows in near(periods, TOGETHER):
         if not tally.going:
             break
@@ -307,6 +308,7 @@ class VelocityBand(OnAxes, Tabular):
         return self._quantile(0.5 + 0.5 * self.level)
 
     def _quantile(self, share: float) -> Array:
+        # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
         return np.asarray(np.nanquantile(every, share, axis=0))
@@ -463,6 +465,7 @@ class _Table:
 
     def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
         """Keep the runs of an ensemble; those that ended early have no mean motion."""
+        # a run that ended early would have the mean of what it had by then
         whole = np.array([status.complete for status in runs.status])
         self.velocity[rows] = np.where(whole, runs["all"], np.nan)
         self.late[rows] = np.where(whole, runs["late"], np.nan)

@@ -619,6 +619,7 @@ def _record(
             executor=uncertain.executor,
         )
         others = seen["seen"][uncertain.lasted(seen)] - predicted
+        # what was measured has its origin taken off, and so must what could have been
         others -= origin(others)
         with_noise = others + uncertain.random.normal(0.0, noise, others.shape)
         with_noise -= origin(with_noise)
@@ -631,6 +632,7 @@ def _record(
             if stated is not None
             else np.array([noise_of(row, step) for row in with_noise])
         )
+        # where all draws agree, as at the start, nothing but this keeps rounding from counting
         variance = np.var(others, axis=0) + (1e-9 * float(np.ptp(values))) ** 2
         size = _rms((read - zero) / np.sqrt(variance + noise**2))
         sizes = np.sqrt(np.mean(with_noise**2 / (variance + noises[:, None] ** 2), axis=1))
@@ -703,6 +705,8 @@ def _shifted(
 
     most = FARTHEST * float(t[-1] - t[0])
     most = most if period is None else min(most, 0.5 * period)
+    # residuals over shifts have many minima where a motion repeats itself: the lowest is sought
+    # first, and refined then
     tried = np.linspace(-most, most, 81)
     best = int(np.argmin([size(one) for one in tried]))
     near = (float(tried[max(best - 1, 0)]), float(tried[min(best + 1, 80)]))
@@ -736,6 +740,7 @@ def _travels(
     ends: list[tuple[float | None, float | None]] = [(None, None)] * len(trials)
     as_large = None
     if others.size:
+        # the same draw in all trials: they share the law, and so their errors
         others = others[:, np.all(np.isfinite(others), axis=0)]
         if not others.size:
             raise SimulationError(f"no draw lasted in all trials. {' '.join(uncertain.reasons)}")
