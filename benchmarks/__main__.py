@@ -14,6 +14,7 @@ from benchmarks.measuring import BUDGET, MANY, REPEATS, Result, Section
 
 CASES = (
     "decay",
+    "calls",
     "ensembles",
     "belt",
     "lugre",

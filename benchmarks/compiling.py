@@ -71,17 +71,19 @@ def calls(count: int) -> None:
 
 
 def in_child(folder: str, count: int) -> list[float]:
-    return _told(folder, f"from benchmarks.compiling import child; child({count})")
+    return told_by_child(f"from benchmarks.compiling import child; child({count})", folder)
 
 
 def calls_in_child(folder: str, count: int) -> list[list[float]]:
-    return _told(folder, f"from benchmarks.compiling import calls; calls({count})")
+    return told_by_child(f"from benchmarks.compiling import calls; calls({count})", folder)
 
 
-def _told(folder: str, text: str) -> Any:
+def told_by_child(text: str, folder: str | None = None) -> Any:
+    """Return what a process prints, whose machine code is in a folder if one is given."""
+    place = {} if folder is None else {"STICKSLIP_CACHE": folder}
     run = subprocess.run(
         [sys.executable, "-c", text], check=True, capture_output=True, text=True,
-        env={**os.environ, "STICKSLIP_CACHE": folder},
+        env={**os.environ, **place},
     )  # fmt: skip
     return json.loads(run.stdout)
 
@@ -119,5 +121,5 @@ def default_calls(timed: Callable[[str, int], list[list[float]]] = calls_in_chil
         title=f"simulate(...) of a towed block with LuGre friction, {LONG:g} s, default settings",
         heads=("call", "processor time, ms", "error of the position, m"),
         rows=tuple(rows),
-        notes=("- The first call runs plain Python until loading machine code pays.",),
+        notes=("- The first call loads machine code that an earlier process has left.",),
     )

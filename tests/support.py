@@ -74,6 +74,8 @@ DECADES: Mapping[str, tuple[float, float]] = {
     "N s/m": (-2.0, 0.5),
     "N s^2/m^2": (-2.0, 0.5),
     "1/s": (0.0, 2.0),
+    "1/N": (-3.0, -1.0),
+    "1/N^2": (-4.0, -2.0),
 }
 """Powers of ten between which a parameter of a law is drawn, by unit: what rigs have."""
 

@@ -46,7 +46,7 @@ class Described(ABCMeta):
         def __call__(cls, *args: Any, **values: Any) -> Any:
             """Make an object; what does not fit its fields is refused by their names."""
             try:
-                return super().__call__(*args, **values)
+                return type.__call__(cls, *args, **values)
             except TypeError:
                 _check_names(cls, args, values)
                 raise

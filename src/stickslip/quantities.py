@@ -7,12 +7,15 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 
 import contextlib
 import dataclasses
+import functools
 import importlib
 import math
 import numbers
 import re
+import threading
 import types
 import typing
+import weakref
 from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
@@ -35,6 +38,7 @@ __all__ = [
     "full_path",
     "gathered",
     "is_rotary",
+    "kept_by_identity",
     "motion_kinds",
     "named",
     "own_classes",
@@ -54,6 +58,7 @@ LARGEST = 1e100
 """Largest coefficient; where it has to be above 0, its inverse is the smallest."""
 
 T = TypeVar("T", bound="Parametrised")
+R = TypeVar("R")
 Accepted_contra = TypeVar("Accepted_contra", contravariant=True)
 Kept_co = TypeVar("Kept_co", covariant=True)
 
@@ -629,11 +634,10 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
                     yield from parameters(item, f"{path}.{index}")
 
 
-def unchecked(kind: type[T], /, **values: Any) -> T:
+def unchecked(kind: type[R], /, **values: Any) -> R:
     """Make an object from values that were checked elsewhere, or that are symbols of tracing."""
     made = object.__new__(kind)
-    for name, value in values.items():
-        object.__setattr__(made, name, value)
+    vars(made).update(values)
     return made
 
 
@@ -714,6 +718,80 @@ def structure(root: Parametrised) -> tuple[Hashable, ...]:
             continue
         parts.append((name, _structure_of(value)))
     return tuple(parts)
+
+
+MOST_KEPT = 256
+"""Objects, or pairs of them, of which something is kept."""
+_FIXED: dict[int, weakref.ref[Any]] = {}
+"""Objects of which nothing can be changed in place, by their places in memory."""
+_LOCK = threading.Lock()
+"""Held while what is kept changes."""
+
+
+def _is_fixed(root: object) -> bool:
+    """Whether nothing of an object with parameters can be changed in place."""
+    known = _FIXED.get(id(root))
+    if known is not None and known() is root:
+        return True
+    if not isinstance(root, Parametrised):
+        return False
+    try:
+        hash(structure(root))
+    except TypeError:
+        return False
+    _keep(_FIXED, id(root), weakref.ref(root))
+    return True
+
+
+def _keep(kept: dict[Any, Any], key: object, value: object) -> None:
+    """Keep a value in place of the one that was kept first, where there are many."""
+    with _LOCK:
+        kept[key] = value
+        while len(kept) > MOST_KEPT:
+            del kept[next(iter(kept))]
+
+
+def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], R]:
+    """Let a function of two objects with parameters work out its value once for the same objects.
+
+    Such objects are frozen, so that what follows from them never changes. The same are the same in
+    memory, which takes less time to see than that two are equal. They are not kept alive. What is
+    of another kind, or holds something that can be changed in place, is looked at each time.
+
+    Parameters
+    ----------
+    function : callable
+        Of two objects, such as a mechanism and a law; its value is not to be changed.
+
+    Returns
+    -------
+    callable
+        The same function.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> calls = []
+    >>> sum_of = kept_by_identity(lambda one, other: calls.append(1) or one.kinetic_coefficient)
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> sum_of(law, law), sum_of(law, law), len(calls)
+    (0.2, 0.2, 1)
+    """
+    # Weak references tell an object from one that is gone and had the same place in memory.
+    kept: dict[tuple[int, int], tuple[weakref.ref[Any], weakref.ref[Any], R]] = {}
+
+    @functools.wraps(function)
+    def again(first: Any, second: Any) -> R:
+        key = id(first), id(second)
+        known = kept.get(key)
+        if known is not None and known[0]() is first and known[1]() is second:
+            return known[2]
+        value = function(first, second)
+        if _is_fixed(first) and _is_fixed(second):
+            _keep(kept, key, (weakref.ref(first), weakref.ref(second), value))
+        return value
+
+    return again
 
 
 def _structure_of(value: Any) -> Any:

@@ -1,5 +1,6 @@
 """Joins a mechanism, a law and a solver."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -17,7 +18,7 @@ from stickslip.friction import (
     with_typical_values,
 )
 from stickslip.mechanisms import Mechanism, checked_contacts, input_names, slip_of
-from stickslip.quantities import Quantity, beginning
+from stickslip.quantities import Quantity, beginning, kept_by_identity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 ALWAYS = ("friction", "normal_force", "mode")
 """Columns that every run has beside its states."""
 END = Quantity("T", "s", above=0)
+USUAL = EventDriven()
+"""Settings of a single run, if none are given."""
 OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str
 GivenFriction: TypeAlias = OneLaw | Mapping[str, OneLaw | None] | Laws
 """A law, its type or its name, for all contacts or by the name of the contact."""
@@ -108,7 +111,7 @@ def simulate(
     laws = check_pair(mechanism, law)
     last = END.check("simulate", "t_end", t_end)
     start = initial_state("simulate", mechanism, laws, y0)
-    solver = EventDriven() if solver is None else solver
+    solver = USUAL if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
     told = _told(mechanism, y0)
@@ -206,14 +209,7 @@ def ensemble(
     >>> runs["fastest"].round(3), runs["rest"][:, 0].round(3)
     (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
     """
-    laws = check_pair(mechanism, law)
-    if not isinstance(laws, PrintedForm):
-        mechanism, laws = beginning_pair(mechanism, laws, parameters)
-    if isinstance(laws, PrintedForm):
-        raise InputError(
-            f"ensembles run with EventDriven only, which cannot solve {law!r}: give"
-            " another law, or run it alone with FixedStep(...)."
-        )
+    mechanism, laws = beginning_pair(mechanism, event_driven_law(mechanism, law), parameters)
     solver = EventDriven(tier="compiled") if solver is None else solver
     if not isinstance(solver, EventDriven):
         raise InputError(f"solver must be an EventDriven(...), got {solver!r}.")
@@ -273,6 +269,7 @@ def no_law(given: object) -> InputError:
     return InputError(f"law must be a friction law such as Coulomb, or its name, got {given!r}.")
 
 
+@kept_by_identity
 def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":
     """Return the law, or the laws by contact; refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
@@ -354,7 +351,10 @@ def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
     """Return the law, or the laws by contact, for what takes no fixed steps."""
     found = check_pair(mechanism, law)
     if isinstance(found, PrintedForm):
-        raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
+        raise InputError(
+            f"this runs with EventDriven only, which cannot solve {law!r}: give another law, or"
+            " run it alone with FixedStep(...)."
+        )
     return found
 
 
@@ -374,11 +374,8 @@ def initial_state(
     y0: Mapping[str, float] | Sequence[float] | None,
 ) -> list[float]:
     """Return the initial state in order, checked."""
-    if isinstance(law, PrintedForm):
-        bristles = law.states
-    else:
-        bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
-    names = (*mechanism.coordinates, *mechanism.rates, *bristles)
+    states = _states(mechanism, law)
+    names = tuple(states)
     if y0 is None:
         y0 = {}
     if isinstance(y0, Mapping):
@@ -386,12 +383,28 @@ def initial_state(
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
         told = {**mechanism.start(), **y0}
+        if not told:
+            return [0.0] * len(names)
         y0 = [told.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
         raise InputError(f"y0 must be a mapping by state name or a sequence, got {y0!r}.")
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
     return [
-        Quantity(name).check(owner, f"y0[{name!r}]", value)
-        for name, value in zip(names, y0, strict=True)
+        state.check(owner, f"y0[{state.symbol!r}]", value)
+        for state, value in zip(states.values(), y0, strict=True)
     ]
+
+
+@kept_by_identity
+def _states(mechanism: Mechanism, law: FrictionLaw | Laws | PrintedForm) -> dict[str, Quantity]:
+    """Return the states by name, in their order."""
+    if isinstance(law, PrintedForm):
+        bristles = law.states
+    else:
+        bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
+    names = (*mechanism.coordinates, *mechanism.rates, *bristles)
+    return {name: _state(name) for name in names}
+
+
+_state = functools.lru_cache(maxsize=256)(Quantity)

@@ -83,7 +83,7 @@ def test_a_law_touches_three_places(tree: Tree) -> None:
     )
     use = """
 import numpy as np
-from stickslip import Axis, Measurement, ToyLaw, fit, select
+from stickslip import Axis, Measurement, SpringBlock, ToyLaw, fit, select, simulate
 from stickslip.friction import LAWS
 from stickslip.testing import check_friction
 assert LAWS["toy-law"] is ToyLaw
@@ -94,15 +94,25 @@ noise = np.random.default_rng(0).normal(0.0, 0.02, v.size)
 table = Measurement(velocity=v, friction=[truth.force(x, load=1.0) for x in v] + noise)
 found = fit(Axis(inertia=1.0), "toy-law", table)
 assert all(e.low < getattr(truth, e.path.rpartition(".")[2], 0.0) < e.high for e in found.estimates)
-try:
-    select(Axis(inertia=1.0), ["coulomb", "toy-law"], table)
-except ValueError as error:
-    assert "no sum of parts" in str(error)
 time = np.linspace(0.0, 12.0, 400)
 v = np.sin(2.0 * time)
 friction = [truth.force(x, load=1.0) for x in v] + noise
 record = Measurement(time=time, velocity=v, friction=friction)
-verdict = select(Axis(inertia=1.0), ["coulomb", "toy-law"], record)
+for measured in (table, record):
+    try:
+        select(Axis(inertia=1.0), ["coulomb", "toy-law"], measured)
+    except ValueError as error:
+        assert "no sum of parts" in str(error)
+    else:
+        raise AssertionError("a law in equations has no terms to compare")
+truth = ToyLaw(level=0.25, knee=0.05)
+trials = []
+for x in (0.05, 0.07, 0.09, 0.11):
+    block = SpringBlock(mass=0.8, stiffness=145.0, compression=x)
+    travel = round(float(simulate(block, truth, t_end=3.0)["x"][-1]), 4)
+    set_ = {"mechanism.compression": x}
+    trials.append(Measurement(travel=travel, uncertainty=1e-3, overrides=set_))
+verdict = select(block, ["coulomb", "toy-law"], Measurement(trials=trials))
 assert verdict.best.name == "toy-law", verdict
 """
     assert "toy-law" in run(tree, "-c", use + MODELS)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from benchmarks import (
     belt,
+    calls,
     compiling,
     decay,
     engines,
@@ -260,6 +261,14 @@ def test_default_calls_stand_beside_lsoda_without_being_measured_here(monkeypatc
     )
     assert found.rows[2] == ("call 3", "5", "1.0e-06")
     assert found.rows[4][0].endswith("1e-09: 10.0 x the third call")
+
+
+def test_short_calls_have_targets_without_being_measured_here():
+    names = [*calls.TARGETS]
+    found = calls.run(lambda: dict(zip(names, (59e-6, 250e-6), strict=True)))
+    assert [target.met for target in found.targets] == [True, False]
+    assert [target.measured for target in found.targets] == ["59 us", "250 us"]
+    assert found.rows[0] == (names[0], "59")
 
 
 def entry(solver, seconds):

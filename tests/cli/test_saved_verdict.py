@@ -10,6 +10,7 @@ from stickslip import LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli.app import app
 from stickslip.documents import write_folder
 
+LAW = "stickslip-report/law.toml"
 RIG = """
 title = "Own block"
 [mechanism]
@@ -65,7 +66,10 @@ def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     files = {path.name for path in (rig.parent / "stickslip-report").glob("[!.]*")}
     assert files == {"index.html", "verdict.json", "law.toml", "draws.json"}
     page = (rig.parent / "stickslip-report" / "index.html").read_text(encoding="utf-8")
-    assert "The bristles of this law need steps below" in page
+    assert "Use LuGre friction." in page
+    given, named = (load_rig(file).laws["lugre"] for file in (rig, rig.parent / LAW))
+    assert named.bristle_stiffness == given.bristle_stiffness
+    assert named.kinetic_coefficient == pytest.approx(given.kinetic_coefficient, abs=0.002)
 
 
 @pytest.mark.slow

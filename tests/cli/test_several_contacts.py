@@ -450,13 +450,11 @@ def test_one_record_takes_one_law(called):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("arm_record")
-@pytest.mark.parametrize("jobs", [[], ["--workers", "2"]])
-def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs):
-    tried = ["--laws", "coulomb,coulomb-viscous", "--starts", "1", "-o", "report"]
-    code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried, *jobs)
+def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path):
+    tried = ["--laws", "coulomb,coulomb-viscous", "-o", "report"]
+    code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried)
     assert code == 0, said
     assert "Shoulder: use Coulomb + viscous friction. Elbow: use Coulomb + viscous" in shown
-    assert "Fitting shoulder: coulomb-viscous" in said
     content = json.loads((tmp_path / "report" / "verdict.json").read_text())
     assert content["best"] == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
     code, shown, said = called(ARM_RIG, "simulate", "report/law.toml", "--t-end", "0.1")

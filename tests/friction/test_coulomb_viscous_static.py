@@ -35,11 +35,8 @@ def test_friction_against_velocity_says_nothing_of_the_static_level():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("static", "seed"),
-    [*(pytest.param(*one, marks=pytest.mark.slow) for one in ((8.0, 0), (9.5, 2))), (6.0, 1)],
-)
-def test_a_record_with_rests_gives_the_static_level_back(static, seed):
+@pytest.mark.parametrize(("static", "seed"), [(8.0, 0), (9.5, 2), (6.0, 1)])
+def test_the_balance_of_a_record_gives_sliding_and_says_nothing_of_the_static_level(static, seed):
     law = CoulombViscousStatic(**{**VALUES, "static_coefficient": static})
     force = 12.0 * np.sin(np.pi * TIME)
     driven = Axis(inertia=2.0, drive=Sampled(times=TIME.tolist(), values=force.tolist()))
@@ -47,7 +44,8 @@ def test_a_record_with_rests_gives_the_static_level_back(static, seed):
     x = x + np.random.default_rng(seed).normal(0.0, 2e-6, TIME.size)
     record = Measurement(time=TIME, position=x, force=force)
     found = fit(Axis(inertia=2.0), CoulombViscousStatic, record)
-    # the force rises by 12 pi / 500 = 0.075 N from one sample to the next, in which it breaks away
-    assert found.law.static_coefficient == pytest.approx(static, abs=0.08)
-    assert found.law.kinetic_coefficient == pytest.approx(5.0, rel=1e-3)
-    assert found.law.viscous_coefficient == pytest.approx(20.0, rel=1e-3)
+    told = {one.path.rpartition(".")[2]: one for one in found.estimates}
+    assert "static_coefficient" not in told
+    for name in ("kinetic_coefficient", "viscous_coefficient"):
+        assert told[name].low < VALUES[name] < told[name].high
+        assert told[name].high - told[name].low < 0.01 * VALUES[name]

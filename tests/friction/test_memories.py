@@ -437,7 +437,8 @@ def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
         force=np.array([drive.smooth(one) for one in t]),
     )
     one = RecordSettings(hold="first", segment=3.1)
-    found = fit(Axis(inertia=1.0, load=1.0), type(own), table, settings=one)
+    axis = Axis(inertia=1.0, load=1.0)
+    found = fit(axis, type(own), table, settings=one, route="shooting")
     assert found.rms < 1.2e-6
     assert found.law.sticking_surplus == pytest.approx(own.sticking_surplus, rel=0.1)
 

@@ -1,4 +1,4 @@
-"""Which tier ``auto`` takes: plain Python until machine code would have paid for itself."""
+"""Which tier ``auto`` takes: machine code that files hold, or else that has paid for itself."""
 
 import io
 import itertools
@@ -19,9 +19,10 @@ RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
 
 
-WAIT = run.PATIENCE * run.LOADING
-"""What plain runs have to take before kernels are loaded [s]."""
 WAIT_FOR_EQUATIONS = run.PATIENCE * run.EQUATIONS
+"""What plain runs have to take before equations are compiled [s]."""
+WAIT = run.PATIENCE * run.LOADING + WAIT_FOR_EQUATIONS
+"""The same where kernels are loaded too."""
 
 
 @pytest.fixture
@@ -50,10 +51,31 @@ def lasting(monkeypatch, seconds):
     monkeypatch.setattr(run, "thread_time", lambda: seconds * next(clock))
 
 
+def test_what_files_hold_is_taken_by_the_first_run(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [True]
+
+
+def test_files_are_looked_at_again_after_some_time_in_plain_python(monkeypatch, tiers):
+    looks = []
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: bool(looks.append(1)))
+    lasting(monkeypatch, 0.3 * run.LOOKS)
+    for _ in range(9):
+        simulate(RIG, LAW, t_end=1.0)
+    assert len(looks) == 3
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    for _ in range(4):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False] * 12 + [True]
+
+
 @pytest.mark.parametrize(("kept", "wait"), [(True, WAIT), (False, 3.0 * run.PATIENCE)])
 def test_auto_compiles_once_plain_runs_have_taken_twice_as_long(monkeypatch, tiers, kept, wait):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: kept)
-    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: not kept)
     monkeypatch.setattr(KernelsCode, "seconds", 3.0)
     lasting(monkeypatch, 0.4 * wait)
     for _ in range(4):
@@ -63,7 +85,7 @@ def test_auto_compiles_once_plain_runs_have_taken_twice_as_long(monkeypatch, tie
 
 def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    lasting(monkeypatch, 1.1 * (WAIT + WAIT_FOR_EQUATIONS))
+    lasting(monkeypatch, 1.1 * WAIT)
     for _ in range(2):
         simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
     assert tiers == [False, False]
@@ -72,7 +94,7 @@ def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
 
 def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    lasting(monkeypatch, 1.1 * (WAIT + WAIT_FOR_EQUATIONS))
+    lasting(monkeypatch, 1.1 * WAIT)
     simulate(RIG, LAW, t_end=1.0)
     tiers.clear()
     simulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
@@ -96,9 +118,9 @@ def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypa
 
 
 def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatch, tiers):
-    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: False)
     monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
-    lasting(monkeypatch, 0.6 * WAIT)
+    lasting(monkeypatch, 0.6 * run.PATIENCE * run.KERNELS.seconds)
     held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
     for rig in (RIG, held, RIG, held):
         simulate(rig, LAW, t_end=1.0)
@@ -107,7 +129,6 @@ def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatc
 
 def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_twice_as_long(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
     monkeypatch.setattr(run, "STRETCH", 4)
     lasting(monkeypatch, 1.1 * WAIT)
     begun = simulate(RIG, LAW, t_end=1.0)
@@ -118,8 +139,9 @@ def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_twice_as_long(monk
 
 
 @pytest.mark.parametrize("stretch", [0.01, 0.03, 0.11, 0.5])
-@pytest.mark.parametrize("kernels_kept", [True, False])
-@pytest.mark.parametrize("equations_kept", [True, False])
+@pytest.mark.parametrize(
+    ("kernels_kept", "equations_kept"), [(True, False), (False, True), (False, False)]
+)
 def test_no_run_takes_more_than_one_and_a_half_times_as_long_as_in_plain_python(
     monkeypatch, tiers, stretch, kernels_kept, equations_kept
 ):
@@ -194,7 +216,7 @@ def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monke
 def test_sensitivities_take_machine_code_once_the_run_has_paid_for_it(monkeypatch, tiers, tier):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
     monkeypatch.setattr(certify, "runner_of", run.runner_of)
-    lasting(monkeypatch, 1.1 * (WAIT + WAIT_FOR_EQUATIONS))
+    lasting(monkeypatch, 1.1 * WAIT)
     moved = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier=tier)).at(1.0)
     copied = pickle.loads(pickle.dumps(moved))
     tiers.clear()
@@ -210,9 +232,7 @@ def test_sensitivities_in_plain_python_count(monkeypatch, tiers):
     moved = simulate(RIG, LAW, t_end=1.0).at(1.0)
     tiers.clear()
     clock = itertools.count()
-    monkeypatch.setattr(
-        certify, "thread_time", lambda: 0.6 * (WAIT + WAIT_FOR_EQUATIONS) * next(clock)
-    )
+    monkeypatch.setattr(certify, "thread_time", lambda: 0.6 * WAIT * next(clock))
     for _ in range(3):
         moved.sensitivity("x", "kinetic_coefficient")
     assert tiers == [False, False, True]

@@ -29,6 +29,7 @@ INSIDE = {
     "DRIVES": "registry",
     "PROFILES": "registry",
     "Straight": "base",
+    "parts_of": "base",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

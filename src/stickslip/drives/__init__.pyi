@@ -7,6 +7,7 @@ from stickslip.drives.base import Drive as Drive
 from stickslip.drives.base import Piece as Piece
 from stickslip.drives.base import Straight as Straight
 from stickslip.drives.base import Sum as Sum
+from stickslip.drives.base import parts_of as parts_of
 from stickslip.drives.elementary import HalfSine as _HalfSine
 from stickslip.drives.elementary import PiecewiseAffine as PiecewiseAffine
 from stickslip.drives.elementary import PiecewiseLinear as PiecewiseLinear

@@ -264,3 +264,18 @@ def _at(table: Sequence[Piece], starts: Sequence[float], t: float) -> tuple[Scal
         return 0.0, 0.0
     piece = table[index]
     return piece.value + piece.slope * (t - piece.start), piece.slope
+
+
+def parts_of(drive: Drive) -> list[Drive]:
+    """Return the drives that are added to make one; itself if it is no sum.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Pulse, Sine
+    >>> push, shake = Pulse(level=2.0, duration=1.0), Sine(amplitude=1.0, frequency=0.25)
+    >>> parts_of(push + (shake + push)) == [push, shake, push]
+    True
+    """
+    if not isinstance(drive, Sum):
+        return [drive]
+    return [one for part in drive.parts for one in parts_of(part)]

@@ -1,9 +1,22 @@
 """The equations of motion of a mechanism, with the force of its contacts left open.
 
-M q'' = h - W F: from the energies of a mechanism by Lagrange, d/dt (dT/dq') - dT/dq + dV/dq = Q, or
-read off the matrices that it gives. Guided coordinates move as they are told and held ones do not
-move; their equations give the forces that this takes. Solved for what drives the mechanism, the
-equations give the driving forces of a motion.
+M q'' = h - W F, from the energies of a mechanism by Lagrange,
+
+    d/dt (dT/dq') - dT/dq + dV/dq = Q - W F,
+
+with the kinetic energy T, the potential V and the other forces Q; or read off the matrices that a
+mechanism gives. W has a 1 at the coordinate that slips.
+
+1. Energies and forces are evaluated with symbols. M is the second derivative of T along the rates,
+   of coordinates that move, and below them of those that are held at 0.
+2. Guided coordinates move as they are told: their accelerations are known and go to the right-hand
+   side. What they take, and what holds the others, is what their own rows lack.
+3. The mass matrix of the free ones is solved by symbols. With friction a + b N the normal force N
+   is the row of the held normal coordinate, one scalar equation.
+4. An impulse P at a hard stop of coordinate i changes all rates by P M^-1 e_i, and rate i so that
+   it is reversed, times the restitution; friction has no share.
+
+Solved for what drives the mechanism, the same equations give the driving forces of a motion.
 """
 
 import functools
@@ -322,6 +335,7 @@ class Mechanics:
         """Return how a friction force changes the accelerations."""
         indices = self.free
         unit = [int(i == self.slip) * size for i in indices]
+        # guided coordinates do not yield to a force
         column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, unit))
         found = [se.Integer(0)] * len(self.coordinates)
         for k, i in enumerate(indices):

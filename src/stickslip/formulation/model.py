@@ -456,7 +456,7 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     with _LOCK:
         try:
             model = _MODELS.get(key)
-        except TypeError:  # a field of the user's that cannot be looked up
+        except TypeError:  # a field of the user's that has no hash: traced anew each time
             return _formulated(mechanism, law, slopes)
         if model is not None:
             _MODELS.move_to_end(key)

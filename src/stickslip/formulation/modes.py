@@ -1,4 +1,23 @@
-"""The equations in each mode of one contact, and those of several contacts as parts."""
+"""The equations in each mode of one contact, and those of several contacts as parts.
+
+With M q'' = h - W F (`mechanics`) and a law F = a(v, z) + b(v, z) N, affine in the load N:
+
+    slip, v > 0 or v < 0:  q'' from both; N from the row of the held normal coordinate, one equation
+                           with the pivot 1 + (row M^-1 W) b, which is 0 in Painleve's paradox
+    stick:                 q''_s = 0; the others follow; what is left of the row of s is the needed
+                           friction r
+    at a stop:             as stick, but friction takes what it can of the force towards the stop
+
+What ends a mode are its guards, which fall below 0: v in the direction of slip; levels of both
+directions less r and plus r; the force away from a stop that friction does not hold; N, where it
+can change; and each condition `where` of law and mechanism that the rates or guards of the mode
+depend on. Limits that end a run stand beside them: those that mechanism and law have, and the
+pivot.
+
+Where several contacts rub, n of them would have 3^n modes. Their equations are parts instead: mass
+matrix, forces without friction, loads, how contacts slip, and each law once for each structure.
+What holds in which mode is worked out by the kernels (`kernels.contacts`).
+"""
 
 import enum
 from collections.abc import Mapping, Sequence
@@ -117,6 +136,7 @@ class _Context:
 
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""
+        # one that parameters alone give would cost a guard in every step and never fall
         return {LIFT_OFF: normal} if self.varies(normal) else {}
 
 
@@ -136,6 +156,7 @@ def mode_equations(
     )
     modes = {}
     for mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
+        # the sign of the slip is known in a mode: |v| is v or -v there, without a switch
         board.signs = {str(velocity): int(mode)}
         modes[mode] = _with_switches(_slip(context, mode), context)
         board.signs = {}
@@ -157,7 +178,7 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     friction = expression(law.force(*arguments))
     bristle_rates = [expression(rate) for rate in law.rates(*arguments)]
     factor = load_factor(law, friction, load)
-    constant = friction.subs({load: 0})
+    constant = friction.subs({load: 0})  # laws are affine in the load, as `load_factor` checks
     motion = context.mechanics.slipping(constant, factor)
     normal = motion.normal
     friction = constant + factor * normal
@@ -187,6 +208,7 @@ def _stick(context: _Context) -> ModeEquations:
     ]
     parts = [e.subs(held) for e in (motion.normal, needed, ahead, back)]
     normal, needed, ahead, back = parts
+    # a column that is shown: guards watch both directions by themselves
     level = ahead if ahead == back else se.Piecewise((ahead, needed > 0), (back, True))
     return ModeEquations(
         rates=[e.subs(held) for e in rates],
@@ -256,10 +278,6 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
 
 
 # Parts of the equations of a mechanism with several contacts; no mode enters them.
-#
-# They are the mass matrix, the forces without friction, the loads, how the contacts slip, and each
-# law once for each structure. What holds in which mode is worked out by the kernels: with n
-# contacts there would be 3^n sets of equations to derive.
 
 
 @dataclass(frozen=True)

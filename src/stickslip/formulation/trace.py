@@ -600,6 +600,11 @@ class Model:
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 
+    @override
+    def __hash__(self) -> int:
+        """Return the hash of the text, which Python works out once: each run looks models up."""
+        return hash(self.text)
+
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns that a run has beside its states."""

@@ -1,4 +1,19 @@
-"""The notation of laws: ``dahl(both_ways[levels](level + stribeck)) + power``, read and written."""
+"""The notation of laws: ``dahl(both_ways[levels](level + stribeck)) + power``, read and written.
+
+A text is a sum of products of names, with arguments in square brackets and terms in round ones:
+
+    sum      =  product { "+" product }
+    product  =  one { "*" one }
+    one      =  "(" sum ")"  |  name [ "[" arguments "]" ] [ "(" sum ")" ]
+
+1. The text is cut into names, arguments and marks, each with its place for messages (`TOKEN`).
+2. `_Reader` reads them from left to right, a method for each line of the grammar (recursive
+   descent). Sums within sums are one sum. Which part may stand where, such as a factor behind what
+   it multiplies, terms check as they are put together, in Python as in texts.
+3. `str` of a term is a text that reads as the same term; `canonical` is the same text for terms
+   that differ in the order of sums and factors, or in that both directions of a sum are the sum of
+   both directions of its terms.
+"""
 
 import dataclasses
 import re

@@ -1,10 +1,25 @@
 """Where inside a step a guard is first violated.
 
-In smooth and stiff modes guards are sampled inside the step. What falls below zero between two
-samples is bracketed, also where it falls and rises again between them (by golden section), and the
-root is found by ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 2020): the secant's point,
-kept where bisection would still end in time. In linear modes guards are polynomials in the fraction
-of the step, whose first fall is found in Bernstein form without any samples.
+A guard g is a condition of the mode, which holds while g >= 0. In smooth and stiff modes:
+
+1. All guards are sampled at equal parts of the step, along its dense output. Where anything is
+   held, its guards change with time while no state does: every other sample is compared with the
+   polynomial through the rest, and so is a point that is no multiple of a part: where they differ,
+   samples do not show the course of the guards, and the step is taken shorter (`coarseness`).
+2. A guard that begins at zero is armed once it has been positive. One that is armed and negative at
+   a sample has a bracket; one that never becomes positive and ends negative falls at once.
+3. One that may fall and rise again between samples, which a parabola through three of them tells
+   with room to spare, is searched for its minimum by golden section; a negative value there gives
+   a bracket (`turns`, `dip`).
+4. The root in a bracket is found by ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 2020):
+   the secant's point, moved towards the middle, and kept where bisection would still end in time.
+   What is returned is the end of the bracket where g < 0, a unit of the time beyond the root.
+5. The guard that falls first is the event; what begins later than the earliest one known is not
+   looked at.
+
+In linear modes guards are polynomials in the fraction of the step, g = sum of c_k x^k, with c from
+the slopes of the guard and the series of the states. Their first fall is found in Bernstein form
+without any samples (`numerics.first_fall`), so that no violation is too short to be seen.
 """
 
 import math

@@ -1,4 +1,27 @@
-"""States of laws along given motions: bristles by the step, and an observer of a record."""
+"""States of laws along given motions: bristles by the step, and an observer of a record.
+
+Along a motion that is known, velocity and inputs are constant in a step, and each state z of a law
+follows by the law's own formula, or from its rate r(z) by exponential Rosenbrock steps of order 3
+(exprb32; Hochbruck and Ostermann, Acta Numerica 19, 2010), which are exact where r is linear in z.
+An error above `TOLERANCE` cuts the step into equal parts, the same for all copies of a law, so that
+slopes are differences between them.
+
+The observer runs a law of one coordinate along a record. At each sample place and speed are
+corrected by a share of the innovation, e = place measured - x; the innovations are the residuals:
+
+    x <- x + g e,    v <- v + g' e
+
+Between samples the force of the record moves the inertia m against friction,
+
+    f = L(t) z (A(v) + P(x)) + z D1(t) + |z| B(v) + V(v) + W(x) + v D2(t) + D3(t) + c2 L(t) z2,
+
+with tables of A, B and V over the signed root of the speed, of P and W over the place, and values
+at each sample of what changes in time. z is the state of a bristle, z2 that of a second one. A part
+of the step is half the way, the change of the speed, and the other half (of second order); friction
+is that of the speed half a step ahead, by the last change. Bristles move along both halves of the
+way by their own formula, dz/d|x| = (1 - |z|)^n / length while the motion goes on in one direction.
+Where the bristle has no length, z is the direction, and friction stops what it can within a step.
+"""
 
 import math
 

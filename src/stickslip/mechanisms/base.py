@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
@@ -14,7 +14,7 @@ from typing_extensions import override
 
 from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.described import Described
-from stickslip.drives import Drive, Sum
+from stickslip.drives import Drive, parts_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
@@ -429,9 +429,12 @@ def stops_between(
     >>> [stop.side for stop in stops_between("x", None, 0.1, 0.5)]
     ['upper']
     """
-    below = Stop(coordinate=coordinate, position=lower, side="lower", restitution=restitution)
-    above = Stop(coordinate=coordinate, position=upper, side="upper", restitution=restitution)
-    return tuple(stop for stop in (below, above) if stop.position is not None)
+    ends: Any = ("lower", lower), ("upper", upper)
+    return tuple(
+        Stop(coordinate=coordinate, position=position, side=side, restitution=restitution)
+        for side, position in ends
+        if position is not None
+    )
 
 
 def height(incline: Scalar, along: Scalar, off: Scalar) -> Scalar:
@@ -868,7 +871,7 @@ def cycle_of(mechanism: Mechanism) -> float:
     periods = [
         _period(f"{name}: the drive {key!r}", part)
         for key, drive in mechanism.drives().items()
-        for part in _parts(drive)
+        for part in parts_of(drive)
     ]
     if not periods:
         raise InputError(
@@ -910,16 +913,8 @@ def repeats(mechanism: Mechanism) -> bool:
     >>> repeats(Axis(inertia=1.0, drive=push)), repeats(Axis(inertia=1.0, drive=push + shake))
     (False, True)
     """
-    parts = (part for drive in mechanism.drives().values() for part in _parts(drive))
+    parts = (part for drive in mechanism.drives().values() for part in parts_of(drive))
     return any(part.repeats() is not None for part in parts)
-
-
-def _parts(drive: Drive) -> Iterator[Drive]:
-    if isinstance(drive, Sum):
-        for part in drive.parts:
-            yield from _parts(part)
-    else:
-        yield drive
 
 
 def _period(owner: str, drive: Drive) -> float:

@@ -78,9 +78,12 @@ class Runner:
 
     def whole(self) -> Any:
         """Return the whole numbers of a run that begins, which books its work."""
-        if self.compiled:
-            return _beginning(self.header).copy()
-        whole = list(self.header)
+        return self._beginning.copy()
+
+    @functools.cached_property
+    def _beginning(self) -> Any:
+        """Those whole numbers, to copy."""
+        whole = self.wholes(self.header)
         whole[BOOKS] = 1
         return whole
 
@@ -99,6 +102,7 @@ class Runner:
     def taken_over(self, w: Sequence[Any]) -> Any:
         """Return the vector of a run that the other tier has begun."""
         numbers = list(w)
+        # functions in one tier and bits of addresses in the other: neither is a number to convert
         numbers[ADDRESS] = numbers[SEVERAL] = 0.0
         return self._addressed(self.vector(numbers))
 
@@ -139,6 +143,7 @@ class Runner:
     def _addressed(self, w: Any) -> Any:
         """Put in where the equations are."""
         if self.compiled:
+            # the bits of an address, which compiled code reads as a whole number
             w[ADDRESS : SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
         else:
             w[ADDRESS], w[SEVERAL] = self.equations, self.contacts
@@ -146,13 +151,6 @@ class Runner:
 
 
 @functools.lru_cache(maxsize=256)
-def _beginning(header: tuple[int, ...]) -> NDArray[np.int64]:
-    """Return the whole numbers of a run that begins, as an array to copy."""
-    whole = np.array(header, dtype=np.int64)
-    whole[BOOKS] = 1
-    return whole
-
-
 def runner_of(model: Model, *, compiled: bool) -> Runner:
     """Return the runner of a tier; the compiled one compiles what is not there yet."""
     tier = load_compiled(model) if compiled else load(model)
@@ -169,10 +167,15 @@ def _again(model: Model, compiled: bool) -> Runner:
 # The equations of a model, called with plain numbers.
 
 
-@functools.lru_cache(maxsize=256)
-def _lengths(sizes: Sizes) -> Mapping[str, int]:
-    """Return how many numbers each function writes."""
-    return MappingProxyType(sizes.lengths())
+@functools.lru_cache(maxsize=8)  # the vectors of many contacts are long
+def _beginning_of(
+    model: Model, p: tuple[float, ...]
+) -> tuple[Mapping[str, int], list[Any], list[int]]:
+    """Return how many numbers each function writes, and vectors with the parameters, to copy."""
+    runner, lengths = runner_of(model, compiled=False), model.sizes.lengths()
+    w, whole = [*runner.working(p), *[0.0] * max(lengths.values())], runner.whole()
+    put_constants(w, whole)
+    return MappingProxyType(lengths), w, whole
 
 
 class Equations:
@@ -180,14 +183,12 @@ class Equations:
 
     def __init__(self, model: Model, inputs: Inputs) -> None:
         """Take the equations, and the parameters."""
-        runner = runner_of(model, compiled=False)
-        self.sizes = sizes = model.sizes
+        self.sizes = model.sizes
         self.functions = plain_equations(model)
         self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
-        self.lengths = _lengths(sizes)
-        self.whole: list[int] = runner.whole()
-        self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
-        put_constants(self.w, self.whole)
+        self.lengths, w, whole = _beginning_of(model, tuple(inputs.p))
+        self.w, self.whole = w.copy(), whole.copy()  # states and drives are written into them
+        self._first, self._last = whole[Y], whole[Y] + model.sizes.states
         self.width = 1 + 3 * self.whole[N_DRIVES]
         self.load(0)
 
@@ -209,8 +210,7 @@ class Equations:
         return [row[k] + row[k + 1] * (t - row[k + 2]) for k in range(0, len(row), 3)]
 
     def _put(self, y: Sequence[Any]) -> None:
-        first, n = self.whole[Y], self.sizes.states
-        self.w[first : first + n] = y[:n]
+        self.w[self._first : self._last] = y[: self._last - self._first]
 
     def flags(self, t: float, y: Sequence[Any]) -> int:
         """Return the flags of the switches that a state asks for."""
@@ -234,11 +234,12 @@ class Equations:
         self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
     ) -> list[Any]:
         """Return what a function gives at the state that flags were last asked for."""
-        to, length = self.whole[SIZE], self.lengths[name]
-        place = self.whole[GIVEN]
-        self.w[place : place + len(given)] = given
-        self.functions[name](mode, flags, t, self.w, self.whole[Y], to)
-        return self.w[to : to + length]
+        w, to = self.w, self.whole[SIZE]
+        if len(given):
+            place = self.whole[GIVEN]
+            w[place : place + len(given)] = given
+        self.functions[name](mode, flags, t, w, self._first, to)
+        return w[to : to + self.lengths[name]]
 
 
 # Plays a recorded run back at any times.
@@ -267,7 +268,7 @@ class Playback:
     ) -> Self:
         """Take the recorded part of a log."""
         width = runner.header[ROW_COLUMNS]
-        log = log[: count * width]
+        log = log[: count * width]  # behind them is room that no step needed
         return cls(
             model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )

@@ -1,4 +1,23 @@
-"""What the record of a run gives beside its motion: a certificate, and sensitivities."""
+"""What the record of a run gives beside its motion: a certificate, and sensitivities.
+
+A certificate is evidence from outside of error control. With energies E of the states, which plain
+equations give, and works that the run has booked,
+
+    |E_end - E_start - W_supplied + W_friction + W_stops| / size
+
+is the energy error, at most 1e-8 or a thousandfold of the tolerance; its size is the largest of
+both energies, of the kinetic ones, and of all work done of either sign. Beside it stand the largest
+violation of a guard at the end of a step (1e-9 of its size), the largest distance from its guard at
+which an event was located (1e-6), and what a sticking body has moved, which has to be 0.
+
+Friction that drives is told where a law may do so: the work of min(F v, 0), by Gauss's rule in each
+step; of bristles, which give back what they took, what they gave beyond that.
+
+Sensitivities are asked of the recorded run, along directions d of parameters and initial states. A
+drive's table changes with its parameters by the imaginary parts of complex numbers, and states that
+begin where the mechanism says by those of its start (`starts`); the kernels do the rest
+(`kernels.sensitivities`).
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -90,7 +109,7 @@ def certify(
     drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
-    if not energy_error <= energy_limit:
+    if not energy_error <= energy_limit:  # NaN is above every limit
         problems.append(
             f"energy balance violated: relative error {number(energy_error, 2)},"
             f" allowed {number(energy_limit, 2)}"
@@ -178,10 +197,11 @@ def driving(
     found = []
     for contact in mechanism.contacts():
         own = law_of(contact.name, law)
-        if own is None or not _may_drive(own):
+        if own is None or not may_drive(own):
             continue
         several = bool(playback.model.contacts)
         taken = certificate.work[contact.name] if several else certificate.work_friction
+        # bristles give back what they took: only what goes beyond that has driven anything
         given = max(-taken, 0.0) if own.states else _driving_work(mechanism, contact, playback)
         if given > DRIVING_SHARE * abs(taken):
             where = f" at {contact.name}" if several else ""
@@ -194,7 +214,7 @@ def driving(
     return tuple(found)
 
 
-def _may_drive(law: FrictionLaw) -> bool:
+def may_drive(law: FrictionLaw) -> bool:
     """Whether friction may be along the slip; factors that would turn it end a run before."""
     if law.passivity is ALWAYS or law.composition is None:
         return law.passivity is not ALWAYS
@@ -223,6 +243,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over all energies and all work done."""
     (start, still), (end, at_rest) = _energies(playback, w)
+    # the run books works as it goes, by quadrature along its steps; energies are of states alone
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
     # of what falls freely, the sum of both energies may be rounding alone
@@ -241,16 +262,20 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
 def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     """Return the energies at the start of the first row and at the end of the last, and at rest."""
     rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
-    states = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.asarray(w[y : y + n])
+    # lists, as plain equations take them: of few numbers they are faster than arrays
+    start = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n].tolist()
+    states = start, [float(number) for number in w[y : y + n]]
     equations = Equations(playback.model, playback.inputs)
     coordinates = playback.runner.header[N_COORDINATES]
+    still = [0.0] * coordinates
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
-        equations.load(int(row[5]))
-        rest = state.copy()
-        rest[coordinates : 2 * coordinates] = 0.0
-        energies = [equations("energy", 0, int(row[4]), t, y.tolist())[0] for y in (state, rest)]
-        found.append([float(energy) for energy in energies])
+        if row[5] != equations.piece:
+            equations.load(int(row[5]))
+        moves = state[coordinates : 2 * coordinates] != still
+        rest = [*state[:coordinates], *still, *state[2 * coordinates :]]
+        own = [equations("energy", 0, int(row[4]), t, y)[0] for y in (state, rest)[: 1 + moves]]
+        found.append([float(own[0]), float(own[-1])])
     return found
 
 
@@ -339,12 +364,13 @@ def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
         return _contact_drift(playback, w)
-    (held,) = np.nonzero(np.abs(rows[:, 3]) != 1)
+    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()
     if not held.size:
         return 0.0
     coordinate = header[SLIP] - header[N_COORDINATES]
     places = playback.column(ROW_DENSE + 1 + coordinate, w[header[Y] + coordinate])
-    return float(np.abs(places[held + 1] - places[held]).max())
+    moved = places[held + 1] - places[held]
+    return float(np.abs(moved).max()) if np.count_nonzero(moved) else 0.0
 
 
 # Sensitivities of a run, from its record.

@@ -1,4 +1,18 @@
-"""Ensembles: parameters as arrays in, arrays of outputs out."""
+"""Ensembles: parameters as arrays in, arrays of outputs out.
+
+All runs have the same equations and differ in numbers.
+
+1. Values are checked: their ranges for all, and the objects that the extreme ones make.
+2. Rows are cut into chunks, of bounded memory, and of some work each where runs are known to take
+   long; a chunk is a task of the executor, or of a thread.
+3. A chunk has one vector of a run, with what all rows share; for each row its numbers are put into
+   their places (`kernels.batch`). Drives that vary have a schedule a row, others one for all.
+4. Of each run the kernels keep outputs, how it ended, and the evidence of a certificate; where no
+   room is left for steps or events, they come back, get more, and go on with that row.
+
+Rows do not depend on each other, and not on how they were cut: results are those of `simulate`, to
+the bit, on any number of threads.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -100,6 +114,8 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     runner = _runner(job)
     vector = runner.flat
     rows = len(next(iter(columns.values())))
+    # Without drives that vary, one schedule serves all rows. Parameters of drives have a dot more
+    # than those of the mechanism itself; so have laws by contact, which cost a schedule a row.
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
     along = directions_of(

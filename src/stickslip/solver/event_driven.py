@@ -1,4 +1,24 @@
-"""The event-driven solver: exact switching of stick and slip, and why a run could not go on."""
+"""The event-driven solver: exact switching of stick and slip, and why a run could not go on.
+
+A run, of `EventDriven`:
+
+1. Mechanism and law are traced to equations, once for each structure (`formulation`); what all runs
+   of the same objects have in common is kept (`_Pair`).
+2. Parameters, and the pieces of the drives, are put into vectors (`starts`).
+3. Kernels step from event to event in one of two tiers, which give the same bits (`run`,
+   `kernels.driver`), and write down steps and events.
+4. The record becomes a trajectory: a playback of its dense output, events in words, and a
+   certificate (`certify`).
+
+Where steps came out too small or too many, the cause is sought in the fastest motion: the
+eigenvalue l of largest size of the Jacobian J at the end of the run, by central differences, in the
+modes at hand or with all that is held slipping. With right and left vectors r and s, s r = 1, a
+parameter p enters its time scale 1 / |l| with the power
+
+    d ln(1 / |l|) / d ln p = -Re(s (p dJ/dp) r / l),
+
+and the parameters with the largest powers are named.
+"""
 
 import math
 from collections.abc import Sequence
@@ -34,10 +54,10 @@ from stickslip.kernels.state_layout import (
     TIME,
     Y,
 )
-from stickslip.mechanisms import MatrixMechanism, Mechanism
-from stickslip.quantities import Quantity, parameters
+from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
+from stickslip.quantities import Quantity, kept_by_identity, parameters, unchecked
 from stickslip.solver.backend import Playback, runner_of
-from stickslip.solver.certify import Sensing, certify, driving
+from stickslip.solver.certify import Sensing, certify, driving, may_drive
 from stickslip.solver.reducers import reasons
 from stickslip.solver.run import (
     Record,
@@ -45,10 +65,9 @@ from stickslip.solver.run import (
     Tier,
     column_units,
     execute,
-    name_of_only_contact,
     path_units,
 )
-from stickslip.solver.starts import Inputs, gather, within_stops
+from stickslip.solver.starts import Inputs, gather, inputs_of, numbers_of, within_stops
 from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
 # Why a run could not go on: its fastest motion, its drives, or its events.
@@ -131,12 +150,13 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
     """Return the fastest motion of the equations at the end of a run, in its modes or slipping."""
     rates = _Rates(model, record)
     found = _eigen(rates)
+    # what is held has no motion of its own; a step that lets it slip meets that of slipping
     rates.slip()
     slipping = _eigen(rates)
     if found is None or (slipping is not None and abs(slipping[0]) > abs(found[0])):
         found = slipping
     else:
-        rates = _Rates(model, record)
+        rates = _Rates(model, record)  # powers are of the modes in which the eigenvalue is
     if found is None:
         return None
     value, right, left = found
@@ -154,6 +174,8 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
 def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     """Return the largest eigenvalue with its right and left vector, whose product is 1."""
     rates.prepare()
+    # States have other units and sizes: scaled by these, differences lose as little of one as of
+    # another, and eigenvalues stay what they are.
     columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
     scaled = np.array(columns).T / rates.sizes[:, None]
     if not np.isfinite(scaled).all():
@@ -357,8 +379,8 @@ class EventDriven(Solver):
     tier: Tier = "auto"
     """``"python"`` runs at once; ``"compiled"`` compiles, which takes some seconds the first time
     on a machine and a tenth of a second for further equations, and is then a hundred times faster;
-    ``"auto"`` takes what this process has compiled already, and compiles once plain runs have taken
-    twice as long as that would."""
+    ``"auto"`` takes what this process or an earlier one has compiled already, and compiles once
+    plain runs have taken twice as long as that would."""
 
     @override
     def __post_init__(self) -> None:
@@ -393,12 +415,14 @@ class EventDriven(Solver):
                 " event-driven solution: run it with solver=FixedStep(...), or use the corrected"
                 f" law {law.corrected.__name__}."
             )
-        model = formulate(mechanism, law)
-        inputs, record = self._executed(mechanism, law, model, y0, t_end)
-        tolerance = self.tolerance_for(law)
-        run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end, told)
+        pair = _pair_of(mechanism, law)
+        inputs, tolerance = inputs_of(mechanism, pair.p, t_end), self.tolerance_for(law)
+        start = within_stops(mechanism, y0) if pair.bounded else y0
+        record = self._executed(pair.model, inputs, start, t_end, tolerance)
+        run = trajectory_of(mechanism, law, pair.model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
+        # errors that the tolerance controls fall with it, so that the difference is of their size
         half = max(0.5 * tolerance, TIGHTEST)
         finer = replace(self, tolerance=half, stiff_tolerance=None, estimate_error=False)
         other = finer.run(mechanism, law, y0=y0, t_end=t_end)
@@ -427,29 +451,68 @@ class EventDriven(Solver):
             Status, states and sensitivities of the run.
         """
         model = formulate(mechanism, law)
-        inputs, record = self._executed(mechanism, law, model, y0, t_end)
+        inputs, start = gather(mechanism, law, model, t_end), within_stops(mechanism, y0)
+        record = self._executed(model, inputs, start, t_end, self.tolerance_for(law))
         return bare_run(mechanism, law, model, inputs, record, t_end)
 
     def _executed(
         self,
-        mechanism: Mechanism,
-        law: FrictionLaw | Laws,
         model: Model,
+        inputs: Inputs,
         y0: Sequence[float],
         t_end: float,
-    ) -> tuple[Inputs, Record]:
-        """Return the numbers of a run, and what the kernels wrote down of it."""
-        inputs = gather(mechanism, law, model, t_end)
-        record = execute(
+        tolerance: float,
+    ) -> Record:
+        """Return what the kernels wrote down of a run."""
+        return execute(
             model,
             inputs,
-            within_stops(mechanism, y0),
+            y0,
             t_end=t_end,
-            tolerance=self.tolerance_for(law),
+            tolerance=tolerance,
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        return inputs, record
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """What all runs of a mechanism with a law have in common."""
+
+    model: Model
+    """Their equations."""
+    p: list[float]
+    """Parameters in the order of the model, not to be changed."""
+    names: tuple[str, ...]
+    """Columns of a run."""
+    units: dict[str, str]
+    """SI unit of each of them."""
+    contacts: tuple[str, ...]
+    """Names of the contacts; the only one may have none, ``""``."""
+    may_drive: bool
+    """Whether the friction of a law may be along the slip."""
+    bounded: bool
+    """Whether runs cannot begin anywhere: there are hard stops, or masses that may vanish."""
+    reasons: Sequence[str | None]
+    """Names of what happens, by their codes."""
+
+
+@kept_by_identity
+def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
+    """Return what the runs of a mechanism with a law have in common."""
+    model = formulate(mechanism, law)
+    contacts = tuple(contact.name for contact in mechanism.contacts())
+    names = (*model.states, *model.columns, *(() if model.contacts else ("mode",)))
+    return _Pair(
+        model,
+        numbers_of(mechanism, law, model),
+        names,
+        column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
+        contacts,
+        any(map(may_drive, dict(law.members).values() if isinstance(law, Laws) else [law])),
+        isinstance(mechanism, MatrixMechanism) or bool(stops_of(mechanism)),
+        reasons(model),
+    )
 
 
 @final
@@ -473,7 +536,9 @@ class BareRun:
     def events(self) -> tuple[Event, ...]:
         """Return what happened, in the order of time."""
         sensing = self.differentiate
-        return _events(sensing.mechanism, self.playback.model, sensing.record)
+        model, contacts = self.playback.model, sensing.mechanism.contacts()
+        names = model.contacts or tuple(contact.name for contact in contacts)
+        return _events(reasons(model), names, sensing.record)
 
 
 def bare_run(
@@ -518,7 +583,7 @@ def trajectory_of(
     told: Sequence[str] = (),
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
-    whole = record.whole
+    pair, whole = _pair_of(mechanism, law), record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
     status, cause = status_of(whole[STATUS], model), ""
     if status is Status.STEP_LIMIT:
@@ -527,15 +592,16 @@ def trajectory_of(
         cause = _cause_of_vanishing_mass(mechanism, playback)
         cause = cause or cause_of_small_steps(mechanism, law, model, inputs, record)
     certificate = certify(playback, record.w, whole, tolerance)
-    driven = driving(mechanism, law, playback, certificate)
-    certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
-    events = _events(mechanism, model, record)
-    if status is Status.ZENO:
+    driven = driving(mechanism, law, playback, certificate) if pair.may_drive else ()
+    if driven:
+        certificate = replace(certificate, warnings=(*certificate.warnings, *driven))
+    events = _events(pair.reasons, model.contacts or pair.contacts, record)
+    if status is Status.ZENO:  # whose cause is told by the events
         cause = cause_of_zeno(events, playback.span()[1])
     return Trajectory(
         t=playback.times(),
-        names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),
-        units=column_units(mechanism, _others(mechanism, model)),
+        names=pair.names,
+        units=dict(pair.units),
         events=events,
         status=status,
         cause=cause,
@@ -544,7 +610,7 @@ def trajectory_of(
         evaluate=playback,
         states=model.states,
         differentiate=Sensing(mechanism, law, inputs, record, t_end, tuple(told)),
-        only_contact=name_of_only_contact(mechanism),
+        only_contact=pair.contacts[0] if len(pair.contacts) == 1 else "",
     )
 
 
@@ -579,34 +645,24 @@ def _cause_of_vanishing_mass(mechanism: Mechanism, playback: Playback) -> str:
     )
 
 
-def _others(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
-    """Return the columns that are no coordinates and no rates."""
-    bristles = model.states[2 * len(mechanism.coordinates) :]
-    return (*bristles, *model.columns, *(() if model.contacts else ("mode",)))
-
-
 def _events(
-    mechanism: Mechanism,
-    model: Model,
-    record: Record,
+    names: Sequence[str | None], contacts: Sequence[str], record: Record
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
-    names = reasons(model)
-    contacts = model.contacts or tuple(contact.name for contact in mechanism.contacts())
-    events = []
-    whole = record.whole
+    events, whole = [], record.whole
     rows = np.asarray(record.events[: EVENT_COLUMNS * whole[EVENTS]]).tolist()
     for i in range(whole[EVENTS]):
         t, before, after, _, _, margin, contact = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
         reason = names[happened(rows, i, whole)]
         if reason is not None:
-            event = Event(
-                t=float(t),
+            event = unchecked(
+                Event,
+                t=t,
                 contact=contacts[int(contact)],
                 from_mode=int(before),
                 to_mode=int(after),
                 reason=reason,
-                margin=float(margin),
+                margin=margin,
             )
             events.append(event)
     return tuple(events)

@@ -32,7 +32,7 @@ from stickslip.solver.block_diagram import (
     SoftConstraint,
     limits_of,
 )
-from stickslip.solver.run import Solver, column_units, name_of_only_contact
+from stickslip.solver.run import Solver, column_units
 from stickslip.solver.starts import refuse_limits, within_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
@@ -358,7 +358,7 @@ def _trajectory(
     status: Status,
 ) -> Trajectory:
     """Wrap the samples; between them everything is joined by straight lines."""
-    names = diagram.columns
+    names, contacts = diagram.columns, mechanism.contacts()
     return Trajectory(
         t=rows[:, 0],
         names=names,
@@ -368,7 +368,7 @@ def _trajectory(
         certificate=_certificate(rows[:, 0], balances, diagram),
         span=(0.0, float(rows[-1, 0])),
         evaluate=_Lines(names, rows),
-        only_contact=name_of_only_contact(mechanism),
+        only_contact=contacts[0].name if len(contacts) == 1 else "",
         step_times=rows[:, 0],
         states=tuple(name for name in names if name.partition(":")[0] not in OF_CONTACTS),
     )

@@ -1,4 +1,15 @@
-"""Runs that go on stretch by stretch, because what drives them is given as late as it begins."""
+"""Runs that go on stretch by stretch, because what drives them is given as late as it begins.
+
+Kernels stop at the end of a stretch as at an end time, and go on from there with all that a run
+knows: mode, length of step, sizes for errors, works.
+
+1. One run has a table of the drives with a piece for each stretch, zeros at first. What a stretch
+   is told is added to its pieces, as a line in time. Steps and events of all stretches are one
+   record, and so one trajectory with one certificate.
+2. Nothing that is not told yet may be taken for rest: bounds of the drives are infinite.
+3. Many runs are kept as rows of what is needed between stretches alone; room for a run is there
+   once for each thread (`_Share`). Drives are constant in a stretch, and nothing is recorded.
+"""
 
 import itertools
 import math

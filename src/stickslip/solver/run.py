@@ -1,7 +1,17 @@
 """What a solver is, and a run: a model in one of the two tiers.
 
 The tiers are plain Python, at once, and machine code; both take the same vectors and give the same
-numbers, to the bit.
+numbers, to the bit. Which one a run takes, if it may choose (`Work.is_enough`):
+
+1. Machine code that this process has, or that files hold, is taken at once: to load it takes .02 s.
+2. What has to be compiled waits until plain runs have taken `PATIENCE` times as long as compiling
+   does, as one hires skis until that would have bought them: a run takes at most 1.5 times as long
+   as in plain Python then. Runs before count, of the same equations for these, and of all for the
+   kernels. One that is on its way asks every `STRETCH` steps and goes on in machine code.
+3. Kernels, which take seconds, are compiled by a process in the background; if there can be none,
+   by rule 2.
+
+Rows of steps and of events begin with some room, which is doubled where a run finds none.
 """
 
 import functools
@@ -122,22 +132,20 @@ def path_units(
     return units
 
 
-def name_of_only_contact(mechanism: Mechanism) -> str:
-    """Return the name of the contact where there is one; empty if there are several."""
-    contacts = mechanism.contacts()
-    return contacts[0].name if len(contacts) == 1 else ""
-
-
 # Runs a model in one of the two tiers: plain Python at once, or machine code.
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
-LOADING = 0.06
+LOADING = 0.02
 """Processor time to load kernels that an earlier process compiled [s, measured]."""
 EQUATIONS = 0.1
 """Processor time to compile the equations of a model [s, measured]."""
 PATIENCE = 2.0
-"""Time in plain Python over that of getting machine code, from which it is got."""
+"""Time in plain Python over that of compiling, from which machine code is compiled."""
+ASIDE = 0.12
+"""Time in plain Python from which a process in the background compiles the kernels [s]."""
+LOOKS = 0.02
+"""Time in plain Python after which files are looked at again [s]: that takes a hundredth of it."""
 STRETCH = 500
 """Steps in plain Python after which a run asks whether machine code would pay."""
 FIRST_ROWS = 64
@@ -156,6 +164,12 @@ class Work:
     """That of all models [s]."""
     pace: float = 0.0
     """Processor time of a run in the last chunk of an ensemble [s]; 0 if there was none."""
+    ready: bool = False
+    """Whether this process has machine code of the model, which then stays."""
+    kept: tuple[bool, bool] = False, False
+    """Whether there were files of the kernels and of the equations when they were looked for."""
+    next_look: float = 0.0
+    """What plain runs of the model have to take until files are looked at again [s]."""
 
     def add(self, seconds: float) -> None:
         """Count what a plain run has taken."""
@@ -163,28 +177,35 @@ class Work:
         Work.all_seconds += seconds
 
     def is_enough(self, own: float | None = None) -> bool:
-        """Whether machine code is here, or pays: plain runs have taken twice as long as getting it.
+        """Whether machine code is here or in files, or compiling it pays.
 
+        What files hold is loaded at once: that takes some hundredths of a second in a process.
+        What has to be compiled waits until plain runs have taken twice as long as compiling does.
         A run that begins counts those before it, of this model for its equations, and of all
         models for the kernels, which they share. One that is on its way counts its own time
-        alone. A run therefore takes at most 1.5 times as long as in plain Python, unless it is so
-        short that getting machine code takes longer than that by itself; and all together never
-        take more than that. What nobody has compiled yet is compiled by a process in the
-        background, and without one here once plain runs have taken twice as long.
+        alone. A run that waits for compiling therefore takes at most 1.5 times as long as in plain
+        Python, unless it is so short that compiling takes longer than that by itself; and all
+        together never take more than that. Kernels that nobody has compiled yet are compiled by a
+        process in the background, and without one here.
         """
+        if self.ready:
+            return True
+        code = code_of(self.model)
+        kernels, equations = KERNELS.is_ready(), code.is_ready()
+        self.ready = kernels and equations
+        if not self.ready and self.seconds >= self.next_look:
+            self.next_look = self.seconds + LOOKS
+            self.kept = KERNELS.is_kept(), code.is_kept()
+        kernels, equations = kernels or self.kept[0], equations or self.kept[1]
+        if kernels and equations:
+            return True
         shared, these = (Work.all_seconds, self.seconds) if own is None else (own, own)
-        code, cost = code_of(self.model), 0.0
-        if not KERNELS.is_ready():
-            if shared < PATIENCE * LOADING:
+        cost = 0.0 if KERNELS.is_ready() else LOADING
+        if not kernels:
+            if shared < ASIDE or compile_in_background(code):
                 return False
-            cost = LOADING
-            if not KERNELS.is_kept():
-                if compile_in_background(code):
-                    return False
-                cost = KERNELS.seconds
-        if shared < PATIENCE * cost:
-            return False
-        missing = 0.0 if code.is_ready() or code.is_kept() else EQUATIONS
+            cost = KERNELS.seconds
+        missing = 0.0 if equations else EQUATIONS
         return shared >= PATIENCE * (cost + missing) and these >= PATIENCE * missing
 
 
@@ -249,12 +270,14 @@ def execute(
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
     table, bounds = map(runner.flat, given)
-    # each piece of the drives takes a step at least; pages that no step reaches cost nothing
+    # Each piece of the drives takes a step at least: room for as many spares doubling a long log.
+    # Pages that no step reaches cost nothing.
     pieces = len(table) // (1 + 3 * header[N_DRIVES]) if runner.compiled else 0
     log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[ROW_COLUMNS])
     events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
     spent = 0.0
     while True:
+        # plain runs stop now and then to ask whether machine code would pay by now
         most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
         start = 0.0 if runner.compiled else thread_time()
         log, events = runner.run(
@@ -264,7 +287,7 @@ def execute(
             taken = thread_time() - start
             work.add(taken)
             spent += taken
-        if most >= limit or whole[STATUS] != STEP_LIMIT:
+        if most >= limit or whole[STATUS] != STEP_LIMIT:  # of the run, not of the stretch
             known = spent if tier == "auto" else None
             return Record(runner, log, events, w, np.asarray(whole).tolist(), known)
         if work.is_enough(spent):  # the rest in machine code, which gives the same bits

@@ -6,7 +6,7 @@ Everything is made for many runs at once, whose parameters are arrays; one run i
 import itertools
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from threading import RLock
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.drives import BEGINNING, Drive, Piece, Sum
+from stickslip.drives import BEGINNING, Drive, Piece, parts_of
 from stickslip.errors import InputError
 from stickslip.formatting import number
 from stickslip.formulation import PAINLEVE, Model, mass_fault, refuse_singular
@@ -222,11 +222,21 @@ def values_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, float]
 
 def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: float) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model."""
+    return inputs_of(mechanism, numbers_of(mechanism, law, model), t_end)
+
+
+def numbers_of(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> list[float]:
+    """Return the parameters of a mechanism and a law in the order of the model."""
     refuse_turned(mechanism, model)
     values = values_of(mechanism, law)
+    return [float(values[path]) for path in model.parameter_paths]
+
+
+def inputs_of(mechanism: Mechanism, p: list[float], t_end: float) -> Inputs:
+    """Return the numbers of a run whose parameters are known already."""
     plan = _alone(tuple(mechanism.drives().values()), t_end)
     return Inputs(
-        p=[float(values[path]) for path in model.parameter_paths],
+        p=p,
         table=plan.table[0],
         bounds=plan.bounds[0],
         time_scale=float(plan.time_scale[0]),
@@ -244,9 +254,9 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
 
     The same are the same objects: drives of one's own may be equal that do not do the same.
     """
-    key = (*(id(drive) for drive in drives), t_end)
+    key = (*map(id, drives), t_end)
     with _LOCK:
-        kept = _KEPT.pop(key, None)
+        kept = _KEPT.pop(key, None)  # and put back last, as the one that was used most lately
         if kept is None:
             plan = _scheduled(drives, 1, t_end)
             plan.table.setflags(write=False)
@@ -284,7 +294,7 @@ def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
             bounds=np.stack(smooth, axis=1) if smooth else np.zeros((count, 0)),
             time_scale=_time_scale(drives, count),
         )
-    tables = [[_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives]
+    tables = [[_columns(part.pieces(t_end), count) for part in parts_of(drive)] for drive in drives]
     starts = _starts([table[0] for parts in tables for table in parts], count)
     rows = [_merged(parts, starts) for parts in tables]
     return Schedule(
@@ -326,7 +336,9 @@ def schedule_slopes(
             own[path] = own.get(path, np.full(runs * m, values[path])) + 1j * IMAGINARY * side
     twin = shadow(mechanism, "mechanism", lambda path: own.get(path, values[path]))
     drives = list(twin.drives().values())
-    parts = [[_columns(part.pieces(t_end), runs * m) for part in _parts(drive)] for drive in drives]
+    parts = [
+        [_columns(part.pieces(t_end), runs * m) for part in parts_of(drive)] for drive in drives
+    ]
     if not any(np.iscomplexobj(table) for tables_of in parts for table in tables_of):
         return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive
     begins = np.repeat(tables.reshape(runs, -1, width)[:, :, 0], m, axis=0)
@@ -384,18 +396,9 @@ def _moved_starts(
     return starts, apart
 
 
-def _parts(drive: Drive) -> Iterator[Drive]:
-    """Yield the drives of which a sum is made."""
-    if isinstance(drive, Sum):
-        for part in drive.parts:
-            yield from _parts(part)
-    else:
-        yield drive
-
-
 def _has_pieces(drives: Iterable[Drive], t_end: float) -> bool:
     """Whether a part of a drive has linear pieces, as a sine has not."""
-    return any(part.pieces(t_end) for drive in drives for part in _parts(drive))
+    return any(part.pieces(t_end) for drive in drives for part in parts_of(drive))
 
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
@@ -464,6 +467,7 @@ def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Ar
     ends = np.concatenate([starts[:, 1:], np.full((count, 1), math.inf)], axis=1)
     for k, (drive, row) in enumerate(zip(drives, rows, strict=True)):
         value, slope = row[:, :, 0], row[:, :, 1]
+        # the last piece never ends: without the inner choice, slope 0 times infinity would be NaN
         last = np.where(slope == 0.0, value, value + slope * np.where(slope == 0, 0, ends - starts))
         smooth = [_smooth_bound(drive, side, count) for side in (0, 1)]
         for side, best in enumerate((np.minimum, np.maximum)):
@@ -474,7 +478,7 @@ def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Ar
 
 def _smooth_bound(drive: Drive, side: int, count: int) -> Array:
     return sum(
-        (np.broadcast_to(part.smooth_bound()[side], count) for part in _parts(drive)),
+        (np.broadcast_to(part.smooth_bound()[side], count) for part in parts_of(drive)),
         np.zeros(count),
     )
 
@@ -482,6 +486,6 @@ def _smooth_bound(drive: Drive, side: int, count: int) -> Array:
 def _time_scale(drives: Sequence[Drive], count: int) -> Array:
     scale = np.full(count, math.inf)
     for drive in drives:
-        for part in _parts(drive):
+        for part in parts_of(drive):
             scale = np.minimum(scale, np.asarray(part.time_scale(), dtype=np.float64))
     return scale

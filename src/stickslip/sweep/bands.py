@@ -1,4 +1,15 @@
-"""What the uncertainties of law and rig make of a motion: an ensemble, and a band of its runs."""
+"""What the uncertainties of law and rig make of a motion: an ensemble, and a band of its runs.
+
+1. Parameters of the law are drawn with the covariance of their estimates, or taken from laws that
+   were drawn; those of the mechanism from normal distributions, independent of the law and of each
+   other. Draws that the mechanism refuses are drawn again.
+2. Each draw is a run; states are kept at even times, at whole cycles of the drives, and at the
+   times asked for. Runs that end early are left out, and counted with their reasons.
+3. At each time the 2.5, 50 and 97.5 % quantiles of each state are the band; travels, mean
+   velocities and travels by cycle are quantiles of those of the runs, not of the band.
+
+Noise of sensors is not part of the band.
+"""
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
@@ -346,6 +357,7 @@ def draws_of(
     known = {path: quantity for path, quantity, _ in declared}
     spreads = {full_path(name, known): one for name, one in uncertainties.items()}
     random = np.random.default_rng([seed, 1])  # independent of the draws of the law
+    # drawn again where a mechanism refuses them: to cut them off at a bound would heap them there
     kept: list[dict[str, float]] = []
     tried = 0
     while len(kept) < count:

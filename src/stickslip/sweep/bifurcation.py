@@ -24,14 +24,13 @@ from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.executors import Inline, check_executor, spread
 from stickslip.formatting import number
 from stickslip.formulation import formulate
-from stickslip.friction import FrictionLaw, Laws, PrintedForm
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, BlockChain, Mechanism, TowedBlock, cycle_of, slip_among
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import (
     GivenFriction,
     beginning_pair,
-    check_pair,
     ensemble,
     event_driven_law,
     simulate,
@@ -375,9 +374,7 @@ def bifurcation(
     >>> found.period[:, 0]
     array([1, 1])
     """
-    found = check_pair(mechanism, law)
-    if isinstance(found, PrintedForm):
-        raise InputError(f"bifurcation runs with EventDriven only, which cannot solve {law!r}.")
+    found = event_driven_law(mechanism, law)
     check_executor(executor)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)

@@ -1,4 +1,19 @@
-"""Campaigns: runs without number, on any executor, whose results are a folder of Parquet files."""
+"""Campaigns: runs without number, on any executor, whose results are a folder of Parquet files.
+
+A campaign is cases times a design, whose row i is worked out when it is asked for, so that memory
+does not grow with the number of runs.
+
+1. Values of all runs are checked and each case is compiled before anything is written.
+2. Runs are cut into parts of equal length. A part is a task of the executor: an ensemble in one
+   thread, whose table becomes the bytes of a file there. It depends on the campaign and its number
+   alone, not on the executor.
+3. The process that began writes each file as a whole, and then a line with its hash, its size and
+   how its runs ended to a journal. What is not in the journal was not made.
+4. A manifest holds a hash of all that results depend on: cases, design, outputs, versions, and the
+   source of classes that are not ours. A folder with the same hash goes on with the parts that it
+   lacks; another one is refused.
+5. Once all parts are there, they stand in the manifest, and the journal goes.
+"""
 
 import contextlib
 import dataclasses
@@ -359,6 +374,7 @@ class Campaign(metaclass=Described):
             if not type(one).__module__.startswith("stickslip.")
         }
         code = sorted(f"{one.__qualname__} {_source(one)}" for one in own)
+        # arrays in full and to the last bit: shortened ones would be the same for other runs
         with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
             text = repr((self, versions, code))
         if " at 0x" in text:
@@ -452,7 +468,8 @@ class Campaign(metaclass=Described):
                 finished, _ = _made("", case, self, start, min(start + BLOCK, count))
                 rows, data = rows + finished.rows, data + finished.size
             seconds += (time.perf_counter() - begun) / rows * count
-            empty = _made("", case, self, 0, 1)[0].size  # what a file takes without its rows
+            # what a file takes without its rows counts once a file, and the rest once a run
+            empty = _made("", case, self, 0, 1)[0].size
             each = max(data - len(starts) * empty, 0) / max(rows - len(starts), 1)
             size += -(-count // self.part) * empty + each * count
         files = len(self.cases) * -(-count // self.part)
@@ -473,6 +490,7 @@ class Campaign(metaclass=Described):
         design = self.whole
         for case in self.cases:
             law = event_driven_law(case.mechanism, case.law)
+            # part by part, as values of a whole design need not fit into memory
             for start in range(0, len(design), PART):
                 rows = design.rows(start, start + PART)
                 try:
@@ -616,6 +634,7 @@ class _Ledger:
 
     def add(self, finished: _Finished, data: bytes) -> None:
         """Keep a file; it is there before it is listed."""
+        # the file first: what a line names is there, however the process ends
         write_file(self.folder / finished.file, data)
         self.known[finished.file] = finished
         self.rows += finished.rows

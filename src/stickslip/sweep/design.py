@@ -1,4 +1,21 @@
-"""Designs of campaigns, and sensitivity indices: how much of an output each factor explains."""
+"""Designs of campaigns, and sensitivity indices: how much of an output each factor explains.
+
+A design gives points of the unit cube, which each factor turns into values by the inverse of its
+distribution. Any rows are made without those before them: of a grid by division with remainder, of
+random numbers and of a scrambled Sobol sequence by going ahead to the first. Samples for indices
+are made as wholes.
+
+Indices of Sobol split the variance of y = f(x_1, ..., x_k):
+
+    S_i = Var(E[y | x_i]) / Var(y),      S_Ti = 1 - Var(E[y | all but x_i]) / Var(y),
+
+from the sample of Saltelli, k + 2 runs for each of n base points (Saltelli et al., Comput. Phys.
+Commun. 181, 2010). Those of Morris are means and spreads of elementary effects along trajectories
+of k + 1 runs (Morris, Technometrics 33, 1991; Campolongo et al., Environ. Model. Softw. 22, 2007).
+Shares of drawn parameters, of a band, are first-order indices from the runs as they are, by
+RBD-FAST (Tarantola et al., Reliab. Eng. Syst. Saf. 91, 2006), where no two of the parameters vary
+together. Indices are computed by SALib.
+"""
 
 import functools
 import itertools

@@ -1,4 +1,19 @@
-"""Mean velocity over grids of parameters."""
+"""Mean velocity over grids of parameters.
+
+A motion under drives that repeat themselves has a mean velocity over whole cycles,
+
+    V = (x(t_end) - x(t_end - n T)) / (n T).
+
+1. The axes are multiplied out; each row has the period T of its own drives.
+2. Rows whose periods are alike share an ensemble, and so an end, `settle` + n cycles of the longest
+   one; each has the mean of the rate over its own last n periods.
+3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
+4. A run that ends early has no mean, and the map says why.
+
+A band over many laws has the velocities of each, and errors of predictions beside them: quantiles
+of Student's t with four degrees of freedom, times a scale, are added to each law's velocity, and
+ends of the band are quantiles of all of that at each value.
+"""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
@@ -234,6 +249,7 @@ def average_velocity(
     columns = product(axes)
     periods = cycles_of(mechanism, columns, period)
     table, tally = _Table(len(periods)), Tally(len(periods), progress)
+    # an ensemble has one end: rows of short periods would run on for those of long ones
     for rows in near(periods, TOGETHER):
         if not tally.going:
             break
@@ -292,6 +308,7 @@ class VelocityBand(OnAxes, Tabular):
         return self._quantile(0.5 + 0.5 * self.level)
 
     def _quantile(self, share: float) -> Array:
+        # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
         return np.asarray(np.nanquantile(every, share, axis=0))
@@ -448,6 +465,7 @@ class _Table:
 
     def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
         """Keep the runs of an ensemble; those that ended early have no mean motion."""
+        # a run that ended early would have the mean of what it had by then
         whole = np.array([status.complete for status in runs.status])
         self.velocity[rows] = np.where(whole, runs["all"], np.nan)
         self.late[rows] = np.where(whole, runs["late"], np.nan)

@@ -1,6 +1,19 @@
 """A law on a mechanism against what was measured there: residuals, and whether they are expected.
 
 The law is not fitted to the measurement: it comes from elsewhere, with its uncertainty.
+
+1. The motion is predicted with the best values. Of positions the mean of the first residuals is
+   taken off, as their origin is arbitrary; nothing else is fitted.
+2. Motions with draws of the uncertain parameters (`bands.draws_of`) have a variance s^2 at each
+   sample. With noise of the sensor, as stated or as estimated from the residuals, each of them is a
+   measurement that could have been made.
+3. The size of residuals r is the root mean square of r / sqrt(s^2 + noise^2), of the measurement
+   and of each simulated one; of travels, the sum of squares with errors of reading for noise. The
+   share of simulated ones that are as large is a p-value (a parametric bootstrap).
+4. The measurement agrees if the share is at least 5 %, and does not below 1 %; between, it is said
+   not to be clear. Without draws nothing is decided.
+5. The shift of the times with which a record would fit best is told beside it: a trigger that is
+   late looks like other friction.
 """
 
 import math
@@ -606,6 +619,7 @@ def _record(
             executor=uncertain.executor,
         )
         others = seen["seen"][uncertain.lasted(seen)] - predicted
+        # what was measured has its origin taken off, and so must what could have been
         others -= origin(others)
         with_noise = others + uncertain.random.normal(0.0, noise, others.shape)
         with_noise -= origin(with_noise)
@@ -618,6 +632,7 @@ def _record(
             if stated is not None
             else np.array([noise_of(row, step) for row in with_noise])
         )
+        # where all draws agree, as at the start, nothing but this keeps rounding from counting
         variance = np.var(others, axis=0) + (1e-9 * float(np.ptp(values))) ** 2
         size = _rms((read - zero) / np.sqrt(variance + noise**2))
         sizes = np.sqrt(np.mean(with_noise**2 / (variance + noises[:, None] ** 2), axis=1))
@@ -690,6 +705,8 @@ def _shifted(
 
     most = FARTHEST * float(t[-1] - t[0])
     most = most if period is None else min(most, 0.5 * period)
+    # residuals over shifts have many minima where a motion repeats itself: the lowest is sought
+    # first, and refined then
     tried = np.linspace(-most, most, 81)
     best = int(np.argmin([size(one) for one in tried]))
     near = (float(tried[max(best - 1, 0)]), float(tried[min(best + 1, 80)]))
@@ -723,6 +740,7 @@ def _travels(
     ends: list[tuple[float | None, float | None]] = [(None, None)] * len(trials)
     as_large = None
     if others.size:
+        # the same draw in all trials: they share the law, and so their errors
         others = others[:, np.all(np.isfinite(others), axis=0)]
         if not others.size:
             raise SimulationError(f"no draw lasted in all trials. {' '.join(uncertain.reasons)}")

@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from typing_extensions import override
 
-from stickslip.drives import Drive, Piece, Profile, Sampled, Straight, Sum
+from stickslip.drives import Drive, Piece, Profile, Sampled, Straight, parts_of
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import unit_of_input, unit_on
 from stickslip.formulation import Model
@@ -490,20 +490,12 @@ def _made_before(mechanism: Mechanism, path: str, value: float) -> Any:
     twin = shadow(mechanism, "mechanism", own.__getitem__)
     try:
         return (
-            [[(one.time_scale(), list(one.pieces(1.0))) for one in _parts(drive)]
+            [[(one.time_scale(), list(one.pieces(1.0))) for one in parts_of(drive)]
              for drive in twin.drives().values()],
             dict(twin.start()),
         )  # fmt: skip
     except (ArithmeticError, ValueError, TypeError) as error:
         return repr(error)
-
-
-def _parts(drive: Drive) -> Iterator[Drive]:
-    if isinstance(drive, Sum):
-        for part in drive.parts:
-            yield from _parts(part)
-    else:
-        yield drive
 
 
 def _called(mechanism: Mechanism, drive: str) -> str:

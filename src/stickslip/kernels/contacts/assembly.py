@@ -1,8 +1,26 @@
 """Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
 
-For the coordinates f that are free, M_ff a_f = h_f - (W F)_f is solved by a Cholesky factor of
-M_ff; the others have a = 0 and their needed friction is what is left of their rows. A coordinate at
-its hard stop counts as held with an infinite level towards it.
+With coordinates q, mass matrix M(q), forces h(t, q, q') and friction F along the slips W,
+
+    M q'' = h - W F,        F_c = a_c + b_c N_c.
+
+Friction is affine in the load N, and so is a level of break-away. Each coordinate has a mode.
+
+1. A law is asked for the constant and the factor of its friction, of its levels and their slopes,
+   for the direction in which its contact slips or is about to (`ask_contact`).
+2. Of the coordinates f that are free, M_ff a_f = h_f - (W F)_f is solved by a Cholesky factor of
+   M_ff. One that is held is left out: its acceleration is 0 to the last bit, and its needed
+   friction is what is left of its row, r = h - W F - M a (`accelerate`). No matrix of the contacts
+   is ever inverted, so that none can be singular.
+3. Loads that are reactions of coordinates held at 0 follow from these rows. All is affine in them,
+   friction included: the rows are evaluated without reactions and at a unit of each, and as many
+   equations are solved. Their determinant over that without friction is PIVOT: where it vanishes,
+   the rigid body has no answer (Painleve's paradox) (`react`).
+4. Contacts that slip along the same coordinate share its mode, and their levels are added. What
+   holds them while they stick is one number, which they share in proportion to their levels: they
+   reach these together (`share`).
+
+A coordinate at its hard stop counts as held with an infinite level towards it.
 """
 
 import math
@@ -206,14 +224,6 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
 
 
 # Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
-#
-# Each coordinate has a mode. One that is held is left out of the equations: its acceleration is 0
-# to the last bit, and what friction has to do for that, the needed friction, is what is left of its
-# forces. No matrix of the contacts is ever inverted, so that none can be singular.
-#
-# Friction is affine in the load, F = a + b N, and so is a level of break-away. Contacts that slip
-# along the same coordinate share its mode. What holds them while they stick is one number, which
-# they share in proportion to their levels: they reach these together.
 
 WITHIN = 2e-15
 """Share of its level, nine units in the last place of 1, by which needed friction may exceed it, in

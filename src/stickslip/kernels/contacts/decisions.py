@@ -1,7 +1,36 @@
 """Decisions of several contacts at one instant: who sticks, who slips, and what impacts give.
 
-Both are problems of all contacts together, with the mass matrix of the mechanism: sticking is a
-boxed linear complementarity problem of accelerations, an impact a linear system of impulses.
+All coordinates at rest are decided together. With levels L in both directions, accelerations a,
+and the needed friction r, which is what is left of the forces less inertia,
+
+    held:    a_i = 0  and  -L_i- <= r_i <= L_i+
+    pushed:  friction is the level, and a_i does not point against the push.
+
+That is a boxed linear complementarity problem of accelerations. Its matrix is a principal part of
+the mass matrix, which is positive definite, so that it has exactly one solution.
+
+1. Those whose break-away has been reached slip; all others at rest begin as held.
+2. The problem is solved with static levels. Who is pushed and moves has broken away, and has its
+   kinetic friction from now on; it is solved again until nobody else breaks away. Friction passes
+   its static peak before it drops.
+3. If then somebody would move against its own friction, the problem with kinetic levels for all
+   decides.
+
+It is solved by block pivoting: all that violate their mode change it at once. Where that makes no
+progress, one changes at a time, the last of them, which ends for every matrix of this kind (Murty,
+Opsearch 11, 1974; together as Judice and Pires, Computers & Operations Research 21, 1994).
+
+Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
+the least of a convex function, in which each contact has its level times its slip acceleration.
+It is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who
+is held then, until no cut is exceeded.
+
+With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
+in which letting the worst violator slip at once, and then the next, gives another one are counted.
+
+Impacts at hard stops of one instant are a linear system of impulses: coordinates that strike have
+q'+ = -e q'-, those that rest at a stop and would move into it have q'+ = 0, and along all others
+the momentum M (q'+ - q'-) is 0. A stop that would have to pull gives no impulse.
 """
 
 import math
@@ -81,25 +110,6 @@ from stickslip.kernels.state_layout import (
     WALLS,
     Y,
 )
-
-# Who sticks and who slips: all coordinates at rest are decided together, at one instant.
-#
-# 1. Those whose break-away has been reached slip; all others at rest begin as held.
-# 2. A boxed linear complementarity problem with static levels: each is held within its level, or is
-#    pushed by its level and does not move against it. It has exactly one solution, for the mass
-#    matrix is positive definite. Who moves then has broken away, and has its kinetic friction from
-#    now on; the problem is solved again, until nobody else breaks away. Friction passes its static
-#    peak before it drops.
-# 3. If then somebody would move against its own friction, the same problem with kinetic levels for
-#    all decides, which has exactly one solution too.
-#
-# Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
-# the least of a convex function, in which each contact has its level times its slip acceleration.
-# It is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who
-# is held then, until no cut is exceeded.
-#
-# With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
-# in which to let the worst violator slip at once, and then the next, gives another one are counted.
 
 MOST_MOVES = 40
 """Moves of a descent, and as many for each direction and cut: the function that is descended falls

@@ -1,4 +1,24 @@
-"""Motion of several contacts in given modes: rates, work, rest, and the guards that end them."""
+"""Motion of several contacts in given modes: rates, work, rest, and the guards that end them.
+
+Rates of coordinates are what states say, 0 where they are held; accelerations and rates of bristles
+are those of `assembly`. Guards g stay at 0 or above while the modes hold:
+
+    slip:           s q'_i              (s the direction; closing slips and cuts of loops likewise)
+    held:           L_i+ - r_i  and  L_i- + r_i         (levels, needed friction)
+    each contact:   its load; margins of its law's switches, as far as it slips or has inputs
+    all:            margins of the mechanism's switches; PIVOT of the reactions, own limits;
+                    distances from hard stops
+
+Levels have an allowance for rounding, the same as in decisions, so that what a decision holds does
+not fall at once.
+
+Work is a quadrature over the part of a step that holds: of each contact F_c v_c, and of drives. In
+exact modes friction of a contact is a constant and a damping, F = F_0 + d (v - v_0), whose work is
+(F_0 - d v_0) times the slip and the integral of d v^2.
+
+A rest is final where all is held and no drive can move it. Needed friction is affine in the drives,
+so that it is largest at a corner of the box of what they may do from now on; all corners are tried.
+"""
 
 import math
 

@@ -1,8 +1,22 @@
 """Exact propagation of linear modes with several contacts: sparse Taylor series.
 
-Each term of the accelerations follows from the last by the slopes of the forces and the damping of
-slipping contacts, at the cost of their number. The needed friction of held coordinates is a series
-of its own: where nothing moves any more it still grows with the drives. Guards are polynomials.
+While modes hold, forces are h + S (q, q') + s_t t, with sparse constant slopes S, and slipping
+contacts damp by D. With q(t + x h) = sum of q_k x^k, x from 0 to 1, and so q', accelerations and
+needed friction r,
+
+    f_k     = S (q_k, q'_k) - D q'_k            (and h s_t where k = 1, or a power of a harmonic)
+    M a_k   = f_k along what is free,  r_k = f_k - M a_k along what is held
+    q_{k+1} = h q'_k / (k + 1),        q'_{k+1} = h a_k / (k + 1)
+
+at the cost of the slopes and contacts, not of a matrix of all states. The series ends after two
+terms in a row that vanish beside the largest one. The needed friction has a series of its own:
+where nothing moves any more it still grows with the drives. A step is judged by the tail of its
+series; it is as exact as numbers are.
+
+Guards are sums of these series, that is, polynomials in x (`first_contact_crossing`): one whose
+terms add up to less than its value cannot fall and is passed over; the first fall of others is
+found in Bernstein form, only up to just behind the earliest one that is known. What falls in the
+same instant, within rounding of the time, changes together.
 """
 
 import math

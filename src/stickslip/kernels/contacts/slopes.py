@@ -1,9 +1,21 @@
 """Derivatives of what holds at a state with several contacts, along one variable at a time.
 
-Variables are the states, time and, where the equations have them, the numbers of the drives and the
-parameters. The residual M a - h + W F of the equations of motion vanishes whatever they are, and so
-does its derivative: accelerations change by the solution of a system with the same mass matrix.
-Loads that are reactions change with them, as in `assembly.react`.
+Variables v are the states, time and, where the equations have them, the numbers of the drives and
+the parameters. The residual M a - h + W F of the equations of motion vanishes whatever they are,
+and so does its derivative,
+
+    M da = -d(M a - h)|_a - dW F - W dF,        dF = d(a_c + b_c N_c):
+
+accelerations change by the solution of a system with the same mass matrix, of the free coordinates
+alone (`respond`), and needed friction by what is left of held rows. Loads that are reactions change
+by the equations that give them, as in `assembly.react`: without and at a unit of each
+(`react_along`). Slopes of parts come sparse from the generated equations, column by column; those
+of laws along slip speed, load, inputs, bristles and parameters, by the chain rule (`law_slope`).
+
+Rates after an impact have slopes too. The changes c of the rates keep the momentum M c = 0 of all
+coordinates that no stop holds, so that M dc = -dM c along these, where dM c is the difference of
+the parts' slopes with c in place of a, and without. Along a stop that is struck the change is
+-(1 + e) q', whose slope is that of q' and of the restitution e (`impact_slopes_along`).
 """
 
 from stickslip.kernels.backend import Vector, Wholes

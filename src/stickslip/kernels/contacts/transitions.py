@@ -1,7 +1,20 @@
 """Events of a mechanism with several contacts, and its answers to the other kernels.
 
-All that fires in one instant is dealt with at once: impacts first, then stops of slips, break-away,
-loads and switches, until nothing changes any more.
+All that fires in one instant is dealt with at once (`change_contacts`):
+
+1. A limit ends the run.
+2. Every guard of a coordinate that falls in the same instant, within rounding of the time, has
+   fallen: what slips and is rigid stops, what bristles alone carry turns, and what is held and
+   reaches its level is forced to slip, unless its level vanished with its load.
+3. Then the guard that fell first: an impact changes the rates, a switch turns, a load opens or
+   closes its contact. Coordinates whose contacts are all open are free; one that has a closed
+   contact again is held if it rests.
+4. All that is held, or was stopped, is decided together (`decisions`).
+5. What changed is written down, an event a contact: impacts first, then modes, then switches that
+   an impact or a stop has turned. A run that stands beyond a limit now, or has lifted off, ends.
+
+A jump of drives at a new piece does the same without a guard (`settle_contacts`), and so does the
+start of a run, at which nothing has slipped before (`decide_start`).
 """
 
 from stickslip.kernels.backend import Vector, Wholes

@@ -1,1 +1,1 @@
-"""Machine code of kernels (by Numba) and of equations (by LLVM), kept on disk."""
+"""Machine code of kernels and of equations, made by LLVM and kept on disk."""

@@ -1,4 +1,15 @@
-"""The two tiers of a model: plain equations or machine code, compiled before anything waits."""
+"""The two tiers of a model: plain equations or machine code, compiled before anything waits.
+
+The plain tier executes the text of the equations, and calls the kernels as they stand. Arithmetic
+errors become NaN, as machine code has it. The compiled tier loads both from files, or compiles and
+keeps them. Either gives kernels, equations, and what works out several contacts, in the same form
+(`Tier`), once for each model in a process.
+
+Compiling is moved to where nobody waits for it: `warm_up` makes many pairs ready at once; and a
+process of low priority, which ends by itself, compiles kernels in the background
+(`compile_in_background`). It is told equations by stdin and finds our modules by the paths of this
+process. Where it cannot be begun, or has failed, whoever needs the code compiles it.
+"""
 
 import atexit
 import builtins

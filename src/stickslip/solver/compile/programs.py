@@ -1,4 +1,17 @@
-"""Programs that are compiled: the equations of a model, and the kernels that all models share."""
+"""Programs that are compiled: the equations of a model, and the kernels that all models share.
+
+Equations are text already, a function for each thing that kernels ask. They are translated together
+and called through one function, by number and address, so that kernels know no model.
+
+Kernels are translated from the modules of `stickslip.kernels` as they stand: from the entries all
+functions are followed that one of them names, and their annotations say what everything is. They
+are one file, compiled once on a machine. The name of a file is a hash of all that decides what is
+in it: program, numbers of functions, sources of the translation, version of llvmlite, and the
+processor; so no file is ever wrong, and an old one is never found.
+
+From Python a kernel is a C function. Arrays are checked, as a wrong one would be written over: each
+becomes the address of its numbers, and their count.
+"""
 
 import ast
 import ctypes
@@ -6,6 +19,7 @@ import functools
 import inspect
 import re
 import sys
+import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +33,7 @@ from stickslip import kernels
 from stickslip.errors import CompilationError
 from stickslip.formulation import Model
 from stickslip.kernels import backend, entries
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.equations import CALLED, LAW, LAW_MARGIN_SLOPES, LAW_MARGINS, LAW_SLOPES_OF
 from stickslip.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.solver.compile.translation import (
@@ -144,7 +159,7 @@ def code_of(model: Model) -> EquationsCode:
 # Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
 # entries reach; their annotations say what everything is.
 
-KINDS = {"Vector": VECTOR, "Wholes": WHOLES, "float": REAL, "int": WHOLE, "bool": TRUTH}
+KINDS: dict[Any, str] = {Vector: VECTOR, Wholes: WHOLES, float: REAL, int: WHOLE, bool: TRUTH}
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
@@ -251,26 +266,26 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
 @functools.cache
 def signature_of(function: FunctionType) -> Signature:
     """Return how a kernel is called, from its annotations."""
-    node = _definition(function)
+    # not from the source: to parse it takes longer than to load the machine code
+    kinds, code = function.__annotations__, function.__code__
     place = function.__module__.removeprefix(f"{kernels.__name__}.")
-    taken = tuple((a.arg, _kind(a.annotation, function)) for a in node.args.args)
-    return Signature(f"{place}.{function.__name__}", taken, _results(node.returns, function))
+    names = code.co_varnames[: code.co_argcount]
+    taken = tuple((name, _kind(kinds.get(name), function)) for name in names)
+    return Signature(f"{place}.{function.__name__}", taken, _results(function))
 
 
-def _results(node: ast.expr | None, function: FunctionType) -> tuple[str, ...]:
-    match node:
-        case ast.Constant(value=None):
-            return ()
-        case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=kinds)):
-            return tuple(_kind(kind, function) for kind in kinds)
-    return (_kind(node, function),)
+def _results(function: FunctionType) -> tuple[str, ...]:
+    returned: Any = function.__annotations__.get("return", "")
+    kinds = () if returned is None else (returned,)
+    if typing.get_origin(returned) is tuple:
+        kinds = typing.get_args(returned)
+    return tuple(_kind(kind, function) for kind in kinds)
 
 
-def _kind(node: ast.expr | None, function: FunctionType) -> str:
-    match node:
-        case ast.Name(id=name) if name in KINDS:
-            return KINDS[name]
-    shown = "nothing" if node is None else repr(ast.unparse(node))
+def _kind(annotation: object, function: FunctionType) -> str:
+    if annotation in KINDS:
+        return KINDS[annotation]
+    shown = repr(annotation) if annotation else "nothing"
     raise CompilationError(
         f"{function.__module__}.{function.__name__}: {shown} is no annotation that is compiled."
     )
@@ -297,23 +312,25 @@ def as_function(address: int, signature: Signature) -> Callable[..., Any]:
         types += [NUMBERS[kind]] if kind in NUMBERS else [ctypes.c_void_p, ctypes.c_int64]
     result = NUMBERS[signature.results[0]] if signature.results else None
     bare = ctypes.CFUNCTYPE(result, *types)(address)
-    arrays = [(i, ARRAYS[kind]) for i, kind in enumerate(kinds) if kind in ARRAYS]
+    wanted = [(name, ARRAYS.get(kind)) for name, kind in signature.parameters]
+    from_buffer, addressof = PLACE.from_buffer, ctypes.addressof
 
     def call(*arguments: Any) -> Any:
-        given: list[Any] = list(arguments)
-        for i, kind in reversed(arrays):
-            array = given[i]
+        given: list[Any] = []
+        for argument, (name, dtype) in zip(arguments, wanted, strict=True):
+            if dtype is None:
+                given.append(argument)
+                continue
             try:
-                place = PLACE.from_buffer(array)
-                fits = array.dtype == kind and array.ndim == 1
+                place = from_buffer(argument)
+                fits = argument.dtype == dtype and argument.ndim == 1
             except (TypeError, ValueError, BufferError):  # not writable, or with gaps
                 fits = False
             if not fits:
-                name = signature.parameters[i][0]
                 raise TypeError(
-                    f"{signature.symbol}: {name} must be a writable array of {kind} in one row."
+                    f"{signature.symbol}: {name} must be a writable array of {dtype} in one row."
                 )
-            given[i : i + 1] = ctypes.addressof(place), len(array)
+            given += addressof(place), len(argument)
         return bare(*given)
 
     return call
