@@ -758,16 +758,6 @@ def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], 
     memory, which takes less time to see than that two are equal. They are not kept alive. What is
     of another kind, or holds something that can be changed in place, is looked at each time.
 
-    Parameters
-    ----------
-    function : callable
-        Of two objects, such as a mechanism and a law; its value is not to be changed.
-
-    Returns
-    -------
-    callable
-        The same function.
-
     Examples
     --------
     >>> from stickslip import Coulomb
