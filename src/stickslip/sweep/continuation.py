@@ -8,7 +8,8 @@ Along a branch F(u) = 0, where stability plays no part:
 2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
    the two before show what it leaves. The step grows where few of them are needed, up to where the
    tangent turns by a given angle, is halved where they fail and quartered where they fail again.
-   Scales follow the states.
+   It must not lead across a gap to what is another part of the branch, or another one. Scales
+   follow the states.
 3. Events between two points, each located on the arc: by false position where the test function is
    smooth, else by bisection.
      fold             the tangent's component along p changes its sign
@@ -27,7 +28,8 @@ Along a branch F(u) = 0, where stability plays no part:
    ends there, and says why. So it does where it comes back to itself.
 5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
    corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
-   along the old tangent, so that the old branch is no solution.
+   along the old tangent, so that the old branch is no solution. It ends right
+   before the doubling, where both halves of its orbits become alike.
 
 Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test functions, doubling);
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
@@ -92,6 +94,9 @@ MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
+CLEAN, FIRST_SECTIONS, NARROWED = 1e-4, 6, 0.25
+"""Length of a step from which it must not lead across a gap, and after how many sections a gap that
+is no narrower than a share is one: that at grazing shrinks with the root of its part."""
 STEEP = 0.1
 """Cosine between a tangent and the direction of a step from which it is followed in the step."""
 HALVED, NEAR_HALVED = 1e-3, 5e-4
@@ -420,6 +425,7 @@ class _Curve:
         self.met: Callable[[Shot], int | None] = lambda _: None
         self.trails: list[list[Array]] = []
         self.halved: list[Shot] = []
+        self.beyond: list[Shot] = []
 
     # -- unknowns
 
@@ -575,9 +581,8 @@ class _Curve:
         while len(points) <= self.most:
             here = points[-1]
             u0 = self.unknowns(here.shot)
-            found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds), ds)
-            there = None if found is None else self.point(found[0], here.tangent)
-            if there is None or not self.is_next(here, there, u0, ds):
+            step = self.stepped(points, u0, ds)
+            if step is None:
                 ds, held = (0.25 if held else 0.5) * ds, True
                 if ds > LEAST_STEP:
                     continue
@@ -588,32 +593,59 @@ class _Curve:
                         sentence = "the branch ends there"
                         events.append(self.event(kind, here, len(points) - 1, sentence))
                     return points, reason, events
-                found, ds = None, 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
-            if float(here.half @ there.half) < 0.0 and _small(here, there):
-                return self.halves(points, there, u0, 0.0 if found is None else ds, events)
-            if found is None:
+                ds = 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
+            else:
+                there = step[0]
+            if _halves_meet(here, there):
+                return self.halves(points, there, u0, 0.0 if step is None else ds, events)
+            if step is None:
                 events.append(self.turned(here, there, len(points) - 1))
             else:
-                events += self.between(here, there, u0, ds, len(points) - 1)
+                events += self.between(here, there, u0, ds, len(points) - 1, step[2])
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
-            known = self.met(there.shot)
-            if known is not None:
-                at = quantity(there.shot.value, self.unit, 6)
-                return points, f"It meets branch {known} at {at}.", events
-            if len(points) > 3 and self.closes(first, here, there):
-                return points, "It closes.", events
-            if self.returns(there):
-                at = quantity(there.shot.value, self.unit, 6)
-                return points, f"It returns to itself at {at}.", events
+            ended = self.ended(first, points)
+            if ended:
+                return points, ended, events
             trail.append(self.unscaled(there.shot))
-            if found is not None and found[1] <= EASY and not held:
+            if step is not None and step[1] <= EASY and not held:
                 ds = min(GROWTH * ds, self.step)
             ds, held = min(ds, self.straight(points)), False
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
+
+    def stepped(
+        self, points: list[_Point], u0: Array, ds: float
+    ) -> tuple[_Point, int, _Part] | None:
+        """Return the point after a step, how many of Newton's steps it took, and the border.
+
+        None if the step must be shorter. What lies behind a gap is noted, as it may be a branch.
+        """
+        here = points[-1]
+        found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds), ds)
+        if found is None:
+            return None
+        there = self.point(found[0], here.tangent)
+        if not self.is_next(here, there, u0, ds):
+            return None
+        border = self.border(here, there, u0, ds)
+        if border is None:
+            self.beyond.append(there.shot)
+            return None
+        return there, found[1], border
+
+    def ended(self, first: _Point, points: list[_Point]) -> str:
+        """Return why a branch need not be followed beyond its last point; else nothing."""
+        here, there = points[-2:]
+        at = quantity(there.shot.value, self.unit, 6)
+        known = self.met(there.shot)
+        if known is not None:
+            return f"It meets branch {known} at {at}."
+        if len(points) > 3 and self.closes(first, here, there):
+            return "It closes."
+        return f"It returns to itself at {at}." if self.returns(there) else ""
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
         """Whether a corrected point lies on the same branch, near enough."""
@@ -622,6 +654,31 @@ class _Curve:
             return False
         same = here.signature == there.signature
         return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
+
+    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> _Part | None:
+        """Return the part of a step in which what happens changes; the step itself if nothing does.
+
+        None if there is no orbit somewhere between, or a gap: then the branch turns to and fro
+        between the points, or another one comes near, and the step must be shorter.
+        """
+        step = _Part(0.0, ds, here, there)
+        if here.signature == there.signature:
+            return step
+
+        def side(point: _Point) -> float:
+            return 1.0 if point.signature == here.signature else -1.0
+
+        def gap(part: _Part) -> float:
+            return float(np.linalg.norm(self.unknowns(part.b.shot) - self.unknowns(part.a.shot)))
+
+        near = self.located(step, u0, here.tangent, side, most=FIRST_SECTIONS)
+        if ds >= CLEAN and gap(near) > NARROWED * gap(step):
+            return None
+        near = self.located(near, u0, here.tangent, side)
+        if ds < CLEAN:
+            return near
+        located = near.high - near.low <= LEAST_STEP
+        return near if located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5) else None
 
     def halves(
         self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
@@ -642,7 +699,8 @@ class _Curve:
                 near, u0, here.tangent, lambda p: float(p.half @ along) - HALVED, NEAR_HALVED
             )
         if near.a is not here:
-            events += self.between(here, near.a, u0, near.low, len(points) - 1)
+            border = self.border(here, near.a, u0, near.low) or _Part(0.0, near.low, here, near.a)
+            events += self.between(here, near.a, u0, near.low, len(points) - 1, border)
             end = self.limit(here, near.a)
             if end is not None:
                 return self.cut(points, near.a, end, events)
@@ -832,15 +890,15 @@ class _Curve:
         pair = (there, here) if self.backward else (here, there)
         return _change(pair[0].signature, pair[1].signature)
 
-    def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
-        """Return the events between two points, each located."""
+    def between(
+        self, here: _Point, there: _Point, u0: Array, ds: float, index: int, border: _Part
+    ) -> list[Event]:
+        """Return the events between two points, each located; that of the border is."""
         found: list[tuple[float, Event]] = []
         parts = [_Part(0.0, ds, here, there)]
         if here.signature != there.signature:
             kind, sentence = self.change(here, there)
-            near = self.located(
-                parts[0], u0, here.tangent, lambda p: 1.0 if p.signature == here.signature else -1.0
-            )
+            near = border
             if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
                 sentence += TURNS_BACK
             sentence += self.jump(near.a, near.b)
@@ -882,6 +940,7 @@ class _Curve:
         normal: Array,
         test: Callable[[_Point], float],
         least: float | None = None,
+        most: int = MOST_SECTIONS,
     ) -> _Part:
         """Return the least part in which a test function changes its sign.
 
@@ -890,7 +949,7 @@ class _Curve:
         """
         low, high, a, b = part.low, part.high, part.a, part.b
         first, last, side = test(a), test(b), 0
-        for count in range(MOST_SECTIONS):
+        for count in range(most):
             if high - low <= LEAST_STEP:
                 break
             share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
@@ -953,10 +1012,12 @@ def units_of(map_: ReturnMap) -> dict[str, str]:
     return {name: known.get(f"initial.{name}", "1") for name in map_.states}
 
 
-def _small(here: _Point, there: _Point) -> bool:
-    """Whether the two halves of an orbit are alike in a step, as they are in a doubling."""
-    step = float(np.linalg.norm(there.half - here.half))
-    return float(np.linalg.norm(here.half)) < step
+def _halves_meet(here: _Point, there: _Point) -> bool:
+    """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
+    far = float(np.linalg.norm(here.half))
+    if far <= NEARBY or far > 2.0 * float(np.linalg.norm(there.half - here.half)):
+        return False
+    return float(here.half @ there.half) < ALIKE * far * far
 
 
 def _det_plus(point: _Point) -> float:

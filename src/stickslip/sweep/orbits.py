@@ -297,7 +297,7 @@ class ReturnMap:
         """Largest residual of an orbit, over the size of each state."""
         return max(CLOSED, 100.0 * self.solver.tolerance_for(self.law))
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the states that are solved for."""
         return tuple(self.states[i] for i in self.free)
@@ -345,7 +345,7 @@ class ReturnMap:
         if (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
         told = tuple(name for name in mechanism.start() if name not in self.names)
-        sense = replace(run.differentiate, told=told)
+        sense = replace(run.differentiate, told=told) if told else run.differentiate
         paths = [f"initial.{name}" for name in self.names]
         ends = np.array([period])
         kept = [*self.free, *self.moving]
