@@ -162,7 +162,8 @@ def run() -> Section:
             f"Rows without branches: sweeps of {FREQUENCIES} frequencies from 3 to 20 Hz, 100 to"
             f" 125 cycles each. Others: all branches from 2 to 20 Hz, and {RUNS} settled runs of"
             f" {SETTLE} cycles from random states, of which those that close within {MOST} cycles"
-            " must lie on a branch. Processor time of one core.",
+            f" must lie on a branch; those on none count if they close to {CLOSED:g} after"
+            f" {FURTHER:,} cycles more. Processor time of one core.",
         ),
         targets=(target, *(one for _, one in followed)),
     )
