@@ -325,6 +325,20 @@ def test_a_pendulum_doubles_its_period_where_the_literature_says():
         assert any("doubling" in end for end in branch.ends)
 
 
+def test_a_doubled_branch_reaches_its_doubling():
+    between = (1.04, 1.1)
+    branch = continue_orbit(periodic_orbit(PENDULUM, DAMPED), "amplitude", between)
+    event = next(e for e in branch.events if e.kind == "period doubling")
+    doubled = continue_orbit(event.orbit, "amplitude", between, doubled=True)
+    end = 0 if "doubling" in doubled.ends[0] else -1
+    # the distance of both halves is as the root of that from the doubling
+    assert doubled.values[end] == pytest.approx(event.value, rel=1e-5)
+    orbit = doubled.orbit(end if end == 0 else len(doubled.values) - 1)
+    half = orbit.run(1).at(np.array([orbit.period / 2]))["omega"][0]
+    size = np.abs(doubled.starts).max()
+    assert 1e-5 < abs(half - orbit.start["omega"]) / size < 5e-3
+
+
 def test_a_settled_run_lies_on_the_doubled_branch():
     between = (1.04, 1.1)
     branch = continue_orbit(periodic_orbit(PENDULUM, DAMPED), "amplitude", between)

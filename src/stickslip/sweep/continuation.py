@@ -8,7 +8,8 @@ Along a branch F(u) = 0, where stability plays no part:
 2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
    the two before show what it leaves. The step grows where few of them are needed, up to where the
    tangent turns by a given angle, is halved where they fail and quartered where they fail again.
-   Scales follow the states.
+   It must not lead across a gap to what is another part of the branch, or another one. Scales
+   follow the states.
 3. Events between two points, each located on the arc: by false position where the test function is
    smooth, else by bisection.
      fold             the tangent's component along p changes its sign
@@ -27,7 +28,8 @@ Along a branch F(u) = 0, where stability plays no part:
    ends there, and says why. So it does where it comes back to itself.
 5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
    corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
-   along the old tangent, so that the old branch is no solution.
+   along the old tangent, so that the old branch is no solution. It ends right
+   before the doubling, where both halves of its orbits become alike.
 
 Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test functions, doubling);
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
@@ -82,6 +84,9 @@ MOST_NEWTON = 6
 """Newton's steps of one correction."""
 TURN: Final = 0.9
 """Least cosine between tangents of neighbours, where the same happens in both."""
+WORSE, AGAIN = 2.0, 0.1
+"""Residual over the last one, and distance from the last start but one over that from the last, at
+which Newton's steps are given up."""
 ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
@@ -89,6 +94,14 @@ MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
+CLEAN, FIRST_SECTIONS, NARROWED = 1e-4, 6, 0.25
+"""Length of a step from which it must not lead across a gap, and after how many sections a gap that
+is no narrower than a share is one: that at grazing shrinks with the root of its part."""
+STEEP = 0.1
+"""Cosine between a tangent and the direction of a step from which it is followed in the step."""
+HALVED, NEAR_HALVED = 1e-3, 5e-4
+"""Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
+doubling, and how far from it that may be."""
 NEARBY = 1e-7
 """Residual, over the size of the states, below which the last step needs no run of its own."""
 OUTGROWN = 2.0
@@ -412,6 +425,7 @@ class _Curve:
         self.met: Callable[[Shot], int | None] = lambda _: None
         self.trails: list[list[Array]] = []
         self.halved: list[Shot] = []
+        self.beyond: list[Shot] = []
 
     # -- unknowns
 
@@ -469,29 +483,38 @@ class _Curve:
     def unscaled(self, shot: Shot) -> Array:
         return np.append(shot.y, shot.value)
 
-    def shoot(self, u: Array) -> Shot:
+    def shoot(self, u: Array, most: float = np.inf) -> Shot:
+        """Run from scaled unknowns; a residual of more than a size is a `SimulationError`."""
         self.runs += 1
         *y, value = (u * self.scale).tolist()
-        return self.map.shoot(np.array(y), value)
+        return self.map.shoot(np.array(y), value, most * self.scale[:-1])
 
     def correct(
-        self, u0: Array, normal: Array, distance: float, start: Array | None = None
+        self,
+        u0: Array,
+        normal: Array,
+        distance: float,
+        start: Array | None = None,
+        reach: float = np.inf,
     ) -> tuple[Shot, int] | None:
-        """Return the orbit with normal (u - u0) = distance near there, and the steps it took."""
+        """Return the orbit with normal (u - u0) = distance near there, and the steps it took.
+
+        None if there is none, or if Newton's steps lead farther than within reach.
+        """
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
-        before = last = np.inf
+        begun, before, last = u, np.inf, np.inf
+        tried = [u]
         for count in range(MOST_NEWTON + 1):
             try:
-                shot = self.shoot(u)
+                shot = self.shoot(u, WORSE * before)
             except (SimulationError, InputError):
                 return None
-            residual = shot.residual / self.scale[:-1]
-            error = float(np.abs(residual).max(initial=0.0))
             # what is left is judged by the size of the states in this orbit, as by `solved`
             if shot.error <= self.map.tolerance:
                 return shot, count
-            if count == MOST_NEWTON or error > 2.0 * before:
+            if count == MOST_NEWTON:
                 return None
+            residual = shot.residual / self.scale[:-1]
             lack = np.append(residual, float(normal @ (u - u0)) - distance)
             try:
                 u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
@@ -503,7 +526,13 @@ class _Curve:
             follows = shot.error * shot.error / last if count else np.inf
             if shot.error <= NEARBY and follows <= self.map.tolerance:
                 return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
-            before, last = error, shot.error
+            # on either side of a border Newton's step may lead to the other one, for ever
+            if count and np.linalg.norm(u - tried[-2]) <= AGAIN * np.linalg.norm(u - tried[-1]):
+                return None
+            if np.linalg.norm(u - begun) > reach:
+                return None
+            tried.append(u)
+            before, last = float(np.abs(residual).max(initial=0.0)), shot.error
         return None
 
     # -- the walk
@@ -552,9 +581,8 @@ class _Curve:
         while len(points) <= self.most:
             here = points[-1]
             u0 = self.unknowns(here.shot)
-            found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds))
-            there = None if found is None else self.point(found[0], here.tangent)
-            if there is None or not self.is_next(here, there, u0, ds):
+            step = self.stepped(points, u0, ds)
+            if step is None:
                 ds, held = (0.25 if held else 0.5) * ds, True
                 if ds > LEAST_STEP:
                     continue
@@ -565,36 +593,59 @@ class _Curve:
                         sentence = "the branch ends there"
                         events.append(self.event(kind, here, len(points) - 1, sentence))
                     return points, reason, events
-                found, ds = None, 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
+                ds = 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
+            else:
+                there = step[0]
+            if _halves_meet(here, there):
+                return self.halves(points, there, u0, 0.0 if step is None else ds, events)
+            if step is None:
                 events.append(self.turned(here, there, len(points) - 1))
             else:
-                events += self.between(here, there, u0, ds, len(points) - 1)
-            if float(here.half @ there.half) < 0.0 and _small(here, there):
-                self.halved.append(here.shot)
-                return (
-                    points,
-                    self.halves(here, there),
-                    [e for e in events if e.index < len(points) - 1],
-                )
+                events += self.between(here, there, u0, ds, len(points) - 1, step[2])
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
-            known = self.met(there.shot)
-            if known is not None:
-                at = quantity(there.shot.value, self.unit, 6)
-                return points, f"It meets branch {known} at {at}.", events
-            if len(points) > 3 and self.closes(first, here, there):
-                return points, "It closes.", events
-            if self.returns(there):
-                at = quantity(there.shot.value, self.unit, 6)
-                return points, f"It returns to itself at {at}.", events
+            ended = self.ended(first, points)
+            if ended:
+                return points, ended, events
             trail.append(self.unscaled(there.shot))
-            if found is not None and found[1] <= EASY and not held:
+            if step is not None and step[1] <= EASY and not held:
                 ds = min(GROWTH * ds, self.step)
             ds, held = min(ds, self.straight(points)), False
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
+
+    def stepped(
+        self, points: list[_Point], u0: Array, ds: float
+    ) -> tuple[_Point, int, _Part] | None:
+        """Return the point after a step, how many of Newton's steps it took, and the border.
+
+        None if the step must be shorter. What lies behind a gap is noted, as it may be a branch.
+        """
+        here = points[-1]
+        found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds), ds)
+        if found is None:
+            return None
+        there = self.point(found[0], here.tangent)
+        if not self.is_next(here, there, u0, ds):
+            return None
+        border = self.border(here, there, u0, ds)
+        if border is None:
+            self.beyond.append(there.shot)
+            return None
+        return there, found[1], border
+
+    def ended(self, first: _Point, points: list[_Point]) -> str:
+        """Return why a branch need not be followed beyond its last point; else nothing."""
+        here, there = points[-2:]
+        at = quantity(there.shot.value, self.unit, 6)
+        known = self.met(there.shot)
+        if known is not None:
+            return f"It meets branch {known} at {at}."
+        if len(points) > 3 and self.closes(first, here, there):
+            return "It closes."
+        return f"It returns to itself at {at}." if self.returns(there) else ""
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
         """Whether a corrected point lies on the same branch, near enough."""
@@ -604,16 +655,59 @@ class _Curve:
         same = here.signature == there.signature
         return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
 
-    def halves(self, here: _Point, there: _Point) -> str:
-        """Return the end of a branch in the period doubling from which it came.
+    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> _Part | None:
+        """Return the part of a step in which what happens changes; the step itself if nothing does.
+
+        None if there is no orbit somewhere between, or a gap: then the branch turns to and fro
+        between the points, or another one comes near, and the step must be shorter.
+        """
+        step = _Part(0.0, ds, here, there)
+        if here.signature == there.signature:
+            return step
+
+        def side(point: _Point) -> float:
+            return 1.0 if point.signature == here.signature else -1.0
+
+        def gap(part: _Part) -> float:
+            return float(np.linalg.norm(self.unknowns(part.b.shot) - self.unknowns(part.a.shot)))
+
+        near = self.located(step, u0, here.tangent, side, most=FIRST_SECTIONS)
+        if ds >= CLEAN and gap(near) > NARROWED * gap(step):
+            return None
+        near = self.located(near, u0, here.tangent, side)
+        if ds < CLEAN:
+            return near
+        located = near.high - near.low <= LEAST_STEP
+        return near if located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5) else None
+
+    def halves(
+        self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
+    ) -> tuple[list[_Point], str, list[Event]]:
+        """End a branch in the period doubling from which it came, right before it.
 
         Both halves of the orbit become the same there; behind are the same orbits, begun half a
-        period later.
+        period later. How far they are apart is smooth along the arc, and the parameter nearly its
+        square, so that what is left of the branch is too short for anything to happen in it. The
+        step is 0 where the doubling was stepped over.
         """
-        near, far = (float(np.linalg.norm(point.half)) for point in (here, there))
-        value = here.shot.value + near / (near + far) * (there.shot.value - here.shot.value)
-        half = self.map.cycles // 2
-        return f"It ends at {quantity(value, self.unit, 5)} in a doubling of period {half}."
+        here = points[-1]
+        far = float(np.linalg.norm(here.half))
+        along = here.half / far
+        near = _Part(0.0, ds, here, there)
+        if ds > 0.0 and far > HALVED:
+            near = self.located(
+                near, u0, here.tangent, lambda p: float(p.half @ along) - HALVED, NEAR_HALVED
+            )
+        if near.a is not here:
+            border = self.border(here, near.a, u0, near.low) or _Part(0.0, near.low, here, near.a)
+            events += self.between(here, near.a, u0, near.low, len(points) - 1, border)
+            end = self.limit(here, near.a)
+            if end is not None:
+                return self.cut(points, near.a, end, events)
+            points.append(near.a)
+        self.halved.append(near.a.shot)
+        value = quantity(near.a.shot.value, self.unit, 5)
+        return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
 
     def limit(self, here: _Point, there: _Point) -> float | None:
         """Return the end of the range that a step leaves behind, from within or from it."""
@@ -682,14 +776,24 @@ class _Curve:
         found += (ds - float(here.tangent @ (found - u0))) * here.tangent
         return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
 
-    def amid(self, part: _Part, share: float) -> Array:
-        """Return what is at a share of a part, by a cubic if the same happens at both ends."""
+    def amid(self, part: _Part, share: float, normal: Array) -> Array:
+        """Return what is at a share of a part: by a cubic if the same happens at both ends.
+
+        Else along the tangent from the end at which less happens, beyond which the other part of
+        the branch begins: what is more there may bend it without bound, as grazing does.
+        """
         a, b = self.unknowns(part.a.shot), self.unknowns(part.b.shot)
         found: Array = a + share * (b - a)
         if part.a.signature == part.b.signature:
             h, rest = float(np.linalg.norm(b - a)), 1.0 - share
             bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
-            found += share * rest * bends
+            return found + share * rest * bends
+        counts = [sum(n for _, _, n in point.signature) for point in (part.a, part.b)]
+        end, tangent = (a, part.a.tangent) if counts[0] < counts[1] else (b, part.b.tangent)
+        slope = float(normal @ tangent)
+        away = float(normal @ (found - end))
+        if abs(slope) > STEEP:
+            found = end + away / slope * tangent
         return found
 
     def straight(self, points: list[_Point]) -> float:
@@ -716,7 +820,7 @@ class _Curve:
             if signature_of(guess) == here.signature:
                 continue
             for normal in (self.null(guess), here.tangent):
-                found = self.correct(u0, normal, float(normal @ (start - u0)), start)
+                found = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
                 if found is None:
                     continue
                 off = self.unknowns(found[0]) - u0
@@ -786,15 +890,15 @@ class _Curve:
         pair = (there, here) if self.backward else (here, there)
         return _change(pair[0].signature, pair[1].signature)
 
-    def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
-        """Return the events between two points, each located."""
+    def between(
+        self, here: _Point, there: _Point, u0: Array, ds: float, index: int, border: _Part
+    ) -> list[Event]:
+        """Return the events between two points, each located; that of the border is."""
         found: list[tuple[float, Event]] = []
         parts = [_Part(0.0, ds, here, there)]
         if here.signature != there.signature:
             kind, sentence = self.change(here, there)
-            near = self.located(
-                parts[0], u0, here.tangent, lambda p: 1.0 if p.signature == here.signature else -1.0
-            )
+            near = border
             if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
                 sentence += TURNS_BACK
             sentence += self.jump(near.a, near.b)
@@ -803,8 +907,10 @@ class _Curve:
             parts = [_Part(0.0, near.low, here, near.a), _Part(near.high, ds, near.b, there)]
         for kind, sentence, test in TESTS:
             for part in parts:
-                if test(part.a) * test(part.b) < 0.0:
-                    near = self.located(part, u0, here.tangent, test, smooth=True)
+                ends = test(part.a), test(part.b)
+                if ends[0] * ends[1] < 0.0:
+                    least = ZERO * max(map(abs, ends))
+                    near = self.located(part, u0, here.tangent, test, least)
                     if near.a.signature == near.b.signature:
                         found.append((near.low, self.event(kind, near.a, index, sentence)))
         crossed = {event.kind for _, event in found}
@@ -833,23 +939,22 @@ class _Curve:
         u0: Array,
         normal: Array,
         test: Callable[[_Point], float],
-        *,
-        smooth: bool = False,
+        least: float | None = None,
+        most: int = MOST_SECTIONS,
     ) -> _Part:
         """Return the least part in which a test function changes its sign.
 
-        One that is smooth by the rule of false position, whose kept end counts half (Illinois);
-        any other by bisection.
+        One that is smooth, and for which a least value counts as 0, by the rule of false position,
+        whose kept end counts half (Illinois); any other by bisection.
         """
         low, high, a, b = part.low, part.high, part.a, part.b
-        first, last = test(a), test(b)
-        least, side = ZERO * max(abs(first), abs(last)), 0
-        for count in range(MOST_SECTIONS):
+        first, last, side = test(a), test(b), 0
+        for count in range(most):
             if high - low <= LEAST_STEP:
                 break
-            share = first / (first - last) if smooth and count < MOST_FALSE else 0.5
+            share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
             middle = low + share * (high - low)
-            start = self.amid(_Part(low, high, a, b), share)
+            start = self.amid(_Part(low, high, a, b), share, normal)
             found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
             if found is None:
                 break
@@ -861,7 +966,7 @@ class _Curve:
             else:
                 high, b, last, first = middle, point, value, first * (0.5 if side > 0 else 1.0)
                 side = 1
-            if smooth and abs(value) <= least and a.signature == b.signature:
+            if least is not None and abs(value) <= least and a.signature == b.signature:
                 return _Part(middle, middle, point, point)
         return _Part(low, high, a, b)
 
@@ -886,8 +991,8 @@ class _Curve:
         v /= float(np.linalg.norm(v))
         u0 = self.unknowns(shot)
         for off in OFF:
-            found = self.correct(u0, v, off)
-            if found is None or float(np.linalg.norm(self.unknowns(found[0]) - u0)) > 10.0 * off:
+            found = self.correct(u0, v, off, reach=10.0 * off)
+            if found is None:
                 continue
             try:
                 half = base.shoot(found[0].y, found[0].value)
@@ -907,10 +1012,12 @@ def units_of(map_: ReturnMap) -> dict[str, str]:
     return {name: known.get(f"initial.{name}", "1") for name in map_.states}
 
 
-def _small(here: _Point, there: _Point) -> bool:
-    """Whether the two halves of an orbit are alike in a step, as they are in a doubling."""
-    step = float(np.linalg.norm(there.half - here.half))
-    return float(np.linalg.norm(here.half)) < step
+def _halves_meet(here: _Point, there: _Point) -> bool:
+    """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
+    far = float(np.linalg.norm(here.half))
+    if far <= NEARBY or far > 2.0 * float(np.linalg.norm(there.half - here.half)):
+        return False
+    return float(here.half @ there.half) < ALIKE * far * far
 
 
 def _det_plus(point: _Point) -> float:

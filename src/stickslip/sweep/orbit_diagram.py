@@ -5,7 +5,8 @@
 2. A settled run that closes after at most the cycles asked for is solved for (`orbits`); if it lies
    on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
 3. At period doublings doubled branches begin.
-   Where a branch of twice the period ends in one, that of half the period is followed, too.
+   Where a branch of twice the period ends in one, that of half the period is followed, too; so is
+   what a step met behind a gap.
 4. Right behind each loss of stability a run settles from there, as in a sweep: what takes over is
    often not connected. Beside each end of a branch within the range runs settle from random states;
    so they do where no orbit is known that is stable, until it is or places are near each other:
@@ -85,8 +86,10 @@ EARLY, SOONER = 4, 100.0
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
+SOLVED = 1e-6
+"""The same of orbits that were solved for: near a doubling branches lie closer than transients."""
 SETTLED = 1e-7
-"""The same of an orbit that was solved for."""
+"""The same of points of one orbit."""
 NEAR_SAMPLES = 0.05
 """Distance within which a sample of a settled run may lie on a branch that is known: then it is
 compared after both were solved for at the same value."""
@@ -480,36 +483,39 @@ class _Search:
             found[f"initial.{name}"] = column
         return found
 
-    def is_known(self, closed: int, value: float, points: Array) -> bool:
+    def is_known(self, closed: int, value: float, points: Array, same: float = SAME) -> bool:
         """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
+        return self.known(closed, value, points, same) is not None
+
+    def known(self, closed: int, value: float, points: Array, same: float) -> int | None:
+        """Return the number of the branch on which an orbit lies, to within a distance.
+
+        What lies near the polygon of a branch is compared with the orbit of the branch at the same
+        value, unless the distance allowed is one of settled runs.
+        """
         scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        for branch in self.branches:
+        near = NEAR_SAMPLES
+        for index, branch in enumerate(self.branches):
             if branch.cycles != closed:
                 continue
             for guess in branch.crossings(value):
                 gaps = np.abs((guess - points) / scale).max(axis=1)
-                if gaps.min() > NEAR_SAMPLES:
+                if gaps.min() > near:
                     continue
-                if gaps.min() <= SAME:
-                    return True
+                if gaps.min() <= same:
+                    return index
                 try:
                     shot = solved(branch.map, guess, value)
                 except (SimulationError, InputError):
                     continue
-                if np.abs((shot.y - points) / scale).max(axis=1).min() <= SAME:
-                    return True
-        return False
+                if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
+                    return index
+        return None
 
     def met(self, shot: Shot) -> int | None:
-        """Return the number of the branch on which an orbit lies, by the polygon of its points."""
+        """Return the number of the branch on which an orbit lies."""
         cycles = round(shot.period / self.map.duration(shot.mechanism))
-        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        for number_, branch in enumerate(self.branches):
-            if branch.cycles == cycles:
-                gaps = np.abs((branch.crossings(shot.value) - shot.y) / scale).max(axis=1)
-                if gaps.min(initial=np.inf) <= SAME:
-                    return number_
-        return None
+        return self.known(cycles, shot.value, shot.y[None], SOLVED)
 
     def follow(self, closed: int, value: float, point: Array) -> None:
         """Follow the branch of a settled motion, and those that leave it by doubling."""
@@ -535,7 +541,7 @@ class _Search:
                 shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
             except (SimulationError, InputError):
                 return
-        if not self.is_known(least, shot.value, strobes[:least]):
+        if not self.is_known(least, shot.value, strobes[:least], SOLVED):
             self.followed(replace(self.map, cycles=least).orbit(shot), doubled=False)
 
     def followed(self, orbit: Orbit, *, doubled: bool) -> None:
@@ -552,7 +558,7 @@ class _Search:
             middle = len(branch.values) // 2
             value = float(branch.values[middle])
             shot = branch.map.shoot(branch.starts[middle], value)
-            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles)):
+            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles), SOLVED):
                 return
         self.branches.append(branch)
         self.lost += self.losses(branch)
@@ -563,6 +569,8 @@ class _Search:
             half = replace(self.map, cycles=branch.cycles // 2)
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
+        for shot in curve.beyond:
+            self.follow_shot(shot, branch.cycles)
 
     def strobes(self, shot: Shot, cycles: int) -> Array:
         """Return the free states of an orbit once a cycle."""

@@ -297,7 +297,7 @@ class ReturnMap:
         """Largest residual of an orbit, over the size of each state."""
         return max(CLOSED, 100.0 * self.solver.tolerance_for(self.law))
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the states that are solved for."""
         return tuple(self.states[i] for i in self.free)
@@ -321,10 +321,11 @@ class ReturnMap:
         """Return m T [s]."""
         return self.cycles * (cycle_of(mechanism) if self.period is None else self.period)
 
-    def shoot(self, y: Array, value: float = np.nan) -> Shot:
+    def shoot(self, y: Array, value: float = np.nan, most: Array | float = np.inf) -> Shot:
         """Run over the period from free states, and take all derivatives.
 
-        A run that ends early or has no derivative is a `SimulationError`.
+        A run that ends early or has no derivative is a `SimulationError`, as is one that leaves a
+        residual of more than is told.
         """
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
@@ -337,11 +338,16 @@ class ReturnMap:
         run = self.solver.bare(mechanism, law, y0=start, t_end=period)
         if not run.status.complete:
             raise SimulationError(run.status.value)
+        states = run.at(period * _SHARES)
+        end = states[SAMPLES - 1]
+        free, n = list(self.free), len(self.free)
+        residual = end[free] - y
+        if (np.abs(residual) > most).any():
+            raise SimulationError("a step has led farther from an orbit.")
         told = tuple(name for name in mechanism.start() if name not in self.names)
-        sense = replace(run.differentiate, told=told)
+        sense = replace(run.differentiate, told=told) if told else run.differentiate
         paths = [f"initial.{name}" for name in self.names]
         ends = np.array([period])
-        free, n = list(self.free), len(self.free)
         kept = [*self.free, *self.moving]
         found = sense(ends, paths if self.path is None else [*paths, self.path])[0][kept]
         if not np.isfinite(found).all():
@@ -349,8 +355,6 @@ class ReturnMap:
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
-        states = run.at(period * _SHARES)
-        end = states[SAMPLES - 1]
         slope = np.zeros(len(kept))
         if self.path is not None:
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
@@ -363,7 +367,7 @@ class ReturnMap:
             mechanism=mechanism,
             law=law,
             period=period,
-            residual=end[free] - y,
+            residual=residual,
             monodromy=found[:n, :n],
             slope=slope[:n],
             rise=np.column_stack([found[n:, :n], slope[n:]]),
