@@ -116,7 +116,7 @@ def stub(package: str) -> str:
     needed = {(m, n, alias) for one in built for alias, (m, n) in one.imports.items()}
     lines = [
         "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
-        *(["from dataclasses import dataclass", "from typing import final", ""] if built else []),
+        *(["from dataclasses import dataclass", ""] if built else []),
     ]
     lines += sorted(
         [
@@ -217,7 +217,6 @@ class Declaration:
 
     def __init__(self, kind: type, made: Sequence[type]) -> None:
         self.name = kind.__name__
-        self.is_final = getattr(kind, "__final__", False)
         self.base = f"_{self.name}"
         self.imports = {self.base: (kind.__module__, self.name)}
         self.attributes = []
@@ -252,7 +251,7 @@ class Declaration:
             yield f"{field.name}: {text}{default_of(field)}"
 
     def _methods(self, kind: type) -> Iterator[str]:
-        """Yield the class methods that make an object: of a final class, `Self` is the class."""
+        """Yield the class methods that make an object."""
         (tree,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
         assert isinstance(tree, ast.ClassDef)
         for node in tree.body:
@@ -298,12 +297,8 @@ class Declaration:
 
     def lines(self) -> Iterator[str]:
         """Yield the declaration of a subclass with the constructor."""
-        if self.is_final:
-            yield "@final"
         yield "@dataclass(frozen=True, kw_only=True, init=False)"
-        final_base = self.is_final and self.base == f"_{self.name}"
-        ignored = "  # type: ignore[misc]  # final but for this" if final_base else ""
-        yield f"class {self.name}({self.base}):{ignored}"
+        yield f"class {self.name}({self.base}):"
         yield from (f"    {one}" for one in self.attributes)
         yield "    def __init__("
         yield "        self,"

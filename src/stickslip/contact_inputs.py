@@ -4,13 +4,11 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import final
 
 from stickslip.errors import UnknownNameError
 from stickslip.quantities import Quantity, turned
 
 
-@final
 @dataclasses.dataclass(frozen=True)
 class ContactInput:
     """Something that friction may depend on, and that a mechanism or a record can tell."""

@@ -7,7 +7,7 @@ symbol (anything whose class has `__maths__`) an expression.
 import math
 from collections.abc import Iterable
 from contextvars import ContextVar
-from typing import Any, Protocol, TypeAlias, TypeGuard, final, runtime_checkable
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from stickslip.errors import InputError
 
@@ -210,7 +210,6 @@ def latched(margin: Scalar, hold: Scalar, yes: Scalar, no: Scalar) -> Scalar:
     return where(flags.on(margin, hold), yes, no)
 
 
-@final
 class Latches:
     """Which latched switches of an equation are on, while it is evaluated with numbers.
 

@@ -64,8 +64,7 @@ def test_every_class_is_a_frozen_keyword_only_dataclass(kind):
 
 
 @for_all(ALL)
-def test_every_class_is_final_and_has_a_docstring_of_its_own(kind):
-    assert kind.__final__
+def test_every_class_has_a_docstring_of_its_own(kind):
     assert (kind.__doc__ or "").strip()
     assert not kind.__doc__.startswith(f"{kind.__name__}(")  # what dataclasses write by themselves
 

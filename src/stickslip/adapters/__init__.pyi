@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from stickslip.adapters.control_systems import DescribingFunction as DescribingFunction
 from stickslip.adapters.control_systems import to_describing_function as to_describing_function
@@ -19,9 +18,8 @@ from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given
 from stickslip.solver import EventDriven as _EventDriven
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class MotorTask(_MotorTask):  # type: ignore[misc]  # final but for this
+class MotorTask(_MotorTask):
     def __init__(
         self,
         *,

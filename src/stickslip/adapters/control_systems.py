@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Mapping
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,7 +225,6 @@ def to_nonlinear_system(
     )
 
 
-@final
 class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignore[misc]
     """Friction over velocity as a nonlinearity of python-control, with its describing function.
 

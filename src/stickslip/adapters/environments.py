@@ -1,7 +1,7 @@
 """Environments of Gymnasium: one mechanism whose motor acts, or many that step together."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,6 @@ def _given(options: Mapping[str, Any] | None) -> Mapping[str, float] | None:
     return state
 
 
-@final
 class MotorEnvironment(gymnasium.Env[Array, Array]):
     """A mechanism whose motor acts, as an environment; `MotorTask` says what is seen and rewarded.
 
@@ -184,7 +183,6 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         return picture_of(run, self._steps.tasks[0].driven(self._actions), now, size=PICTURE)
 
 
-@final
 class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
     """Many mechanisms of one task, which step in one call of machine code.
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +67,6 @@ INACTIVE = 1.0
 """Value of a guard that the mode does not have."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModeSolution(metaclass=Described):
     """What `ModeProblem.solve` has found: the steps of SciPy, mode after mode."""
@@ -130,7 +129,6 @@ class ModeSolution(metaclass=Described):
         )
 
 
-@final
 class ModeProblem:
     """Right-hand side and terminal events of the modes at hand, as `solve_ivp` takes them.
 

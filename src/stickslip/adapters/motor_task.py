@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Protocol, cast, final
+from typing import Annotated, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,6 @@ SOLVER = EventDriven(tolerance=1e-9)
 """Of tasks that name none: looser tolerances save no time, since periods are single steps."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class MotorTask(Parametrised):
     """A mechanism that its motor is to move far with little energy.
@@ -277,7 +276,6 @@ def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dic
     return found
 
 
-@final
 class Steps:
     """Mechanisms of one task that step together, each with a law and parameters that it draws.
 

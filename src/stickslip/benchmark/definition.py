@@ -8,7 +8,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, final
+from typing import Any, NamedTuple
 
 import numpy as np
 from typing_extensions import override
@@ -86,7 +86,6 @@ class Metric(ABC, metaclass=Described):
         """
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PositionError(Metric):
     """Root mean square of the position in simulated segments, each from its own fitted state.
@@ -118,7 +117,6 @@ class PositionError(Metric):
         return _of_blocks([rms**2 for rms in score.blocks])
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ForceError(Metric):
     """Relative error of the force along the measured motion; of several joints the mean of squares.
@@ -150,7 +148,6 @@ class ForceError(Metric):
         return _of_blocks([len(squares) * sum(one) for one in squares.values()])
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CoefficientError(Metric):
     """Root mean square error of the coefficient of friction from a time on, run from the start.
@@ -173,7 +170,6 @@ class CoefficientError(Metric):
         return Error(fit.judged(record, since=self.since))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FeatureError(Metric):
     """Root mean square of the relative errors of frequency, mean and standard deviation.
@@ -195,7 +191,6 @@ class FeatureError(Metric):
         return Error(float(np.sqrt(np.mean(np.square(found)))))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ClosedLoop(Metric):
     """Mean absolute error of the angle of a servo, simulated in closed loop over whole records.
@@ -263,7 +258,6 @@ def _looped(motor: DCMotor, record: Measurement) -> DCMotor:
 # A task: which parts of a record are fitted and which judge, by what, and what was published.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Published(metaclass=Described):
     """A result that others printed, on a split of their own.
@@ -282,7 +276,6 @@ class Published(metaclass=Described):
     """Where it is printed."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Task(metaclass=Described):
     """A question to a record: fit on one part, predict the other.

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, cast, final
+from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,6 @@ class Found(NamedTuple):
     """What it was given, and what its intervals hold."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Peer(metaclass=Described):
     """Another library.
@@ -83,7 +82,6 @@ class Peer(metaclass=Described):
     """Fits a record; the unknowns are those of a fit of stickslip."""
 
 
-@final
 @dataclass(frozen=True)
 class Samples:
     """Rows of a regression: one for each joint and time."""
@@ -186,7 +184,6 @@ def _filtered(table: Array, cutoff: float, dt: float) -> Array:
     return np.asarray(sosfiltfilt(butter(ORDER, cutoff, fs=1.0 / dt, output="sos"), table, axis=0))
 
 
-@final
 class Regression:
     """The force of samples as a function of the unknowns of a fit, as its optimiser sees them."""
 

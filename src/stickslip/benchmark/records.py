@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, final
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -413,7 +413,6 @@ RIG = Pendulum(
 )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Log:
     """One file of the servo, on an even grid."""

@@ -15,7 +15,7 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final
 
 from typing_extensions import override
 
@@ -66,7 +66,6 @@ PLAIN: Final = "coulomb-viscous"
 """The law whose fit alone is timed, beside that of the peers."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Row(metaclass=Described):
     """A law that a tool fitted, and how it was judged.
@@ -101,7 +100,6 @@ class Row(metaclass=Described):
     """Why there is no result; empty if there is one."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Results(Tabular):
     """The rows of a folder."""

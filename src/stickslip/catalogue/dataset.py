@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, final
+from typing import Any, Literal
 from urllib.parse import quote
 
 import platformdirs
@@ -149,7 +149,6 @@ def _reason(error: Exception) -> str:
     return str(getattr(error, "strerror", None) or error).rstrip(".")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Column(metaclass=Described):
     """A column of a tidy table, and where its numbers come from.
@@ -176,7 +175,6 @@ class Column(metaclass=Described):
     """Factor from the upstream number to the column."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DataFile(metaclass=Described):
     """A table of a record, and the upstream file it is converted from.
@@ -266,7 +264,6 @@ def _text(path: Path) -> dict[str, Any]:
 _READERS = {"mat": _matlab, "tsv": _text}
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Dataset(metaclass=Described):
     """A record of the catalogue.

@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from collections.abc import Mapping as _Mapping
 from stickslip.characterization.battery import Characterization as Characterization
@@ -25,9 +24,8 @@ from stickslip.characterization.stick_slip_tests import StickSlipMap as StickSli
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.quantities import Given as _Given
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Bench(_Bench):  # type: ignore[misc]  # final but for this
+class Bench(_Bench):
     def __init__(
         self,
         *,

@@ -5,7 +5,7 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Final, TypeAlias, final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from typing_extensions import override
@@ -70,7 +70,6 @@ ROLES = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity", "bris
 LOAD = Quantity("N", "N", above=0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Characterization(InPanels):
     """What the battery says of a law; a test that was not made, or could not be, is None."""

@@ -115,7 +115,6 @@ ACCURATE = 1e-11
 """Error of a step of deflections, over their own size and over the presliding length."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class PreslidingLoop(OnAxes, Tabular):
     """Friction along an imposed displacement that swings ever wider."""
@@ -232,7 +231,6 @@ NEAR = 1e-9
 """Share of the presliding length at which states begin: some laws switch at exactly 0."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Bench(Parametrised):
     """A law with the sizes that its tests take their settings from."""
@@ -364,7 +362,6 @@ class Bench(Parametrised):
         return dict.fromkeys(self.law.states, share * self.reach)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class GuidedContact(Mechanism):
     """A contact pushed along a prescribed path by a stiff load cell."""

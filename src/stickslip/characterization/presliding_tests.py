@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, final
+from typing import ClassVar, Literal
 
 import numpy as np
 from typing_extensions import override
@@ -34,7 +34,6 @@ GONE = 20.0
 """Presliding lengths that a body slides before it rests, and after."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class BreakAway(Characteristic):
     """Peaks of friction as a body breaks away."""
@@ -188,7 +187,6 @@ STILL = 1e-3
 """Drift over the presliding length that counts as none."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Drift(Characteristic):
     """The motion of a body under a force that swings and never reaches break-away."""
@@ -268,7 +266,6 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Creep(Characteristic):
     """The speed of a body under a constant force below the level of sliding."""
@@ -392,7 +389,6 @@ MEMORY_KEPT = 1e-3
 """Change of the force after a closed inner loop, over break-away, from which it is one."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Presliding(Characteristic):
     """Friction along a slow path to and fro, with a closed inner loop."""

@@ -7,7 +7,7 @@ goes on around those in which friction takes the least energy.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar
 
 import numpy as np
 from typing_extensions import override
@@ -34,7 +34,6 @@ ROUNDING = 1e-9
 """Share of the force by which it has to fall, or to rise, to depend on speed."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SteadyCurve(Characteristic):
     """The steady curve of a law."""
@@ -137,7 +136,6 @@ NOTHING = 1e-3
 """Width over the force that counts as none."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Lag(Characteristic):
     """Loops of friction against a velocity that swings and does not change its sign."""
@@ -265,7 +263,6 @@ SMALL = 1e-6
 """Energy of a cycle over break-away times presliding length that counts as none."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Passivity(Characteristic):
     """The least energy that a search found a cycle of motion to take."""

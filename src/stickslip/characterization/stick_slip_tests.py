@@ -7,7 +7,7 @@ static level above a constant sliding level.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,6 @@ SLOPE_STEP = 1e-6
 """Share of their sizes by which states are moved for slopes."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class StickSlipMap(Characteristic):
     """Amplitudes of stick-slip over belt speed and stiffness, with the boundary."""
@@ -338,7 +337,6 @@ TOLERANCE = 0.1
 """Spread of cycles that are alike: they are long, and few in a run."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Hunting(Characteristic):
     """The motion of an axis that a PID controller moves to a target."""
@@ -426,7 +424,6 @@ EASY = 1e3
 """Rate that fixed steps of milliseconds follow [1/s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Cost(Characteristic):
     """Steps of a run to and fro, and the fastest rates of the equations."""

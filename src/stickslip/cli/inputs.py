@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeAlias, TypeVar, final
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
 from stickslip.cli.options import EstimationOptions, LawOptions, ParameterOptions
@@ -89,7 +89,6 @@ class _Chosen(Generic[Carried]):
         return self.carried.remarks
 
 
-@final
 class ChosenLaw(_Chosen[CarriedLaw]):
     """A law and how well it is known."""
 
@@ -103,7 +102,6 @@ class ChosenLaw(_Chosen[CarriedLaw]):
         return {"law": self.law.name, **_file_content(self.source, self.remarks)}
 
 
-@final
 class ChosenLaws(_Chosen[CarriedLaws]):
     """Laws by contact and how well they are known."""
 

@@ -3,7 +3,7 @@
 import shlex
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any, final
+from typing import Annotated, Any
 
 import typer
 
@@ -397,7 +397,6 @@ Resume = Annotated[
 ]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LawOptions:
     """Which law, and the load that its levels refer to."""
@@ -406,7 +405,6 @@ class LawOptions:
     load: LawLoad = None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ReadingOptions:
     """How the files of a measurement are read."""
@@ -419,7 +417,6 @@ class ReadingOptions:
     motor_constant: MotorConstant = None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ParameterOptions:
     """What is fitted, and on what it is tried."""
@@ -429,7 +426,6 @@ class ParameterOptions:
     fixed: Fixed = None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class EstimationOptions:
     """How parameters are estimated."""
@@ -452,7 +448,6 @@ class EstimationOptions:
         return {name: value for name, value in given.items() if value is not None}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
     """What to run and how."""
@@ -556,7 +551,6 @@ class RunOptions:
         return self.fixed_step is None and self.program is None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ExportOptions:
     """The law to export, and its use."""
@@ -620,7 +614,6 @@ class ExportOptions:
     t_end: EndTime = None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ApplyOptions:
     """The laws to apply, and their joints."""
@@ -706,7 +699,6 @@ class ApplyOptions:
     ] = None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class AnimationOptions:
     """What the animation looks like."""
@@ -724,7 +716,6 @@ class AnimationOptions:
     ] = 72.0
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ProfileOptions:
     """What motion to look for and how."""

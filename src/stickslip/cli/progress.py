@@ -13,7 +13,7 @@ from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from threading import Thread
 from types import FrameType
-from typing import Any, ClassVar, Final, Self, final
+from typing import Any, ClassVar, Final, Self
 
 from rich.progress import (
     BarColumn,
@@ -36,7 +36,6 @@ BEST = "Stopping with the best fit so far; press Ctrl-C again to cancel."
 """What is said where the first interrupt ends a search."""
 
 
-@final
 class Interrupts:
     """Within a `with`, the first interrupt is only noted; the second is an interrupt as ever."""
 
@@ -162,7 +161,6 @@ class _Shown:
             self._bars.stop()
 
 
-@final
 class Compiling(_Shown):
     """A bar that is there while code is compiled; callable as ``report(done, total, what)``."""
 
@@ -182,7 +180,6 @@ class Compiling(_Shown):
             self._task = None
 
 
-@final
 class Drawing(_Shown):
     """A bar that counts what is drawn or run; callable as ``report(done, total)``.
 
@@ -255,7 +252,6 @@ class _ByLaw(_Shown):
         return f", about {_time_text(left)} left at most" if own < longest else ""
 
 
-@final
 class Watching(_ByLaw):
     """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``.
 
@@ -276,7 +272,6 @@ class Watching(_ByLaw):
         self._law(self._verb, name, f"{runs:.0f} runs")
 
 
-@final
 class Searching(_ByLaw):
     """A bar that counts laws, with the least residual of the one in work.
 
@@ -321,7 +316,6 @@ class Searching(_ByLaw):
         return not self._interrupts.stopped
 
 
-@final
 class Improving(_Shown):
     """A bar that counts what searches try, with the best so far.
 

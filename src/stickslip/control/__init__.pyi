@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from collections.abc import Callable as _Callable
 from collections.abc import Mapping as _Mapping
@@ -24,9 +23,8 @@ from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class FrictionCompensation(_FrictionCompensation):  # type: ignore[misc]  # final but for this
+class FrictionCompensation(_FrictionCompensation):
     def __init__(
         self,
         *,
@@ -38,9 +36,8 @@ class FrictionCompensation(_FrictionCompensation):  # type: ignore[misc]  # fina
         velocity: str | _Callable[[float], float] = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PID(_PID):  # type: ignore[misc]  # final but for this
+class PID(_PID):
     def __init__(
         self,
         *,
@@ -57,9 +54,8 @@ class PID(_PID):  # type: ignore[misc]  # final but for this
         feedforward: _Controller | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PartialLinearisation(_PartialLinearisation):  # type: ignore[misc]  # final but for this
+class PartialLinearisation(_PartialLinearisation):
     def __init__(
         self,
         *,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, TypeAlias, final
+from typing import Annotated, Any, TypeAlias
 
 from typing_extensions import override
 
@@ -41,7 +41,6 @@ class _PidMemory:
     integral: float = 0.0
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PID(Parametrised):
     """Proportional, integral and derivative action on a measured coordinate.
@@ -173,7 +172,6 @@ def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FrictionCompensation(Parametrised):
     """A controller that pushes with a law's friction force, in the direction of motion.
@@ -303,7 +301,6 @@ class _Line:
     slope: float
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PartialLinearisation(Parametrised):
     """A controller that lets one coordinate of a mechanism follow a reference.

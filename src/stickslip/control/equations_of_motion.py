@@ -8,7 +8,7 @@ import dataclasses
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, final
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip.described import Described
 from stickslip.drives import Drive, PiecewiseAffine, Profile, Sampled
@@ -235,7 +235,6 @@ class Dynamics(metaclass=Described):
         return total if self.contacts else total.item()
 
 
-@final
 class Evaluator:
     """Evaluates accelerations and normal force of a mechanism, affine in friction and command."""
 
@@ -284,7 +283,6 @@ def _times(direction: Any, amount: Any) -> Any:
     return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
 
 
-@final
 class DynamicsOfContacts:
     """Evaluates the equations of a mechanism with several contacts."""
 

@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias, final
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from typing_extensions import override
@@ -41,7 +41,6 @@ REPORTS = 100
 """Calls of a progress callback in a run."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Timing(Parametrised):
     """Settings of a loop, checked."""
@@ -76,7 +75,6 @@ class Timing(Parametrised):
         return min(max(command, -self.limit), self.limit)
 
 
-@final
 class Commands:
     """Commands as they take effect: after the delay, and held."""
 
@@ -125,7 +123,6 @@ def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | P
     return PiecewiseAffine(times=times, values=values, slopes=slopes)
 
 
-@final
 class Sensors:
     """Reads states as a controller gets them: noise first, then quantisation.
 

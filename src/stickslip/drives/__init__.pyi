@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from stickslip.drives.base import BEGINNING as BEGINNING
 from stickslip.drives.base import Drive as Drive
@@ -29,9 +28,8 @@ from stickslip.drives.registry import PROFILES as PROFILES
 from stickslip.quantities import Given as _Given
 from typing import Literal as _Literal
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class HalfSine(_HalfSine):  # type: ignore[misc]  # final but for this
+class HalfSine(_HalfSine):
     def __init__(
         self,
         *,
@@ -41,9 +39,8 @@ class HalfSine(_HalfSine):  # type: ignore[misc]  # final but for this
         start: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Pulse(_Pulse):  # type: ignore[misc]  # final but for this
+class Pulse(_Pulse):
     def __init__(
         self,
         *,
@@ -52,9 +49,8 @@ class Pulse(_Pulse):  # type: ignore[misc]  # final but for this
         start: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Ramp(_Ramp):  # type: ignore[misc]  # final but for this
+class Ramp(_Ramp):
     def __init__(
         self,
         *,
@@ -62,9 +58,8 @@ class Ramp(_Ramp):  # type: ignore[misc]  # final but for this
         start: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Rotation(_Rotation):  # type: ignore[misc]  # final but for this
+class Rotation(_Rotation):
     def __init__(
         self,
         *,
@@ -72,9 +67,8 @@ class Rotation(_Rotation):  # type: ignore[misc]  # final but for this
         start: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SampledSwing(_SampledSwing):  # type: ignore[misc]  # final but for this
+class SampledSwing(_SampledSwing):
     def __init__(
         self,
         *,
@@ -83,9 +77,8 @@ class SampledSwing(_SampledSwing):  # type: ignore[misc]  # final but for this
         spacing: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SevenStep(_SevenStep):  # type: ignore[misc]  # final but for this
+class SevenStep(_SevenStep):
     def __init__(
         self,
         *,
@@ -97,9 +90,8 @@ class SevenStep(_SevenStep):  # type: ignore[misc]  # final but for this
         return_rate: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Sine(_Sine):  # type: ignore[misc]  # final but for this
+class Sine(_Sine):
     def __init__(
         self,
         *,
@@ -108,9 +100,8 @@ class Sine(_Sine):  # type: ignore[misc]  # final but for this
         phase: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SineSwing(_SineSwing):  # type: ignore[misc]  # final but for this
+class SineSwing(_SineSwing):
     def __init__(
         self,
         *,
@@ -118,9 +109,8 @@ class SineSwing(_SineSwing):  # type: ignore[misc]  # final but for this
         frequency: _Given,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SplineSwing(_SplineSwing):  # type: ignore[misc]  # final but for this
+class SplineSwing(_SplineSwing):
     def __init__(
         self,
         *,
@@ -128,9 +118,8 @@ class SplineSwing(_SplineSwing):  # type: ignore[misc]  # final but for this
         duration: _Given,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Square(_Square):  # type: ignore[misc]  # final but for this
+class Square(_Square):
     def __init__(
         self,
         *,
@@ -141,9 +130,8 @@ class Square(_Square):  # type: ignore[misc]  # final but for this
         start: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class ThreePhase(_ThreePhase):  # type: ignore[misc]  # final but for this
+class ThreePhase(_ThreePhase):
     def __init__(
         self,
         *,
@@ -155,9 +143,8 @@ class ThreePhase(_ThreePhase):  # type: ignore[misc]  # final but for this
         frequency: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TimedThreePhase(_TimedThreePhase):  # type: ignore[misc]  # final but for this
+class TimedThreePhase(_TimedThreePhase):
     def __init__(
         self,
         *,

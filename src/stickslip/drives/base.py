@@ -149,7 +149,6 @@ class Straight(Drive, ABC):
         return math.inf
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Sum(Drive):
     """The sum of several drives; written with ``+``.

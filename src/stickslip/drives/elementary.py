@@ -5,7 +5,7 @@ import math
 import numbers
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
@@ -15,7 +15,6 @@ from stickslip.maths import Scalar, sin
 from stickslip.quantities import Numbers, Quantity
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Pulse(Straight):
     """A constant level for a given duration, zero before and after.
@@ -41,7 +40,6 @@ class Pulse(Straight):
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Square(Straight):
     """A square wave: in each cycle a high level for a share of the period, then a low one.
@@ -89,7 +87,6 @@ class Square(Straight):
         return tuple(found)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class HalfSine(Drive):
     """Pulses that are the half of a sine, one in each cycle, and 0 between them.
@@ -151,7 +148,6 @@ class HalfSine(Drive):
         return self.duty * self.period
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Ramp(Straight):
     """Grows at a constant rate from a given time.
@@ -172,7 +168,6 @@ class Ramp(Straight):
         return (Piece(self.start, 0.0, self.rate),)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Sine(Drive):
     """A harmonic force, ``amplitude * sin(2 pi frequency t + phase)``.
@@ -243,7 +238,6 @@ def _series(
     return t, u
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PiecewiseLinear(Straight):
     """Linear interpolation between points, with constant values before and after.
@@ -282,7 +276,6 @@ class PiecewiseLinear(Straight):
         return (Piece(BEGINNING, u[0], 0.0), *inner, Piece(t[-1], u[-1], 0.0))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Sampled(Straight):
     """Values of a sampled signal: held until the next sample, or interpolated linearly.
@@ -326,7 +319,6 @@ class Sampled(Straight):
         return (Piece(BEGINNING, self.values[0], 0.0), *held[1:])
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PiecewiseAffine(Straight):
     """Straight lines that need not join: what a long signal is condensed to.

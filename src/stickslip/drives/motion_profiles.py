@@ -119,7 +119,6 @@ def _steps(durations: Sequence[Scalar], accelerations: Sequence[Scalar]) -> tupl
     return tuple(Piece(s, a, 0.0) for s, a in zip(starts, accelerations, strict=True))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ThreePhase(Stepped):
     """There and back in three phases of constant acceleration, of which the middle one differs.
@@ -211,7 +210,6 @@ class ThreePhase(Stepped):
         return _steps(times, (first, -middle, last))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TimedThreePhase(Stepped):
     """There and back in three phases of constant acceleration, given by their durations.
@@ -289,7 +287,6 @@ class TimedThreePhase(Stepped):
         return _steps(self.durations, (first, -middle, last))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SevenStep(Stepped):
     """There and back with a rate that is limited, and a pause: up to seven steps.
@@ -369,7 +366,6 @@ class SevenStep(Stepped):
         return _steps(times, signs)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Rotation(Stepped):
     """A turn at a constant rate, as of an unbalanced rotor.
@@ -414,7 +410,6 @@ class Rotation(Stepped):
         return (Piece(0.0, 0.0, 0.0),)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SineSwing(Profile):
     """A harmonic motion that begins at rest at minus the amplitude.
@@ -470,7 +465,6 @@ class SineSwing(Profile):
         return -self.amplitude * math.cos(angle), self.amplitude * self._turn * math.sin(angle)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SplineSwing(Stepped):
     """A periodic cubic spline through positions evenly spaced over a cycle.
@@ -550,7 +544,6 @@ class SplineSwing(Stepped):
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SampledSwing(Straight, Profile):
     """A motion that was recorded, such as the measured angle of a pendulum; it does not repeat.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final
 
 import numpy as np
 
@@ -38,7 +38,6 @@ DECIDES: Final = 0.1
 """Share of a distance that the elastic give of a contact makes up, above which it decides it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CarriedLaw:
     """A law for a mechanism, and where it is from."""
@@ -55,7 +54,6 @@ class CarriedLaw:
     """The mechanism of that file."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CarriedLaws:
     """Laws by contact for a mechanism, and where they are from."""

@@ -4,7 +4,7 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal, TypeAlias, TypeVar, final, get_args
+from typing import Final, Literal, TypeAlias, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,7 +121,6 @@ def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> floa
     return max(high - value, value - low) / NORMAL_95
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LawEstimates:
     """Intervals and covariance of the parameters of one law, or of the laws of several contacts.

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast, final
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,6 @@ SURE: Final = 6.0
 """Standard deviations of the jitter that it must have moved as well."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Line(metaclass=Described):
     """The line on which positions in a plane were projected, and how far they lay beside it.
@@ -293,7 +292,6 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
 """What a measurement without a name is called, by kind."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Measurement(Tabular, InPanels):
     """One record, or several trials of one rig.

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,6 @@ USUAL = "coulomb"
 """The law that is taken where the values of several are known, and none is named."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Published:
     """What a publication reports for one law.
@@ -86,7 +85,6 @@ class Published:
         law_type(self.law)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class KnownLaws:
     """The laws whose values a file gives, for one contact or for all.
@@ -189,7 +187,6 @@ class KnownLaws:
         return self.laws[name]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Rig(metaclass=Described):
     """A mechanism, the friction values known for it, and its measurement.
@@ -627,7 +624,6 @@ def _taking(motor: DCMotor, what: str) -> DCMotor:
     return motor
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoopSamples:
     """What a loop that samples saw in a record: goals and positions at its samples."""

@@ -17,7 +17,6 @@ The frequency with which a film oscillates is that whose first three harmonics l
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -288,7 +287,6 @@ def settled_speed(mechanism: Mechanism, film: Measurement) -> tuple[float, float
     return float(seen.values[1]), seen.noise * math.sqrt(float(seen.covariance[1, 1]))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Harmonics:
     """A straight line and harmonics of the drive, fitted to frames about the end of a cycle."""

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar, final
+from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,6 @@ SAME: Final = 1e-9
 """Relative difference below which two forces count as equal."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class JointFriction(SetValuedLaw):
     """Friction of a joint in simulators: one level, whatever the load, and a viscous part."""
@@ -73,7 +72,6 @@ class JointFriction(SetValuedLaw):
         return self.level + self.static_surplus + 0.0 * load
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PolynomialFriction(SetValuedLaw):
     """Friction of a joint in MuJoCo: one level, and a damping that changes with the speed."""
@@ -107,7 +105,6 @@ class PolynomialFriction(SetValuedLaw):
         return self.level + 0.0 * load
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SmoothFriction(SetValuedLaw):
     """Friction that a controller makes up for, smooth through rest, where it is 0."""
@@ -136,7 +133,6 @@ JointLaw = TypeVar("JointLaw", bound=SetValuedLaw)
 JointLaw_co = TypeVar("JointLaw_co", bound=SetValuedLaw, covariant=True)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Compared(Generic[JointLaw_co]):
     """A law as another program has it."""
@@ -232,7 +228,6 @@ def simplified(
     return compared(subject, steady, joint)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Steady:
     """Friction of steady sliding in both directions, all speeds alike."""
@@ -548,7 +543,6 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
     )
 
 
-@final
 class Mjcf(Target):
     """A model for MuJoCo with one joint, whose friction is to be copied."""
 
@@ -592,7 +586,6 @@ def _export(target: Target, said: Sequence[str], name: str, lines: Sequence[str]
     return Export(target=target.name, files={name: "\n".join(lines) + "\n"}, remarks=tuple(said))
 
 
-@final
 class Urdf(Target):
     """A robot of one joint, whose ``<dynamics>`` is to be copied."""
 

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, final
+from typing import Final
 
 from stickslip.exports.functions import functions_of
 from stickslip.exports.program import (
@@ -27,7 +27,6 @@ WIDTH: Final = 96
 SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Language:
     """What differs between languages below the heads of functions."""
@@ -117,7 +116,6 @@ MODELICA: Final = Language(
 )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Written:
     """A function's inside in a language."""
@@ -177,7 +175,6 @@ def _declared(names: Sequence[str], language: Language, indent: str) -> tuple[st
     return tuple(indent + language.declaration.format(names=row.rstrip(",")) for row in rows)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Writer:
     """Writes statements into a block."""
@@ -250,7 +247,6 @@ def _is_plain(one: Branch) -> bool:
     return all(e.is_Symbol or e.is_Number or (-e).is_Symbol for e in (one.left, one.right))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Source:
     """A law as a program in a language."""

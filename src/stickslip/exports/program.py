@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar, Final, TypeAlias, final
+from typing import Any, ClassVar, Final, TypeAlias
 
 import symengine as se
 from typing_extensions import override
@@ -125,7 +125,6 @@ OF_BRISTLES: Final = ("{}_end", "{}_rate")
 """Names that they make of each bristle state."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """A parameter of a law in programs."""
@@ -140,7 +139,6 @@ class Parameter:
     """Value [SI]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class BySense:
     """What holds in forward slip, in backward slip and at rest."""
@@ -153,7 +151,6 @@ class BySense:
     """At velocity 0."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Equations:
     """A law as expressions of the symbols `velocity`, `load`, its bristles and its parameters."""
@@ -326,7 +323,6 @@ def _closed(e: se.Expr, board: Switchboard, flags: Sequence[se.Expr] = ()) -> se
 # A program as data: functions of assignments, branches and calls, which languages print.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Variable:
     """An argument or a result of a function."""
@@ -341,7 +337,6 @@ class Variable:
     """Whether nothing but a number above 0 makes sense."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Constant:
     """A parameter of a law in a program."""
@@ -356,7 +351,6 @@ class Constant:
     """Name of the field, and how well the value is known."""
 
 
-@final
 @dataclass(frozen=True)
 class Assign:
     """Gives names the values of expressions, which share what they have in common."""
@@ -367,7 +361,6 @@ class Assign:
     """Their values, none of which contains one of the names after the first."""
 
 
-@final
 @dataclass(frozen=True)
 class Call:
     """Gives names the results of another function of the program."""
@@ -380,7 +373,6 @@ class Call:
     """What it is called with."""
 
 
-@final
 @dataclass(frozen=True)
 class Branch:
     """Statements for where one value is below another, and for elsewhere."""
@@ -395,7 +387,6 @@ class Branch:
     """Elsewhere."""
 
 
-@final
 @dataclass(frozen=True)
 class Repeat:
     """Statements that are repeated so many times, or until `Leave`."""
@@ -406,7 +397,6 @@ class Repeat:
     """The statements."""
 
 
-@final
 @dataclass(frozen=True)
 class Leave:
     """Ends the innermost `Repeat`."""
@@ -415,7 +405,6 @@ class Leave:
 Statement: TypeAlias = Assign | Branch | Call | Repeat | Leave
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Function:
     """A function of a program."""
@@ -523,7 +512,6 @@ JOINT_TEXT: Final = {
 """The same of joints, which no normal force presses together."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Subject:
     """A law that is exported."""
@@ -647,7 +635,6 @@ class Subject:
 # What a target is, and what an export gives back.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Export:
     """A law as files of another program.

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, Final, final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from typing_extensions import override
@@ -27,7 +27,6 @@ def _c_safe(text: str) -> str:
     return text.replace("*/", "* /").replace("/*", "/ *")
 
 
-@final
 class CCode(Target):
     """A header and a source in C99."""
 
@@ -140,7 +139,6 @@ def _comment(lines: list[str]) -> Iterator[str]:
 BLOCK: Final = "block"
 
 
-@final
 class Matlab(Target):
     """Function files, and text for a MATLAB Function block of Simulink."""
 
@@ -259,7 +257,6 @@ def _modelica_safe(text: str) -> str:
     return text.replace("\\", "\\\\").replace('"', "'")
 
 
-@final
 class Modelica(Target):
     """A package with functions and a model."""
 
@@ -431,7 +428,6 @@ LEAST_SPEED: Final = 1e-5
 """Smallest speed over the largest."""
 
 
-@final
 class CsvTable(Target):
     """Friction force by velocity, for lookup tables."""
 
@@ -468,7 +464,6 @@ class CsvTable(Target):
         return Export(target=self.name, files={f"{subject.name}.csv": text})
 
 
-@final
 class JsonDocument(Target):
     """The law with its parameters, units, intervals and covariance."""
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, Final, final
+from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 from typing_extensions import override
@@ -165,7 +165,6 @@ def _level_and_damping(subject: Subject) -> tuple[Simplified, float]:
     return found, max(rest, found.joint.level)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class MuJoCo(Program):
     """MuJoCo's ``frictionloss``: a level that a soft constraint enforces, and a joint's damping.
@@ -239,7 +238,6 @@ class MuJoCo(Program):
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class MuJoCoMotor(Program):
     """LuGre friction of MuJoCo's actuator ``dcmotor``, with the integrator Euler.
@@ -293,7 +291,6 @@ class MuJoCoMotor(Program):
         return MuJoCoMotor(timestep=min(self.timestep, step) / 10.0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Drake(Program):
     """Contact friction of Drake with the approximations ``lagged``, the default, and ``similar``.
@@ -350,7 +347,6 @@ class Drake(Program):
         return Drake(stiction_tolerance=min(self.stiction_tolerance, 1e-4) / 100.0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Simscape(Program):
     """The block Translational Friction (Rotational Friction) of Simscape.
@@ -406,7 +402,6 @@ class Simscape(Program):
         return Simscape(breakaway_velocity=min(self.breakaway_velocity, 0.1) / 1000.0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Karnopp(Program):
     """A block diagram with a fixed step that holds a body within a dead band of its velocity.
@@ -476,7 +471,6 @@ PROGRAMS: Final[Mapping[str, type[Program]]] = MappingProxyType(
 """Programs by name."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Twin(metaclass=Described):
     """A rig as another program simulates it, beside the exact run; made by `twin`."""

@@ -8,7 +8,7 @@ branch not taken is evaluated.
 import math
 from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import Any, Final, final
+from typing import Any, Final
 
 import symengine as se
 
@@ -27,7 +27,6 @@ FEW_ZEROS = 3
 """More zeros than this are stored by a loop."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Syntax:
     """How an infix language writes what expressions need."""
@@ -49,7 +48,6 @@ class Syntax:
     """Condition of a switch of the solver by its ``{bit}``, where there are any."""
 
 
-@final
 class Block:
     """Statements in a language, and the names of the temporaries that they assign.
 

@@ -23,7 +23,7 @@ import functools
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self, final
+from typing import Any, Self
 
 import numpy as np
 import symengine as se
@@ -564,7 +564,6 @@ def derive_mechanics(
 Array = NDArray[np.float64]
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointTorques:
     """Forces along the coordinates of a mechanism that a motion without friction takes.

@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from stickslip.friction.base import ALWAYS as ALWAYS
 from stickslip.friction.base import BristleLaw as BristleLaw
@@ -61,7 +60,6 @@ from typing_extensions import override as _override
 
 LAW_MODULES: dict[str, str]
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Ambrosio(_SetValuedLaw):
     kinetic_coefficient: float
@@ -77,7 +75,6 @@ class Ambrosio(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class ArctanCoulomb(_SetValuedLaw):
     kinetic_coefficient: float
@@ -95,7 +92,6 @@ class ArctanCoulomb(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM1(_SetValuedLaw):
     kinetic_coefficient: float
@@ -111,7 +107,6 @@ class BamM1(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM2(_SetValuedLaw):
     kinetic_coefficient: float
@@ -133,7 +128,6 @@ class BamM2(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM3(_SetValuedLaw):
     kinetic_coefficient: float
@@ -151,7 +145,6 @@ class BamM3(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM4(_SetValuedLaw):
     kinetic_coefficient: float
@@ -177,7 +170,6 @@ class BamM4(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM5(_SetValuedLaw):
     kinetic_coefficient: float
@@ -207,7 +199,6 @@ class BamM5(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BamM6(_SetValuedLaw):
     kinetic_coefficient: float
@@ -241,7 +232,6 @@ class BamM6(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BlimanSorine(_BristleLaw):
     kinetic_coefficient: float
@@ -266,7 +256,6 @@ class BlimanSorine(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BoucWen(_BristleLaw):
     kinetic_coefficient: float
@@ -293,7 +282,6 @@ class BoucWen(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class BrownMcPhee(_SetValuedLaw):
     kinetic_coefficient: float
@@ -313,7 +301,6 @@ class BrownMcPhee(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Cogging(_SetValuedLaw):
     kinetic_coefficient: float
@@ -335,7 +322,6 @@ class Cogging(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Coulomb(_SetValuedLaw):
     kinetic_coefficient: float
@@ -351,7 +337,6 @@ class Coulomb(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class CoulombViscous(_SetValuedLaw):
     kinetic_coefficient: float
@@ -369,7 +354,6 @@ class CoulombViscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class CoulombViscousStatic(_SetValuedLaw):
     kinetic_coefficient: float
@@ -387,7 +371,6 @@ class CoulombViscousStatic(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Dahl(_BristleLaw):
     kinetic_coefficient: float
@@ -414,7 +397,6 @@ class Dahl(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class DahlStribeck(_BristleLaw):
     kinetic_coefficient: float
@@ -447,7 +429,6 @@ class DahlStribeck(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class DirectionDependent(_FrictionLaw):
     forward_kinetic_coefficient: float
@@ -467,7 +448,6 @@ class DirectionDependent(_FrictionLaw):
     @_override
     def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class DirectionalDahl(_BristleLaw):
     forward_kinetic_coefficient: float
@@ -506,7 +486,6 @@ class DirectionalDahl(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class DirectionalLuGre(_BristleLaw):
     forward_kinetic_coefficient: float
@@ -543,7 +522,6 @@ class DirectionalLuGre(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class DirectionalStribeck(_FrictionLaw):
     forward_kinetic_coefficient: float
@@ -575,7 +553,6 @@ class DirectionalStribeck(_FrictionLaw):
     @_override
     def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class ElastoPlastic(_BristleLaw):
     kinetic_coefficient: float
@@ -608,7 +585,6 @@ class ElastoPlastic(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class GMS(_BristleLaw):
     kinetic_coefficient: float
@@ -639,7 +615,6 @@ class GMS(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class HaessigFriedland(_BristleLaw):
     kinetic_coefficient: float
@@ -664,7 +639,6 @@ class HaessigFriedland(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class HessSoom(_SetValuedLaw):
     kinetic_coefficient: float
@@ -684,7 +658,6 @@ class HessSoom(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class JointLoadTemperature(_SetValuedLaw):
     kinetic_coefficient: float
@@ -714,7 +687,6 @@ class JointLoadTemperature(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class LuGre(_BristleLaw):
     kinetic_coefficient: float
@@ -747,7 +719,6 @@ class LuGre(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class LuGreFading(_BristleLaw):
     kinetic_coefficient: float
@@ -780,7 +751,6 @@ class LuGreFading(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class LuGreGear(_BristleLaw):
     kinetic_coefficient: float
@@ -813,7 +783,6 @@ class LuGreGear(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class MaxwellSlip(_BristleLaw):
     kinetic_coefficient: float
@@ -836,7 +805,6 @@ class MaxwellSlip(_BristleLaw):
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class PoppStelter(_SetValuedLaw):
     kinetic_coefficient: float
@@ -856,7 +824,6 @@ class PoppStelter(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class PowerViscous(_SetValuedLaw):
     kinetic_coefficient: float
@@ -874,9 +841,8 @@ class PowerViscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PrintedCartDynamics(_PrintedCartDynamics):  # type: ignore[misc]  # final but for this
+class PrintedCartDynamics(_PrintedCartDynamics):
     def __init__(
         self,
         *,
@@ -885,18 +851,16 @@ class PrintedCartDynamics(_PrintedCartDynamics):  # type: ignore[misc]  # final 
         signed: bool = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PrintedCoulomb(_PrintedCoulomb):  # type: ignore[misc]  # final but for this
+class PrintedCoulomb(_PrintedCoulomb):
     def __init__(
         self,
         *,
         kinetic_coefficient: _Given,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PrintedStribeck(_PrintedStribeck):  # type: ignore[misc]  # final but for this
+class PrintedStribeck(_PrintedStribeck):
     def __init__(
         self,
         *,
@@ -907,7 +871,6 @@ class PrintedStribeck(_PrintedStribeck):  # type: ignore[misc]  # final but for 
         signed: bool = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class QuadraticDrag(_SetValuedLaw):
     kinetic_coefficient: float
@@ -925,9 +888,8 @@ class QuadraticDrag(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class RateState(_RateState):  # type: ignore[misc]  # final but for this
+class RateState(_RateState):
     def __init__(
         self,
         *,
@@ -943,7 +905,6 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
         regularised: bool = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class RootCoulomb(_SetValuedLaw):
     kinetic_coefficient: float
@@ -961,7 +922,6 @@ class RootCoulomb(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class SaturatingViscous(_SetValuedLaw):
     kinetic_coefficient: float
@@ -979,7 +939,6 @@ class SaturatingViscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Simscape(_SetValuedLaw):
     kinetic_coefficient: float
@@ -999,7 +958,6 @@ class Simscape(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Stribeck(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1023,7 +981,6 @@ class Stribeck(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class StribeckPower(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1047,7 +1004,6 @@ class StribeckPower(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class TanhCoulomb(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1065,7 +1021,6 @@ class TanhCoulomb(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class TanhStribeck(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1089,7 +1044,6 @@ class TanhStribeck(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Threlfall(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1105,7 +1059,6 @@ class Threlfall(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Tustin(_SetValuedLaw):
     kinetic_coefficient: float
@@ -1125,7 +1078,6 @@ class Tustin(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class Viscous(_SetValuedLaw):
     viscous_coefficient: float
@@ -1139,7 +1091,6 @@ class Viscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
 class WarmViscous(_SetValuedLaw):
     kinetic_coefficient: float

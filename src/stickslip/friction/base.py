@@ -65,7 +65,6 @@ BristleDamping = Annotated[
 ]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Containment:
     """How the parameters of a richer law follow from those of a simpler one that it contains.
@@ -105,7 +104,6 @@ class Containment:
         return {name: float(value) for name, value in values.items() if value is not None}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Typical:
     """Values of a law: those of a publication, or an example."""
@@ -120,7 +118,6 @@ class Typical:
         return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Passivity:
     """Whether a law returns no more energy than it has been given."""
@@ -135,7 +132,6 @@ ALWAYS = Passivity(condition="always", holds=lambda _law, _load: True)
 """Friction opposes slip at any speed, or yields as bristles that only take energy up."""
 
 
-@final
 class _Undeclared:
     """Stands for a class attribute that each law has to declare; to ask for it is an error."""
 
@@ -153,7 +149,6 @@ class _Undeclared:
         )
 
 
-@final
 class _RangedParameters:
     """The order of a law that gives none: parameters with a range, exponents if they must be given.
 
@@ -543,7 +538,6 @@ class BristleLaw(FrictionLaw, ABC):
 T = TypeVar("T")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Laws(Group):
     """The laws of several contacts by the contacts' names.

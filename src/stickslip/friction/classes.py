@@ -306,7 +306,6 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
     return towards
 
 
-@final
 class Written:
     """An expression in Python; what is done to it is written down."""
 
@@ -445,7 +444,6 @@ def _dispatching(
     return functools.wraps(equation)(space["evaluated"])
 
 
-@final
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Entry:
     """A law of the catalogue: what is said of it, and its class, which is made when asked for."""

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NoReturn, TypeAlias, cast, final
+from typing import Any, NoReturn, TypeAlias, cast
 
 from typing_extensions import override
 
@@ -48,7 +48,6 @@ Choose: TypeAlias = Callable[[Any, Any], Any]
 """Chooses between the values for the two directions."""
 
 
-@final
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Leaf:
     """A part in its place: what its parameters are called, and what stands around it."""
@@ -113,7 +112,6 @@ STILL = Slip(speed=0.0, along=0.0)
 """A contact at rest; factors do not ask for the slip."""
 
 
-@final
 class Composition:
     """A term made ready: the fields of its law, and the parts that its equations are summed of.
 
@@ -487,8 +485,9 @@ def _cases(curves: Sequence[str]) -> str:
 
 def _force(c: Composition, side: int | None = None) -> str:
     held = [] if c.memory is None else [f"{_placed(c, c.memory, c.memory.part.tex)} N"]
-    for smooth in dict.fromkeys(leaf.sign and leaf.sign.part.tex for leaf in c.outside):
-        own = [leaf for leaf in c.outside if (leaf.sign and leaf.sign.part.tex) == smooth]
+    signs = [leaf.sign.part.tex if leaf.sign else None for leaf in c.outside]
+    for smooth in dict.fromkeys(signs):
+        own = [leaf for leaf, sign in zip(c.outside, signs, strict=True) if sign == smooth]
         levels = _levels(c, own, side)
         text = levels[0] if len(levels) == 1 else rf"\left[{' + '.join(levels)}\right]"
         sign = (

@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeAlias, final
+from typing import Any, TypeAlias
 
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.composition import SIDES, Composition
@@ -30,7 +30,6 @@ Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 """A simpler term, what leads there, and what goes to infinity for it."""
 
 
-@final
 class Contained:
     """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
 

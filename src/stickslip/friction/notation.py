@@ -20,7 +20,6 @@ import re
 from abc import ABC
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import final
 
 from typing_extensions import override
 
@@ -40,7 +39,6 @@ PER_DIRECTION = ("level", "slope")
 """Scales of parameters that ``both_ways[levels]`` doubles."""
 
 
-@final
 class Directions(Part):
     """What stands for `BOTH_WAYS` among the parts: it has no parameters, and no equation."""
 
@@ -106,7 +104,6 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
         return str(self)
 
 
-@final
 @dataclass(frozen=True, repr=False)
 class Name(Term):
     """A part by its name, with what stands in brackets behind it."""
@@ -209,7 +206,6 @@ class Name(Term):
         )
 
 
-@final
 @dataclass(frozen=True, repr=False)
 class Product(Term):
     """Factors behind what they multiply."""
@@ -231,7 +227,6 @@ class Product(Term):
         return factor.modulated or only
 
 
-@final
 @dataclass(frozen=True, repr=False)
 class Sum(Term):
     """Parts beside each other."""
@@ -243,7 +238,6 @@ class Sum(Term):
         return " + ".join(map(str, self.items))
 
 
-@final
 @dataclass(frozen=True, repr=False)
 class Around(Term):
     """A memory, a smooth sign or `BOTH_WAYS` around a term."""

@@ -42,7 +42,6 @@ def _switched(sliding: str) -> str:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RightEquation:
     """A published equation that is right as printed."""
@@ -119,7 +118,6 @@ class _Switched(PrintedForm, ABC):
         """Return what sgn v multiplies [N]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCoulomb(_Memoryless):
     """Eq. (1), of the paper's reference [6]: sgn(0) = 0, so nothing is held at rest."""
@@ -158,7 +156,6 @@ CART_DYNAMICS = RightEquation(
 )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedImprovedCoulomb(_Memoryless):
     """Eq. (3), of the paper's reference [7]: the coefficient and the force carry the sign of v."""
@@ -189,7 +186,6 @@ class PrintedImprovedCoulomb(_Memoryless):
         return float(mu * load * sign(velocity))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCartDynamics(_Memoryless):
     """Friction as the cart's equation of motion (4) has it, with the coefficient of (3).
@@ -230,7 +226,6 @@ class PrintedCartDynamics(_Memoryless):
         return float(mu * (load - self.weight) + mu * self.weight * sign(velocity))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedStribeck(_Memoryless):
     """Eq. (5): the exponent has no absolute value and F(v) no sign; its rule for rest is right."""
@@ -276,7 +271,6 @@ class PrintedStribeck(_Memoryless):
         return float(dry * (sign(velocity) if self.signed else 1)) + sigma_2 * velocity
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedDahl(_Switched):
     """Eq. (6): the bristle force is multiplied by sgn v; at rest it equals the applied force."""
@@ -310,7 +304,6 @@ class PrintedDahl(_Switched):
         return (velocity - self.bristle_stiffness * abs(velocity) * z / f_c,)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCoulombSwitch(_Switched, _Memoryless):
     """Eq. (7): Coulomb with the static switch; at rest friction equals the applied force."""
@@ -334,7 +327,6 @@ class PrintedCoulombSwitch(_Switched, _Memoryless):
         return self.kinetic_coefficient * load
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedViscousSwitch(_Switched, _Memoryless):
     """Eq. (8): purely viscous, multiplied by sgn v; at rest it equals the applied force."""
@@ -358,7 +350,6 @@ class PrintedViscousSwitch(_Switched, _Memoryless):
         return self.viscous_coefficient * velocity
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedLuGre(_Switched):
     """Eq. (9): all three parts multiplied by sgn v; at rest it equals the applied force.
@@ -423,7 +414,6 @@ class PrintedLuGre(_Switched):
         return (velocity - self.bristle_stiffness * abs(velocity) * z / g,)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     """Eq. (10): the viscous part is multiplied by sgn v; no limit at rest."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Final, Literal, NamedTuple, TypeAlias, final
+from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,7 +103,6 @@ RATE_STATE_FORMS: Final[Mapping[str, RateStateForm]] = MappingProxyType(
 """Forms of the law by name, the simplest first."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RateState(Parametrised):
     r"""Friction that depends on the slip speed and on a state that remembers past slip.

@@ -4,7 +4,7 @@ import functools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, replace
-from typing import Any, final
+from typing import Any
 
 from typing_extensions import override
 
@@ -23,7 +23,6 @@ BELOW = ("viscous", "coulomb")
 """Laws below the lowest rung."""
 
 
-@final
 class _Lazy(Mapping[str, type[FrictionLaw]]):
     """Classes of laws by name; that of a composition is made when it is asked for."""
 
@@ -55,7 +54,6 @@ LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CandidateSpec:
     """A candidate for records: a law, and which of its parameters are looked for."""
@@ -272,7 +270,6 @@ def _walk(kind: type[FrictionLaw]) -> Iterator[str]:
         level = [known[name] for name in dict.fromkeys(names)]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Rung:
     """Which parts a law has beside a level and a viscous part.

@@ -7,7 +7,6 @@ The normal force that a bowel adds by its hoop stress is no part of a law: it is
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from stickslip.friction.registry import law
 from stickslip.quantities import Given
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Tissue:
     """An environment: the composition of its friction, and where that comes from.

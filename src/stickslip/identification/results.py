@@ -54,7 +54,6 @@ DRY = 2.0
 """Coefficient of friction above which hardly any dry contact lies."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ModelError:
     """One error of the model, the rig or the record that the residuals of a fit show.

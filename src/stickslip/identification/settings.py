@@ -3,7 +3,7 @@
 import math
 import numbers
 from dataclasses import dataclass, fields
-from typing import Literal, TypeAlias, final, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,6 @@ SURE = 3.0
 """Standard errors from 0 beyond which a single number is something."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SensorResponse:
     """How a force channel shows a force: after a delay, or through a lag of first order.

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +33,6 @@ SELDOM = 0.01
 """Most outliers over the samples: what is more frequent belongs to the signal."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class LowPass:
     """A filter, with the states that take scipy's filter longer to find than a column to pass."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -60,7 +60,6 @@ NOT_ALONE = (
 """Why other measurements are refused."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ConditionLine:
     """A parameter as a line over a condition, by weighted least squares."""
@@ -127,7 +126,6 @@ def line_over(
     return np.array([level - slope * center, slope]), error, own, scatter
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TrialEstimates:
     """A law fitted to one of several trials."""
@@ -150,7 +148,6 @@ class TrialEstimates:
     """Root mean square of the residuals."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Homogeneity:
     """The test that trials share one law."""
@@ -515,7 +512,6 @@ def _untold(trials: Sequence[TrialEstimates]) -> Iterator[str]:
             yield f"{one.quantity.symbol} is not identified by {joined(names)} alone."
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TrialComparison(InPanels, Tabular):
     """One law fitted to each of several trials, and whether they share it."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from typing import Generic, TypeAlias, TypeVar, cast, final
+from typing import Generic, TypeAlias, TypeVar, cast
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig
@@ -24,7 +24,6 @@ Laws: TypeAlias = Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[Fricti
 """Several laws, as instances, types or names."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Parameters(Generic[L]):
     """What `vary` and `fixed` say of a mechanism and a law, as fits need it."""

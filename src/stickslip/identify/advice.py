@@ -8,7 +8,6 @@ the widest place shrinks the width to .71; rehearsing draws as truths gained not
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -20,7 +19,6 @@ MOST = 4
 """Readings that are proposed at most, over those that were taken."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
     """Readings to take."""

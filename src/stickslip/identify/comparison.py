@@ -16,7 +16,6 @@ save a share of it (`Thresholds.material`), times the number of blocks.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 from scipy.special import softmax
@@ -31,7 +30,6 @@ LEAST = float(np.finfo(float).eps)
 """Stands for the share of a structure that has none beside the others."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison:
     """Shares of structures, and which families are not told apart."""

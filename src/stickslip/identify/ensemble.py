@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,6 @@ REDRAWN = 20
 """Draws for each that is wanted, of which those that are physics are kept."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draw:
     """A structure with the coefficients of its draws."""
@@ -38,7 +37,6 @@ class Draw:
     """Coefficients (d, p) of each draw."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PredictionBand:
     """Limits of curves at rows (n,).
@@ -58,7 +56,6 @@ class PredictionBand:
     high: Array
 
 
-@final
 @dataclass(eq=False)
 class Ensemble:
     """Draws of laws of a comparison."""
@@ -185,7 +182,6 @@ class Ensemble:
         return np.concatenate(found)
 
 
-@final
 @dataclass(eq=False)
 class Prepared:
     """A measurement prepared otherwise, or another: structures fitted with robust weights."""

@@ -31,7 +31,7 @@ Gram matrices are made once for all features, as in `stickslip.identify.regressi
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,6 @@ RIDGE = 0.03
 """Ridge over the number of rows, of columns of variance 1."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Pattern:
     """The feature that what is left of the named law, or its scatter, follows most."""
@@ -70,7 +69,6 @@ class Pattern:
         return self.material and self.p <= THRESHOLDS.pattern_chance
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Curves:
     """Columns of one feature: hats at its quantiles, alone and times the direction."""
@@ -115,7 +113,6 @@ class Curves:
         return np.asarray((both - self.mean) / self.size)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Learned:
     """What features predict of what is left, at any rows."""
@@ -160,7 +157,6 @@ def features_of(
     return offered
 
 
-@final
 class Explorer:
     """What a structure leaves of a problem, and what it may follow."""
 

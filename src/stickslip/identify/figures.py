@@ -4,7 +4,7 @@ import math
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,7 +27,6 @@ MARKERS = ("o", "s", "^", "D")
 """Marks of the loads, which are as many at most."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BandDrawing:
     """What the figure of a verdict shows, in SI units."""

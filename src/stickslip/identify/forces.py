@@ -13,7 +13,6 @@ it changes from its given value, so that the force as commanded stays one.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +43,6 @@ TRANSMITTED = "transmitted"
 """Input of a contact: what goes through its gear."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unknown:
     """What the force balance changes by for each unit of a parameter that is looked for."""
@@ -61,7 +59,6 @@ class Unknown:
     """Standard uncertainty, where that is stated and the parameter is not looked for."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Forces:
     """Forces on a coordinate along a record, but for friction and a constant."""

@@ -16,7 +16,7 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,6 @@ ROUGHEST = 100.0
 is so large, and steps that are too long for a stiff stop make forces of any size."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pushed:
     """What inner bodies do to the coordinate that was measured."""
@@ -92,7 +91,6 @@ def pushed(mechanism: Mechanism, record: Measurement, x: Array, v: Array) -> Pus
     return Pushed(force=force + 0.0 * time, inertia=mean, load=load)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Body:
     """The equations of a mechanism at numbers or arrays, and how its drives are driven."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -60,7 +60,6 @@ WHOLE = ("inertia_error",)
 """Terms of a single inertia, which a joint of several does not have."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JointLawFit(Fit[Laws]):
     """The laws of all joints and the mechanism, with their intervals."""
@@ -91,7 +90,6 @@ class JointLawFit(Fit[Laws]):
         return f"{self.law.title}: {', '.join(map(str, self.shown))}"
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JointLaws(Candidate[JointLawFit]):
     """The combination of laws that is named."""
@@ -106,7 +104,6 @@ class JointLaws(Candidate[JointLawFit]):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JointVerdict(Verdict[JointLaws]):
     """A verdict on each of several joints, and the mechanism that goes with them."""

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +36,6 @@ FLOW = "viscous_coefficient"
 """Parameter whose meaning depends on the part that has it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Interval:
     """What a measurement says of a parameter."""
@@ -53,7 +52,6 @@ class Interval:
     """95 % interval over whichever law of the set has the parameter."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Cause:
     """A property of the rig, or a fault of the measurement, that the named structure holds."""
@@ -79,7 +77,6 @@ class Cause:
         return self.explained > THRESHOLDS.explained and self.left <= THRESHOLDS.explained
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """A judged problem."""

@@ -7,7 +7,7 @@ a law through measured levels (``table[...]``).
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, TypeAlias, final
+from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,6 @@ POINTS = 24
 """Points of a law through measured levels."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Composition:
     """A law with its parameters for each of some draws."""
@@ -266,7 +265,6 @@ def _is_law(text: str) -> bool:
     return True
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CurvePoint(Parametrised):
     """A point of a measured curve."""
@@ -279,7 +277,6 @@ class CurvePoint(Parametrised):
     """Slope of the curve there."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class MeasuredCurve(SetValuedLaw):
     """The law ``table[...]`` with its points as parameters: draws of one curve share their kernels.

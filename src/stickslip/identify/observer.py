@@ -26,7 +26,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +75,6 @@ CONTINUOUS: Mapping[str, tuple[int, ...]] = {
 """Entries of shapes that are refined, beside the length of the memory."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Probe:
     """Rows at which terms are read off: bristles stretched forward, no filter."""
@@ -116,7 +114,6 @@ class _Probe:
         return np.asarray(np.log(np.maximum(np.abs(self.velocity), low)))
 
 
-@final
 @dataclass(eq=False)
 class _Run:
     """What the simulation needs of a record, and the probes of its tables."""
@@ -193,7 +190,6 @@ class _Run:
         )
 
 
-@final
 class ObservedLaw:
     """A structure as an observer: coefficients, then logarithms of its continuous shapes."""
 
@@ -328,7 +324,6 @@ class ObservedLaw:
         return p
 
 
-@final
 @dataclass(eq=False)
 class RefinedLaw:
     """A law fitted to innovations."""
@@ -431,7 +426,6 @@ def _inverse(matrix: Array) -> Array:
     return np.asarray(inverse / np.outer(size, size))
 
 
-@final
 class Observer:
     """The laws of an ensemble of records, refined by simulation."""
 

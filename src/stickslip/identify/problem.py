@@ -17,7 +17,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,6 @@ RUNNING_IN = (0.0, 0.2, 0.6)
 """Time constants of drifts over the time of measuring; 0: straight."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Term:
     """Something that may explain a part of the response."""
@@ -326,7 +325,6 @@ def bending_of(knots: Array) -> tuple[Array, Array]:
     return values, vectors * np.sign(np.exp(np.linspace(0.0, 1.0, len(knots))) @ vectors)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Points:
     """Friction as it was measured, for a figure."""
@@ -341,7 +339,6 @@ class Points:
     """Rows of the problem (n,) that are shown."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fitted:
     """A structure fitted to all rows."""
@@ -360,7 +357,6 @@ class Fitted:
     """A root (k, p) of the covariance, where it is known: root.T @ root is the covariance."""
 
 
-@final
 @dataclass(eq=False)
 class Columns:
     """Columns of a problem at other rows, made once."""

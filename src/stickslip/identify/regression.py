@@ -32,7 +32,7 @@ structure could have fitted besides counts against it: no price of parameters is
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,6 @@ TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
 
-@final
 class BlockRegression:
     """Columns of a problem, their Gram matrices by block, and losses of structures."""
 

@@ -14,7 +14,6 @@ beside the best law's properties of the rig.
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import final
 
 import numpy as np
 
@@ -39,7 +38,6 @@ def block_scores(losses: Array) -> Array:
     return np.asarray((nu + 1.0) * np.log1p(losses / nu))
 
 
-@final
 class Search:
     """Structures of a problem with their scores, after `run`."""
 

@@ -12,7 +12,6 @@ names of one group follow from the design, and from no list.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Spans:
     """What else the columns of a structure may be."""

@@ -1,10 +1,8 @@
 """Every threshold of the judge, each with the study that set it."""
 
 from dataclasses import dataclass
-from typing import final
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Thresholds:
     """Numbers that decide; studies are in ``benchmarks/bands.py`` and decisions 0140 and 0141."""

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from typing_extensions import override
@@ -67,7 +67,6 @@ WORTH = 0.9
 """Expected width of the band, over today's, from which a proposal is worth a sentence."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawFit(Fit[FrictionLaw]):
     """A law of the set with its parameters and their intervals."""
@@ -107,7 +106,6 @@ class LawFit(Fit[FrictionLaw]):
         return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawCandidate(Candidate[LawFit]):
     """A family of structures, as the table of a verdict shows it."""
@@ -156,7 +154,6 @@ class LawCandidate(Candidate[LawFit]):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BandVerdict(Verdict[LawCandidate]):
     """Which law to use, and what friction is whichever law holds."""

@@ -10,7 +10,6 @@ import itertools
 import math
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -38,7 +37,6 @@ BESIDE = ("rig", "run", "fault")
 """Roles of terms beside a law."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Words:
     """How a kind of measurement calls things."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic, Literal, TypeAlias, final
+from typing import Any, Generic, Literal, TypeAlias
 
 from typing_extensions import TypeVar
 
@@ -17,7 +17,6 @@ C = TypeVar("C", bound=Candidate[Any])
 Shown: TypeAlias = str | EstimateText | None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Column(Generic[C]):
     """What a table says of each candidate; a medium without a name for it leaves it out."""

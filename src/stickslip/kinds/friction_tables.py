@@ -1,7 +1,6 @@
 """Tables of friction over the speed, judged by `stickslip.identify`."""
 
 from dataclasses import fields
-from typing import final
 
 from typing_extensions import override
 
@@ -17,7 +16,6 @@ FORCE_MAP = "force-map"
 """Route by which tables are fitted."""
 
 
-@final
 class FrictionTableKind(BandKind):
     """Friction against velocity without time: no bristles, rows in any order."""
 

@@ -1,7 +1,7 @@
 """Records of several joints: fitted by inverse dynamics, judged joint by joint."""
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, final
+from typing import Any
 
 from typing_extensions import override
 
@@ -16,7 +16,6 @@ from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of
 
 
-@final
 class JointKind(Kind[RecordFit[Any], JointVerdict]):
     """Friction of every joint; fits have the parameters of all in one problem."""
 

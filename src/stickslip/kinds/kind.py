@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, ClassVar, Generic, TypeAlias, final
+from typing import Any, ClassVar, Generic, TypeAlias
 
 from typing_extensions import TypeVar, override
 
@@ -36,7 +36,6 @@ SeveralLaws: TypeAlias = Any
 """A mapping or a sequence of such laws."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Request:
     """What `fit` and `select` are asked; None where nothing was said.
@@ -96,7 +95,6 @@ OPTIONS = (
 """What may be said of how; each kind uses some of it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """The laws of a verdict beside each other, as a terminal shows them."""
@@ -115,7 +113,6 @@ class Comparison:
     """Whether several trials share one law."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FitSummary:
     """What a terminal shows of a fit below its estimates."""

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import fields, replace
-from typing import Any, final
+from typing import Any
 
 from typing_extensions import override
 
@@ -174,7 +174,6 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         return verdict_sections(verdict, origin, remark)
 
 
-@final
 class RecordKind(BandKind):
     """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
 

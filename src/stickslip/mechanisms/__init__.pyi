@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from collections.abc import Mapping as _Mapping
 from stickslip.drives import Drive as _Drive
@@ -98,9 +97,8 @@ from typing import Literal as _Literal
 
 MECHANISM_MODULES: dict[str, str]
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Axis(_Axis):  # type: ignore[misc]  # final but for this
+class Axis(_Axis):
     drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
@@ -117,9 +115,8 @@ class Axis(_Axis):  # type: ignore[misc]  # final but for this
         restitution: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class BlockChain(_BlockChain):  # type: ignore[misc]  # final but for this
+class BlockChain(_BlockChain):
     def __init__(
         self,
         *,
@@ -132,9 +129,8 @@ class BlockChain(_BlockChain):  # type: ignore[misc]  # final but for this
         load: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
+class Capsule(_Capsule):
     lower_soft_stop: SoftStop | None = ...
     upper_soft_stop: SoftStop | None = ...
     def __init__(
@@ -156,9 +152,8 @@ class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
         squeeze: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class DCMotor(_DCMotor):  # type: ignore[misc]  # final but for this
+class DCMotor(_DCMotor):
     def __init__(
         self,
         *,
@@ -174,9 +169,8 @@ class DCMotor(_DCMotor):  # type: ignore[misc]  # final but for this
         drive: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class DiscBrake(_DiscBrake):  # type: ignore[misc]  # final but for this
+class DiscBrake(_DiscBrake):
     pads: tuple[Lining, ...]
     def __init__(
         self,
@@ -188,9 +182,8 @@ class DiscBrake(_DiscBrake):  # type: ignore[misc]  # final but for this
         drive: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class InnerMass(_InnerMass):  # type: ignore[misc]  # final but for this
+class InnerMass(_InnerMass):
     lower_soft_stop: SoftStop | None = ...
     upper_soft_stop: SoftStop | None = ...
     def __init__(
@@ -208,9 +201,8 @@ class InnerMass(_InnerMass):  # type: ignore[misc]  # final but for this
         upper_soft_stop: _SoftStop | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Lining(_Lining):  # type: ignore[misc]  # final but for this
+class Lining(_Lining):
     def __init__(
         self,
         *,
@@ -219,9 +211,8 @@ class Lining(_Lining):  # type: ignore[misc]  # final but for this
         press: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Link(_Link):  # type: ignore[misc]  # final but for this
+class Link(_Link):
     torque: _Drive | DCMotor | None = ...
     def __init__(
         self,
@@ -236,9 +227,8 @@ class Link(_Link):  # type: ignore[misc]  # final but for this
         torque: _Drive | _DCMotor | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Pendulum(_Pendulum):  # type: ignore[misc]  # final but for this
+class Pendulum(_Pendulum):
     drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
@@ -253,9 +243,8 @@ class Pendulum(_Pendulum):  # type: ignore[misc]  # final but for this
         rest_angle: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PendulumCart(_PendulumCart):  # type: ignore[misc]  # final but for this
+class PendulumCart(_PendulumCart):
     def __init__(
         self,
         *,
@@ -275,9 +264,8 @@ class PendulumCart(_PendulumCart):  # type: ignore[misc]  # final but for this
         ground: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PositionLoop(_PositionLoop):  # type: ignore[misc]  # final but for this
+class PositionLoop(_PositionLoop):
     def __init__(
         self,
         *,
@@ -285,9 +273,8 @@ class PositionLoop(_PositionLoop):  # type: ignore[misc]  # final but for this
         rate_gain: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Prescribed(_Prescribed):  # type: ignore[misc]  # final but for this
+class Prescribed(_Prescribed):
     def __init__(
         self,
         *,
@@ -295,9 +282,8 @@ class Prescribed(_Prescribed):  # type: ignore[misc]  # final but for this
         limit: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Robot(_Robot):  # type: ignore[misc]  # final but for this
+class Robot(_Robot):
     joints: tuple[RobotJoint, ...]
     def __init__(
         self,
@@ -306,9 +292,8 @@ class Robot(_Robot):  # type: ignore[misc]  # final but for this
         gravity: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
+class RobotJoint(_RobotJoint):
     effort: _Drive | DCMotor | None = ...
     def __init__(
         self,
@@ -348,9 +333,8 @@ class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
         restitution: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Rotor(_Rotor):  # type: ignore[misc]  # final but for this
+class Rotor(_Rotor):
     def __init__(
         self,
         *,
@@ -359,9 +343,8 @@ class Rotor(_Rotor):  # type: ignore[misc]  # final but for this
         torque: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SampledLoop(_SampledLoop):  # type: ignore[misc]  # final but for this
+class SampledLoop(_SampledLoop):
     def __init__(
         self,
         *,
@@ -375,9 +358,8 @@ class SampledLoop(_SampledLoop):  # type: ignore[misc]  # final but for this
         encoder_step: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
+class SerialArm(_SerialArm):
     links: tuple[Link, ...]
     def __init__(
         self,
@@ -386,9 +368,8 @@ class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
         gravity: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SoftStop(_SoftStop):  # type: ignore[misc]  # final but for this
+class SoftStop(_SoftStop):
     def __init__(
         self,
         *,
@@ -398,9 +379,8 @@ class SoftStop(_SoftStop):  # type: ignore[misc]  # final but for this
         sticks: bool = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SpringBlock(_SpringBlock):  # type: ignore[misc]  # final but for this
+class SpringBlock(_SpringBlock):
     def __init__(
         self,
         *,
@@ -416,9 +396,8 @@ class SpringBlock(_SpringBlock):  # type: ignore[misc]  # final but for this
         restitution: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Torque(_Torque):  # type: ignore[misc]  # final but for this
+class Torque(_Torque):
     def __init__(
         self,
         *,
@@ -426,9 +405,8 @@ class Torque(_Torque):  # type: ignore[misc]  # final but for this
         limit: _Given | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TowedBlock(_TowedBlock):  # type: ignore[misc]  # final but for this
+class TowedBlock(_TowedBlock):
     def __init__(
         self,
         *,
@@ -441,9 +419,8 @@ class TowedBlock(_TowedBlock):  # type: ignore[misc]  # final but for this
         modulation: _Drive | None = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TwoFeet(_TwoFeet):  # type: ignore[misc]  # final but for this
+class TwoFeet(_TwoFeet):
     def __init__(
         self,
         *,
@@ -457,9 +434,8 @@ class TwoFeet(_TwoFeet):  # type: ignore[misc]  # final but for this
         gravity: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TwoLinkArm(_TwoLinkArm):  # type: ignore[misc]  # final but for this
+class TwoLinkArm(_TwoLinkArm):
     def __init__(
         self,
         *,
@@ -477,9 +453,8 @@ class TwoLinkArm(_TwoLinkArm):  # type: ignore[misc]  # final but for this
         gravity: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
+class TwoMassAxis(_TwoMassAxis):
     drive: _Drive | DCMotor | None = ...
     def __init__(
         self,
@@ -495,9 +470,8 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
         offset: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class TwoMassCapsule(_TwoMassCapsule):  # type: ignore[misc]  # final but for this
+class TwoMassCapsule(_TwoMassCapsule):
     first: InnerMass
     second: InnerMass
     def __init__(
@@ -511,9 +485,8 @@ class TwoMassCapsule(_TwoMassCapsule):  # type: ignore[misc]  # final but for th
         squeeze: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class VelocityLoop(_VelocityLoop):  # type: ignore[misc]  # final but for this
+class VelocityLoop(_VelocityLoop):
     def __init__(
         self,
         *,

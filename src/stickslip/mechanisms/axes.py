@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, final
+from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
@@ -25,7 +25,6 @@ from stickslip.quantities import Quantity
 # One servo axis or joint.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Axis(LinearOrRotary, BoundedMechanism):
     """An inertia with a drive, a spring and a damper; linear or rotary.
@@ -114,7 +113,6 @@ class Axis(LinearOrRotary, BoundedMechanism):
 # An axis whose motor and load are joined by something that gives.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TwoMassAxis(LinearOrRotary):
     """A motor that drives a load through a spring and a damper: a belt, a shaft, a screw.
@@ -245,7 +243,6 @@ class TwoMassAxis(LinearOrRotary):
 # A pendulum whose pivot rubs.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Pendulum(Mechanism):
     """A hanging pendulum with friction in its pivot.

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, ClassVar
 
 from typing_extensions import override
 
@@ -27,7 +27,6 @@ from stickslip.quantities import Quantity
 # A block on rough ground, shot off by a spring or pushed by a force.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SpringBlock(BoundedMechanism):
     """A block that a compressed spring, a force, or both set in motion.
@@ -153,7 +152,6 @@ class SpringBlock(BoundedMechanism):
 # A block pulled over rough ground through a spring; the same as a mass on a belt.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TowedBlock(Mechanism):
     """A block on rough ground, pulled by a spring and a damper whose far end moves steadily.
@@ -243,7 +241,6 @@ class TowedBlock(Mechanism):
 # A body that slides on two feet.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TwoFeet(Mechanism):
     """A body that slides on a front and a rear foot.
@@ -343,7 +340,6 @@ MOST_BLOCKS = 1000
 """More blocks have equations that take minutes to be written and compiled."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class BlockChain(Mechanism):
     """Blocks in a row on a belt or on the ground, joined by springs.

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, TypeVar, final
+from typing import Annotated, ClassVar, TypeVar
 
 from typing_extensions import override
 
@@ -17,7 +17,6 @@ from stickslip.quantities import Parametrised, Quantity
 T = TypeVar("T")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Lining(Parametrised):
     """A friction lining: the pad of a brake, or the lining of a clutch.
@@ -83,7 +82,6 @@ def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple
 # A disc and the pads that brake it.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class DiscBrake(Mechanism):
     """A disc that pads brake, each at its radius.
@@ -190,7 +188,6 @@ class DiscBrake(Mechanism):
 # Rotors in a row with a clutch between each two.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Rotor(Parametrised):
     """A body that turns.
@@ -210,7 +207,6 @@ class Rotor(Parametrised):
     """Torque on it [N m]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ClutchTrain(Mechanism):
     """Rotors in a row with a clutch between each two, and perhaps a brake on the first.

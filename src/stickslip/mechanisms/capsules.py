@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, final
+from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
@@ -95,7 +95,6 @@ class Motor(Parametrised, ABC):
         """Return what ends a run as a guided coordinate needs too much, by event."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Prescribed(Motor):
     """A prescribed motion; the force or torque that it requires is computed.
@@ -139,7 +138,6 @@ class Prescribed(Motor):
         return {"motor limit forward": 1.0 - share, "motor limit backward": 1.0 + share}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Torque(Motor):
     """A force or torque given as a function of time, limited to what the motor can supply.
@@ -195,7 +193,6 @@ MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed,
 # A capsule that an inner mass drives.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SoftStop(Parametrised):
     """An elastic stop: a spring and a damper that the inner mass meets at a place.
@@ -252,7 +249,6 @@ def soft_stops(
     ]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Capsule(BoundedMechanism):
     """A capsule on rough ground with a mass inside that moves along it.
@@ -493,7 +489,6 @@ class Capsule(BoundedMechanism):
 # A capsule that two inner masses drive.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class InnerMass(Parametrised):
     """A mass that moves along a straight line in a capsule.
@@ -530,7 +525,6 @@ class InnerMass(Parametrised):
         return soft_stops(self.lower_soft_stop, self.upper_soft_stop, f"{whose} mass ")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TwoMassCapsule(BoundedMechanism):
     """A capsule on rough ground with two masses inside.
@@ -682,7 +676,6 @@ GROUND = "ground"
 """Name of the drive that shakes the ground."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PendulumCart(Mechanism):
     """A cart on rough ground with an inverted pendulum, a ball on a light rod.

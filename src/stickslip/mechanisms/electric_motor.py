@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Annotated, Any, ClassVar, TypeAlias, final
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 from typing_extensions import override
 
@@ -46,7 +46,6 @@ class MotorLoop(Parametrised, ABC):
         """
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PositionLoop(MotorLoop):
     """A voltage proportional to the position error, less a share of the rate.
@@ -75,7 +74,6 @@ LoopMemory: TypeAlias = tuple[float, float] | None
 """Integral part of the command [V] and the position at the sample before; None at the first."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SampledLoop(MotorLoop):
     """A PID loop of firmware on the position: it samples, and holds the voltage in between.
@@ -173,7 +171,6 @@ def within_limit(asked: float, before: float, grown: float, limit: float) -> tup
     return (limit if whole > 0.0 else -limit), before if outwards else grown
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class VelocityLoop(MotorLoop):
     """A voltage proportional to the error of the velocity.
@@ -195,7 +192,6 @@ class VelocityLoop(MotorLoop):
         return self.gain * (goal - rate)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CurrentLoop(MotorLoop):
     """The voltage that gives the current that is asked for, as far as limits allow.
@@ -217,7 +213,6 @@ class CurrentLoop(MotorLoop):
         return motor.resistance * goal + motor.back_emf * motor.gear_ratio * rate
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class DCMotor(Parametrised):
     """A DC motor, or a brushless one with its inverter, behind a gear, as the drive of a mechanism.

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, final
+from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
@@ -35,7 +35,6 @@ from stickslip.quantities import Parametrised, Quantity, unchecked
 # An arm of links in a row, in a vertical plane.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Link(Parametrised):
     """A link of an arm, with the joint at its upper end and the motor that turns it there.
@@ -97,7 +96,6 @@ def planar_bodies(links: Sequence[Link]) -> list[Body]:
     return found
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SerialArm(JointedMechanism):
     """Links in a row in a vertical plane, with friction in each joint.
@@ -189,7 +187,6 @@ class SerialArm(JointedMechanism):
 # An arm with two revolute joints.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TwoLinkArm(JointedMechanism):
     """Two links in a vertical plane with friction in both joints.
@@ -328,7 +325,6 @@ def coordinate_of(joint: str) -> str:
     return f"{name}_joint" if name in COLUMNS else name
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RobotJoint(Parametrised):
     """A joint of a robot and the link that it carries, with what is fixed to that link.
@@ -563,7 +559,6 @@ def _crossed(a: Sequence[float], b: Sequence[float]) -> list[float]:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Robot(BoundedMechanism, JointedMechanism):
     """Rigid links in a tree, joined by joints that turn or slide, with friction in each.

@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from stickslip.optimisation.optimise import COSTS as COSTS
 from stickslip.optimisation.optimise import Optimum as Optimum
@@ -24,9 +23,8 @@ from stickslip.optimisation.problem import slip_of_body as slip_of_body
 from stickslip.optimisation.problem import units_of_limits as units_of_limits
 from stickslip.quantities import Given as _Given
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Limits(_Limits):  # type: ignore[misc]  # final but for this
+class Limits(_Limits):
     def __init__(
         self,
         *,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,6 @@ SHOWN_CYCLES = 5
 """Cycles that the rig file runs."""
 
 
-@final
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Optimum(Tabular):
     """The best motion within limits, by certified runs.
@@ -457,7 +456,6 @@ def _steady_end(mechanism: Mechanism, law: FrictionLaw | Laws) -> float:
     return measure(mechanism, law).run.span[1]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
     """What was asked for, checked."""
@@ -502,7 +500,6 @@ def _check(progress: object) -> None:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Best:
     """The best of one kind, and what it took up to here."""
@@ -513,7 +510,6 @@ class _Best:
     cancelled: bool = False
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Work:
     """Searches for one problem."""
@@ -614,7 +610,6 @@ COSTS = {"energy": "J/m", "back_slip": "m"}
 """What a front trades speed for, with units: names of `Limits` and of `Cycle`."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ParetoFront(Tabular):
     """Motions none of which another beats in both speed and cost, the fastest first."""

@@ -98,7 +98,6 @@ def _numbers(profile: Profile) -> dict[str, float]:
     return {name: float(value) for name, value in values.items() if value is not None}
 
 
-@final
 class ThreePhases(Space):
     """Amplitude, outer and middle acceleration; which of them is the fast one is left open."""
 
@@ -125,7 +124,6 @@ class ThreePhases(Space):
         return _numbers(self.profile(u))
 
 
-@final
 class ThreeAccelerations(Space):
     """Amplitude and the accelerations of three phases, each its own."""
 
@@ -164,7 +162,6 @@ def _three_phases(
     )
 
 
-@final
 class SevenSteps(Space):
     """Amplitude, two accelerations, rates both ways over the one that is reached, and a pause."""
 
@@ -224,7 +221,6 @@ def _reachable(amplitude: float, fast: float, slow: float) -> float:
     return BELOW * math.sqrt(4.0 * amplitude / (1.0 / fast + 1.0 / slow))
 
 
-@final
 class Sines(Space):
     """Amplitude, and peak rate over the rate allowed."""
 
@@ -258,7 +254,6 @@ class Sines(Space):
         return _numbers(self.profile(u))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Splines(Space):
     """Positions at the knots and the duration; runs have no sensitivities to the positions."""

@@ -5,7 +5,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Literal, TypeAlias, final
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,6 @@ GAUSS = 0.5 / math.sqrt(3.0)
 """Distance of the two Gauss points from the middle of a cell, over its width."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Cycle(metaclass=Described):
     """The last of some cycles, in SI units.
@@ -411,7 +410,6 @@ MOST_POINTS = 200
 SHARE = Quantity("quantile", low=0, high=1)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Scenarios(metaclass=Described):
     """Laws, with changes to the mechanism, and what counts of them.
@@ -553,7 +551,6 @@ FINER = 4097
 GoalName: TypeAlias = Literal["travel", "speed", "economy"]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Limits(Parametrised):
     """What a motion may take; a limit that is not given does not hold.
@@ -602,7 +599,6 @@ class Limits(Parametrised):
         return {name: value for name, value in values.items() if value is not None}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Margin(metaclass=Described):
     """How far a motion stays from one limit.
@@ -641,7 +637,6 @@ class Margin(metaclass=Described):
         return self.margin / (self.allowed or UNIT_OF_BACK_SLIP)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Goal(metaclass=Described):
     """What is to be large."""
@@ -679,7 +674,6 @@ GOALS: Mapping[str, Goal] = {
 """The goals by name."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ScoredMotion(metaclass=Described):
     """A profile, what it brings, and what it leaves of each limit.
@@ -729,7 +723,6 @@ class ScoredMotion(metaclass=Described):
         return bool(self.cycles) and self.violation <= 0.0
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Problem:
     """A mechanism, scenarios, a goal and limits."""

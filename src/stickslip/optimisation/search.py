@@ -13,7 +13,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias, final
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,6 @@ LOST = 2.0 * FAILED
 """Violation of numbers that make no profile."""
 
 
-@final
 class Memory:
     """Goals and violations by search and generation; what a file has already is not run again.
 
@@ -136,7 +135,6 @@ def _refuse_unwritable(path: Path) -> None:
         raise unwritable(path, error) from error
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SearchResult:
     """Where a search ended."""
@@ -149,7 +147,6 @@ class SearchResult:
     """Whether it was ended early."""
 
 
-@final
 class _Laps:
     """The best point of each lap, and the price of what is broken."""
 
@@ -182,7 +179,6 @@ class _Laps:
         return SearchResult(best=best, evaluations=evaluations, cancelled=cancelled)
 
 
-@final
 class _Normal:
     """Standard normal numbers of their own, so that nothing else shifts them."""
 
@@ -345,7 +341,6 @@ class _EndedError(Exception):
     """Somebody wants the best so far, or the budget is used up."""
 
 
-@final
 @dataclass
 class _Steps:
     """Runs of a polish, each made once."""

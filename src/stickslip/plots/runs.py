@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -528,7 +528,6 @@ MOST_BESIDE: Final = 2
 """Panels side by side that leave room for names where the curves end."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class MotionView:
     """What one panel shows."""

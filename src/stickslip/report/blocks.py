@@ -22,7 +22,6 @@ from typing import (
     Protocol,
     TypeAlias,
     TypeVar,
-    final,
     runtime_checkable,
 )
 
@@ -53,7 +52,6 @@ class Block(Protocol):
     template: ClassVar[str]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Paragraph:
     """A paragraph of text.
@@ -73,7 +71,6 @@ class Paragraph:
     text: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Caption:
     """A remark in small print below a table or a matrix.
@@ -93,7 +90,6 @@ class Caption:
     text: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Subheading:
     """A heading inside a section.
@@ -113,7 +109,6 @@ class Subheading:
     text: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Figure:
     """A figure with its caption.
@@ -149,7 +144,6 @@ class Figure:
         return Markup(self.svg)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Animation:
     """A moving picture with its caption.
@@ -192,7 +186,6 @@ class Animation:
         return Markup(self.html.removeprefix(_BEGIN).removesuffix(_END))  # checked above
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Panel:
     """A small drawing with a name and a sentence, part of a `Gallery`.
@@ -228,7 +221,6 @@ class Panel:
         return Markup(self.svg)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Gallery:
     """Up to three small drawings side by side.
@@ -252,7 +244,6 @@ class Gallery:
         at_most_three("Gallery.panels", self.panels)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Fact:
     """A number one would quote, its doubt, and below it what it is.
@@ -277,7 +268,6 @@ class Fact:
     aside: str = ""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Facts:
     """Up to three facts side by side.
@@ -300,7 +290,6 @@ class Facts:
         at_most_three("Facts.facts", self.facts)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Note:
     """A warning or remark that must not be missed.
@@ -326,7 +315,6 @@ class Note:
     kind: Literal["warn", "info"] = "warn"
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class KeyValue:
     """A named value, perhaps with the outcome of a check.
@@ -351,7 +339,6 @@ class KeyValue:
     mark: Literal["none", "ok", "warn", "bad"] = "none"
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class KeyValues:
     """A list of named values or checks.
@@ -371,7 +358,6 @@ class KeyValues:
     items: tuple[KeyValue, ...]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Code:
     """Commands or code, shown as they are.
@@ -391,7 +377,6 @@ class Code:
     text: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Math:
     r"""An equation on a line of its own.
@@ -414,7 +399,6 @@ class Math:
     tag: str = ""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Reference:
     """A cited work.
@@ -450,7 +434,6 @@ class Reference:
             raise InputError(f"Reference.url must begin with https://, got {self.url!r}.")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class References:
     """A numbered list of cited works.
@@ -470,7 +453,6 @@ class References:
     items: tuple[Reference, ...]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Columns:
     """Blocks side by side, below each other on a phone.
@@ -541,7 +523,6 @@ CAUGHT: tuple[type[Exception], ...] = (Exception,)
 """What a section may fail with and become one line; tests catch nothing."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LawLine:
     """A line of the law with its numbers, ready to copy.
@@ -563,7 +544,6 @@ class LawLine:
     formula: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Opening:
     """The verdict: a reader may stop after it and leave with the right decision.
@@ -628,7 +608,6 @@ class Opening:
             at_most_three(f"Opening.{name}", getattr(self, name))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Section:
     """A section of a page.
@@ -674,7 +653,6 @@ class Section:
             raise InputError(f"Section {self.id!r} is collapsed: it needs a heading to open it by.")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Page:
     """A whole report.
@@ -722,7 +700,6 @@ class Page:
         return any(isinstance(block, Opening) for part in self.sections for block in part.blocks)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Origin:
     """Where the numbers of a page are from, and how to get them again.
@@ -754,7 +731,6 @@ SectionMaker: TypeAlias = partial[Section] | partial[Section | None]
 V = TypeVar("V")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PageSections(Generic[V]):
     """The sections of the page of one kind of verdict, in the order in which a reader decides."""

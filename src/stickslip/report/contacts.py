@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import final
 
 from stickslip.experiments import LawEstimates, Rig
 from stickslip.formatting import capital, count, joined, number, percent, quantity, scale_of
@@ -41,7 +40,6 @@ MOST_SAID = 4
 """Coordinates whose spread the opening gives."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactsReport:
     """A run with several contacts and what is known of it.

@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import final
 
 import numpy as np
 
@@ -69,7 +68,6 @@ from stickslip.trajectory import Event, Trajectory
 # What a report of a run is about, and the words that its sections share.
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RunReport:
     """A run with what is known of it.

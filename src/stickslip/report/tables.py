@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise, zip_longest
-from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias, final
+from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 from stickslip.errors import InputError
 from stickslip.formatting import Scale, fixed, number
@@ -63,7 +63,6 @@ class Shape(NamedTuple):
     right: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Axis:
     """The horizontal axis that the plots of a column share.
@@ -157,7 +156,6 @@ class Axis:
         return tuple(out)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Mark:
     """One mark of a row plot.
@@ -217,7 +215,6 @@ class Mark:
         return tuple(out)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RowPlot:
     """A table cell that shows numbers of its row along an axis.
@@ -324,7 +321,6 @@ def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = 
 _MANY_ROWS: Final = 12
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Number:
     """A cell with a number, its doubt and its unit, each set in its own weight.
@@ -350,7 +346,6 @@ class Number:
     unit: str = ""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Name:
     """A cell with a name and, below it in small print, what distinguishes it.
@@ -372,7 +367,6 @@ class Name:
     aside: str = ""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Blank:
     """A cell to write into by hand.
@@ -395,7 +389,6 @@ Cell: TypeAlias = str | Number | Name | Blank | RowPlot
 """What a cell may hold; plain text has the markup of `stickslip.report.markup.inline`."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Column:
     r"""A column of a table.
@@ -433,7 +426,6 @@ class Column:
         return markup.plain(text) if self.phone == "label" else ""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Row:
     """A row of a table.
@@ -458,7 +450,6 @@ class Row:
     muted: bool = False
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Table:
     r"""A table.
@@ -521,7 +512,6 @@ class Table:
         return " ".join(name for name, holds in classes.items() if holds)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Correlations:
     """The triangle of correlations between estimates.

@@ -29,7 +29,6 @@ DIGITS = 6
 """Digits of a score, and of evidence, that another kernel of linear algebra gives, too."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class CrossValidation:
     """Held-out errors of one candidate."""

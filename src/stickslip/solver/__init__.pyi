@@ -1,6 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from dataclasses import dataclass
-from typing import final
 
 from stickslip.quantities import Given as _Given
 from stickslip.solver.backend import Equations as Equations
@@ -43,9 +42,8 @@ from stickslip.solver.run import prepare as prepare
 from stickslip.solver.starts import gather as gather
 from stickslip.solver.starts import within_stops as within_stops
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class EventDriven(_EventDriven):  # type: ignore[misc]  # final but for this
+class EventDriven(_EventDriven):
     def __init__(
         self,
         *,
@@ -56,9 +54,8 @@ class EventDriven(_EventDriven):  # type: ignore[misc]  # final but for this
         tier: _Tier = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
+class FixedStep(_FixedStep):
     soft: SoftConstraint | None = ...
     def __init__(
         self,
@@ -72,9 +69,8 @@ class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
         viscous: _Given = ...,
     ) -> None: ...
 
-@final
 @dataclass(frozen=True, kw_only=True, init=False)
-class SoftConstraint(_SoftConstraint):  # type: ignore[misc]  # final but for this
+class SoftConstraint(_SoftConstraint):
     def __init__(
         self,
         *,

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias, final
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 from typing_extensions import override
 
@@ -87,7 +87,6 @@ def check_within(margins: Mapping[str, float], t: float) -> None:
             )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SoftConstraint(Parametrised):
     """Dry friction as a soft constraint, as MuJoCo has it.
@@ -215,7 +214,6 @@ class BlockDiagram(ABC):
         return y
 
 
-@final
 @dataclass(frozen=True)
 class Diagram(BlockDiagram):
     """The diagram of one contact, whose law, or printed form, is a block of its own."""
@@ -523,7 +521,6 @@ class Wall(NamedTuple):
         return self.side * (self.position - y[self.place])
 
 
-@final
 @dataclass(frozen=True)
 class ContactDiagram(BlockDiagram):
     """Evaluates forces and rates of a mechanism with several contacts, and nothing else.

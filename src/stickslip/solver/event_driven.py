@@ -23,7 +23,7 @@ and the parameters with the largest powers are named.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, final
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -345,7 +345,6 @@ TIGHTEST = 1e-13
 """Least tolerance: rounding is not far below it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class EventDriven(Solver):
     """Integrates each mode with its own smooth equations and locates every change of mode.
@@ -515,7 +514,6 @@ def _pair_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Pair:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BareRun:
     """States, sensitivities and events of a run, without its certificate."""

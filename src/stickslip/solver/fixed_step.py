@@ -12,7 +12,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, TypeAlias, final, get_args
+from typing import Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,6 @@ TABLEAUS: dict[str, Tableau] = {
 """Runge-Kutta coefficients: rows of stages, then weights."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FixedStep(Solver):
     """Evaluates the friction block literally at every stage of a fixed step.

@@ -18,7 +18,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from time import thread_time
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,6 @@ from stickslip.trajectory import Status, Trajectory
 # A run that goes on stretch by stretch, because what drives it is told as late as it begins.
 
 
-@final
 class IncrementalRun:
     """A run from time 0 on, of which some drives are told stretch by stretch.
 
@@ -182,7 +181,6 @@ FEWEST = 16
 Array = NDArray[np.float64]
 
 
-@final
 class IncrementalEnsemble:
     """Runs whose drives are told for all of them at once, a constant value for each stretch.
 
@@ -309,7 +307,6 @@ class IncrementalEnsemble:
             future.result()
 
 
-@final
 class _Share:
     """The runs of one thread, and its room to work in."""
 

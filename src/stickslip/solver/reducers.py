@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +89,6 @@ def _time(owner: str, name: str, values: Number, t_end: float) -> Array:
     return array
 
 
-@final
 @dataclass(frozen=True)
 class Final(Output):
     """The value of a state at the end of the run.
@@ -109,7 +108,6 @@ class Final(Output):
         return Columns(state_layout.FINAL, _state(model, self.state), none, none)
 
 
-@final
 @dataclass(frozen=True)
 class Max(Output):
     """The largest value of a state, also between steps.
@@ -131,7 +129,6 @@ class Max(Output):
         return Columns(state_layout.GREATEST, _state(model, self.state), since, 0.0 * since)
 
 
-@final
 @dataclass(frozen=True)
 class Min(Output):
     """The smallest value of a state; parameters as in `Max`."""
@@ -147,7 +144,6 @@ class Min(Output):
         return Columns(state_layout.SMALLEST, _state(model, self.state), since, 0.0 * since)
 
 
-@final
 @dataclass(frozen=True)
 class Mean(Output):
     """The mean of a state over the last stretch of the run, such as its last cycles.
@@ -172,7 +168,6 @@ class Mean(Output):
         return Columns(state_layout.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 
 
-@final
 @dataclass(frozen=True)
 class Samples(Output):
     """A state at given times.
@@ -198,7 +193,6 @@ class Samples(Output):
         return False
 
 
-@final
 @dataclass(frozen=True)
 class EventTimes(Output):
     """When something happened for the first times; NaN where it did not.
@@ -234,7 +228,6 @@ class EventTimes(Output):
         return False
 
 
-@final
 @dataclass(frozen=True)
 class EventCount(Output):
     """How often something happened, by its `Event.reason`."""
@@ -250,7 +243,6 @@ class EventCount(Output):
         return Columns(state_layout.EVENT_COUNT, _reason(model, self.reason), np.zeros(1), where)
 
 
-@final
 @dataclass(frozen=True)
 class Sensitivity(Output):
     """How the last value of a state changes with a parameter or an initial state.

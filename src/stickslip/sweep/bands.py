@@ -15,7 +15,7 @@ import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, final
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,7 +70,6 @@ class Spread(NamedTuple):
     """Quantile 97.5 % of the runs."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Band(OnAxes, Tabular):
     """Runs of one mechanism with draws of uncertain parameters of its law, and of its own."""

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self, final
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,7 +73,6 @@ MOST_TIMES = 100_000
 """Times of all cycles together: of very many cycles each has fewer."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class DrivenCycle:
     """What the slipping body does in one cycle of the drives."""
@@ -539,7 +538,6 @@ def _row(method: _Method, row: int, value: float, starts: Starts) -> tuple[int, 
     return row, method.run(value, starts)
 
 
-@final
 class _Strobe(_Method):
     """Samples once a cycle."""
 
@@ -575,7 +573,6 @@ class _Strobe(_Method):
         ]  # fmt: skip
 
 
-@final
 class _AtEvents(_Method):
     """Samples at events of one kind."""
 

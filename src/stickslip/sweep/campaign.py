@@ -32,7 +32,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from urllib.parse import quote
 
 import numpy as np
@@ -96,7 +96,6 @@ BLOCKS, BLOCK = 16, 64
 """Stretches of runs, and runs of each, by which a campaign is estimated."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Case(metaclass=Described):
     """A mechanism with its friction: what a campaign runs with the values of its design.
@@ -142,7 +141,6 @@ class _Finished:
     """How many runs ended in which way."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Estimate(metaclass=Described):
     """What a campaign will take, by some of its runs."""
@@ -157,7 +155,6 @@ class Estimate(metaclass=Described):
     """Bytes of all files."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CampaignRuns(Tabular):
     """The runs of a campaign, in the files of its folder."""
@@ -300,7 +297,6 @@ class CampaignRuns(Tabular):
         return Summary(sentence=f"{len(self)} runs, {self.certified} certified.", rows=rows)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Campaign(metaclass=Described):
     """Cases, the values that their runs take, and what is kept of each run.

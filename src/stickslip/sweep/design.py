@@ -24,7 +24,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +68,6 @@ class Factor(ABC, metaclass=Described):
         raise InputError(f"a grid needs the values, or how many between two ends, got {self!r}.")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Levels(Factor):
     """Values that are given; other designs than grids take each as often as the others.
@@ -101,7 +100,6 @@ class Levels(Factor):
         return np.array(self.values)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Uniform(Factor):
     """Values between two ends, evenly spread, or their logarithms.
@@ -148,7 +146,6 @@ class Uniform(Factor):
         return self.at(np.linspace(0.0, 1.0, self.number))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Normal(Factor):
     """Values of a normal distribution, cut off at two ends if they are given.
@@ -188,7 +185,6 @@ class Normal(Factor):
         return found
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Design(metaclass=Described):
     """Values of all factors in each run, made when they are asked for.
@@ -352,7 +348,6 @@ FEWEST = 8
 """Base points or trajectories without which an interval says nothing."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SensitivityIndices(OnAxes, Tabular):
     """How much of an output each factor of a campaign explains, with 95 % intervals."""

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from typing_extensions import override
@@ -19,7 +19,6 @@ from stickslip.quantities import parameters
 from stickslip.sweep.validation import NOISY, Z95, Validation
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ParameterAgreement(metaclass=Described):
     """A parameter as it was carried here, and as a fit to the measurement finds it."""
@@ -95,7 +94,6 @@ class ParameterAgreement(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refit(metaclass=Described):
     """A law from elsewhere that was fitted to a measurement, too."""

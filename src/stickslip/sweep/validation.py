@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +69,6 @@ RECORDED = "recorded_swing"
 Z95 = 1.959963984540054
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ValidatedRecord(metaclass=Described):
     """A record in time beside the motion that was predicted without it."""
@@ -195,7 +194,6 @@ class ValidatedRecord(metaclass=Described):
         return tuple(said)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ValidatedTravel(metaclass=Described):
     """A travel, mean velocity or travel per cycle beside the prediction."""
@@ -262,7 +260,6 @@ class ValidatedTravel(metaclass=Described):
         return -self.residual / self.measured if self.measured else None
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation(InPanels):
     """What was measured beside what a law from elsewhere predicts of it."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar, final
+from typing import Any, TypeVar
 
 from typing_extensions import override
 
@@ -25,7 +25,6 @@ MOST = 3
 """Problems that are told of one check."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ConformanceFinding:
     """Something that should be and is not.
@@ -42,7 +41,6 @@ class ConformanceFinding:
     problem: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Report:
     """What a suite found.

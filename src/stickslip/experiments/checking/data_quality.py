@@ -8,7 +8,7 @@ import html
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from typing_extensions import override
@@ -40,7 +40,6 @@ MASSES = ("inertia", "mass")
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Checks(Tabular):
     """What was found about a measurement.

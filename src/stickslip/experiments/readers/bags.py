@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any, BinaryIO, Final, final
+from typing import Any, BinaryIO, Final
 
 from typing_extensions import override
 
@@ -66,7 +66,6 @@ METHODS: Final[dict[str, Callable[[BinaryIO], Any]]] = {
 }
 
 
-@final
 class Expansion:
     """What the compressed pieces of files become together."""
 
@@ -254,7 +253,6 @@ def _from_json(data: bytes) -> Any:
     return json_of(data)
 
 
-@final
 class _Mcap(Log):
     """A file that is open."""
 
@@ -345,7 +343,6 @@ def read_bag(path: Path, names: Collection[str] = ()) -> Table:
         raise InputError(f"{path}: is not a ROS bag, or is damaged: {reason}.") from None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Described:
     """What the metadata of a bag say."""
@@ -406,7 +403,6 @@ def _check(path: Path) -> None:
                 raise ValueError("its messages are computed and not stored")
 
 
-@final
 class _Bag(Log):
     """A bag that is open."""
 

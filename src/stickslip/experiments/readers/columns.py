@@ -7,7 +7,7 @@ Python, by options and in rig files.
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal, TypeAlias, final
+from typing import Any, Final, Literal, TypeAlias
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import (
@@ -287,7 +287,6 @@ def column_of(quantity: str, given: Any) -> Column:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Reading:
     """How files are read; arguments as in `load_measurement`.

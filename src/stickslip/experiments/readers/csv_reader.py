@@ -17,7 +17,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import pandas as pd
 
@@ -113,7 +113,6 @@ def read_franka(text: str) -> Table:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Dialect:
     """A kind of text files."""

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -200,7 +200,6 @@ BESIDE_LOAD: Final = "as the other force beside Fz"
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Guess(metaclass=Described):
     """What a file seems to hold, as `guess_data` returns it.

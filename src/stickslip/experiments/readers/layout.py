@@ -8,7 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, final, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -282,7 +282,6 @@ _THOUSANDS: Final = (
 """By decimal mark: a number that has both this and a mark between thousands, from its first one."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Layout(metaclass=Described):
     """How a text file holds its table, as `guess_data` finds it and `load_measurement` takes it.
@@ -330,7 +329,6 @@ class Layout(metaclass=Described):
             ) from None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Text:
     """The upper lines of a file as cells."""

@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -41,7 +41,6 @@ ID: Final = "id"
 """Name of the column that says which servo was read."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Servo:
     """A family of servos."""

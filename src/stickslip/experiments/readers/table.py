@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import pandas as pd
 
@@ -29,7 +29,6 @@ MOST_LISTED: Final = 12
 """Columns that a remark names."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """The columns of a file, their names as they stand there."""

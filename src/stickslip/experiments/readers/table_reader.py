@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -57,7 +57,6 @@ TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
 """Endings of text files."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Format:
     """A format of data files."""

@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -40,7 +40,6 @@ MOST_TOPICS: Final = 12
 _STAMP: Final = (("sec", "secs"), ("nanosec", "nanosecs", "nsec", "nsecs"))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Topic:
     """A topic of a log."""

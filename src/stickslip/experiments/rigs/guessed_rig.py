@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 from typing_extensions import override
@@ -212,7 +212,6 @@ IN_NAME = re.compile(r"(?<![\d.])(\d+(?:[.,_p]\d+)?)[ _-]?hz", re.IGNORECASE)
 FREQUENCY = "mechanism.drive.drive.frequency"
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FilmedRun:
     """One film: how the body moved in it."""
@@ -240,7 +239,6 @@ class FilmedRun:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class FilmedRig:
     """What films of one body show."""

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import typing
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, NamedTuple, final
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import BeforeValidator, Field, create_model
 from typing_extensions import override
@@ -352,7 +352,6 @@ def overridden_fields(
     return found & {field.name for field in dataclasses.fields(law)}
 
 
-@final
 @dataclasses.dataclass(frozen=True, eq=False)
 class _GivenValues(Mapping[str, Mapping[str, float]]):
     """Values by law; of one that is asked for later, those of the shared ones that it has."""

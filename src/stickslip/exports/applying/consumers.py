@@ -9,7 +9,7 @@ from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from typing_extensions import override
@@ -47,7 +47,6 @@ FEED_FORWARD: Final = "ff_velocity_scale"
 CALLED: Final = "the controller"
 
 
-@final
 class Ros2(Model):
     """Parameters of the nodes of ROS 2."""
 
@@ -239,7 +238,6 @@ NAMES: Final = frozenset((*LEVELS, *SPEEDS, SURPLUS, "kt", "R", "armature", "mod
 MEMBER: Final = re.compile(r'\s*("(?:\\.|[^"\\])*")\s*:\s*')
 
 
-@final
 class Bam(Model):
     """A file of parameters of a servo."""
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, final
+from typing import Final
 from xml.parsers import expat
 
 from stickslip.documents import NOT_XML, check_xml
@@ -18,7 +18,6 @@ from stickslip.errors import InputError
 # Single values of a file are changed, and every other byte stays.
 
 
-@final
 @dataclass(frozen=True)
 class Edit:
     """Bytes that take the place of others."""
@@ -71,7 +70,6 @@ class Tag:
             yield from one.walk()
 
 
-@final
 @dataclass(frozen=True)
 class Markup:
     """A file, its bytes and its elements."""
@@ -179,7 +177,6 @@ OTHERS: Final = (b"delete", b"reorder")
 """Edits of a list that add nothing to it."""
 
 
-@final
 @dataclass(frozen=True)
 class Token:
     """A word, text, path or mark."""
@@ -195,7 +192,6 @@ class Token:
         return self.data.decode("utf-8", "replace")
 
 
-@final
 @dataclass(kw_only=True)
 class Prim:
     """An element of a scene."""
@@ -215,7 +211,6 @@ class Prim:
     """Single values of its attributes."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Stage:
     """A scene."""

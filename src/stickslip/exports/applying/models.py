@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, final
+from typing import Any, ClassVar, Final
 
 from typing_extensions import override
 
@@ -44,7 +44,6 @@ SHARE: Final = 0.6
 """Share of break-away under which a joint has to hold."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Beside:
     """What the mechanism of a law has beside it at the joint."""
@@ -57,7 +56,6 @@ class Beside:
     """Motor with its gear, where the law was fitted through one."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Wishes:
     """How laws become what a format has: arguments of `apply`."""
@@ -68,7 +66,6 @@ class Wishes:
     """Whether the level is that of break-away."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Friction:
     """What a joint of a model is given."""
@@ -83,7 +80,6 @@ class Friction:
     """Inertia of motor and gear at the joint; None leaves that of the file."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Carried:
     """A law as a joint of a file has it."""
@@ -96,7 +92,6 @@ class Carried:
     """What the file cannot have of the law, in sentences."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ModelJoint:
     """A joint of a file."""
@@ -325,7 +320,6 @@ MJCF_WRITTEN: Final = (
 )  # fmt: skip
 
 
-@final
 class Mjcf(JointModel):
     """A model for MuJoCo."""
 
@@ -504,7 +498,6 @@ URDF_KINDS: Final = MappingProxyType(
 URDF_WRITTEN: Final = ("friction", "damping")
 
 
-@final
 class Urdf(JointModel):
     """A robot description."""
 
@@ -660,7 +653,6 @@ class UsdModel(JointModel):
         return self.stage.edits(prim, values, self.schema(AXES[joint.kind]))
 
 
-@final
 class Physx(UsdModel):
     """A scene for PhysX 5.6 and later, as Isaac Sim 5 has it."""
 
@@ -701,7 +693,6 @@ class Physx(UsdModel):
         }
 
 
-@final
 class Newton(UsdModel):
     """A scene for Newton."""
 

@@ -5,7 +5,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import ModuleType
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,6 @@ SLOW: Final = 1e-6
 """Speed [m/s] or [rad/s] at which no limit of a motor is met that it does not meet at rest."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Replayed(metaclass=Described):
     """What one model makes of a joint of a record; root mean squares over the record."""
@@ -89,7 +88,6 @@ class Replayed(metaclass=Described):
         return {"model": self.model, **known}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class JointReplay(metaclass=Described):
     """A joint of a measured record, as the law, its simplification and MuJoCo have it."""
@@ -277,7 +275,6 @@ def _without_current(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, drive=still)  # type: ignore[call-arg]  # it has one
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Replay:
     """A record that models are compared on."""

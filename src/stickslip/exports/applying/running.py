@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Final, TypeVar, final
+from typing import Any, Final, TypeVar
 from xml.etree import ElementTree
 
 import numpy as np
@@ -212,7 +212,6 @@ HEAVY: Final = 1e9
 """Armature over the largest inertia of a model, with which its other joints stand still."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Tested:
     """A joint that is run."""
@@ -225,7 +224,6 @@ class Tested:
     """Damper of the mechanism, beside the law."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class JointMotion(metaclass=Described):
     """A motion of a joint in MuJoCo beside that with the law, which is exact."""
@@ -274,7 +272,6 @@ class JointMotion(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Compiled:
     """A file as MuJoCo has it: with its own settings, and with those by which friction holds."""

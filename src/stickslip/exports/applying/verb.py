@@ -5,7 +5,7 @@ import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final
 
 from typing_extensions import override
 
@@ -44,7 +44,6 @@ RECORDED: Final = (
 )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class AppliedJoint(metaclass=Described):
     """A joint with its new friction, and what that leaves of the law."""
@@ -109,7 +108,6 @@ class AppliedJoint(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Applied(metaclass=Described):
     """A model file with friction; made by `apply`."""

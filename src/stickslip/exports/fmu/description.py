@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from types import MappingProxyType
-from typing import Any, Final, Literal, NamedTuple, TypeAlias, final
+from typing import Any, Final, Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from typing_extensions import override
@@ -34,7 +34,6 @@ from stickslip.solver import column_units, path_units
 # A mechanism of which some drives are inputs.
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Held(Straight):
     """A drive whose value is told from outside while the run goes on; 0 until then."""
@@ -245,7 +244,6 @@ def _factors(unit: str) -> dict[str, int]:
     return found
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Variable:
     """A variable of an FMU; its value reference is its place in the list."""
@@ -548,7 +546,6 @@ CATEGORIES = {
 }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Heading:
     """What a model description says of the model as a whole."""

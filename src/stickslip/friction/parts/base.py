@@ -5,7 +5,7 @@ import typing
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, ClassVar, TypeAlias, final
+from typing import Any, ClassVar, TypeAlias
 
 from stickslip.described import marks
 from stickslip.maths import Scalar
@@ -15,7 +15,6 @@ Values: TypeAlias = Any
 """The parameters of a law as one of its parts names them, read as attributes."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Slip:
     """What a part is told of the contact."""
@@ -30,7 +29,6 @@ class Slip:
     """Level at rest, over the load, of the curve that a memory is around, at inputs of 0."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Becomes:
     """A simpler part that a part is for some values of its parameters."""
@@ -45,7 +43,6 @@ class Becomes:
     """What stands in brackets behind the simpler part; as behind this one if empty."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """A parameter as its part declares it."""

@@ -4,7 +4,7 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING
-from typing import Annotated, final
+from typing import Annotated
 
 from typing_extensions import Doc, override
 
@@ -32,7 +32,6 @@ shorter steps, and lubricants do not thin at such speeds either.
 """
 
 
-@final
 class Viscous(Flow):
     """In proportion to the speed."""
 
@@ -46,7 +45,6 @@ class Viscous(Flow):
         return p.viscous_coefficient * s.along
 
 
-@final
 class Power(Flow):
     """A power of the speed, as of lubricants that thin; linear below `PLATEAU`."""
 
@@ -68,7 +66,6 @@ class Power(Flow):
         return sigma_2 * power(w, n - 1.0) * s.along
 
 
-@final
 class Drag(Flow):
     """In proportion to the square of the speed, as of motion through air or oil."""
 
@@ -86,7 +83,6 @@ class Drag(Flow):
         return p.quadratic_coefficient * s.speed * s.along
 
 
-@final
 class Saturating(Flow):
     """The traction of a lubricant that saturates with the speed."""
 
@@ -108,7 +104,6 @@ class Saturating(Flow):
         return p.viscous_coefficient * v_m * arctan(s.along / v_m)
 
 
-@final
 class Polynomial(Flow):
     """A polynomial of the speed, up to the power in its brackets."""
 
@@ -177,7 +172,6 @@ def _coefficient(power: int) -> object:
 # What multiplies a part, or one of its parameters, as an input of the contact changes.
 
 
-@final
 class Linear(Factor):
     """A straight line through 1 where the input is 0."""
 
@@ -196,7 +190,6 @@ class Linear(Factor):
         return 1.0 + p.slope * x
 
 
-@final
 class Exponential(Factor):
     """A decay from 1 where the input is 0, as of a viscosity with the temperature."""
 
@@ -216,7 +209,6 @@ class Exponential(Factor):
         return exp(-p.decay * x)
 
 
-@final
 class Ripple(Factor):
     """One harmonic of the input, as of cogging and tooth mesh."""
 
@@ -260,7 +252,6 @@ SmoothingVelocity = Annotated[
 ]
 
 
-@final
 class Tanh(SmoothSign):
     """A hyperbolic tangent."""
 
@@ -273,7 +264,6 @@ class Tanh(SmoothSign):
         return tanh(s.speed / p.smoothing_velocity)
 
 
-@final
 class Atan(SmoothSign):
     """An inverse tangent, which approaches the level slowly."""
 
@@ -288,7 +278,6 @@ class Atan(SmoothSign):
         return 2.0 / math.pi * arctan(s.speed / p.smoothing_velocity)
 
 
-@final
 class Root(SmoothSign):
     """The speed over the root of its square plus a constant."""
 
@@ -304,7 +293,6 @@ class Root(SmoothSign):
         return s.speed / sqrt(s.speed * s.speed + v_t * v_t)
 
 
-@final
 class Ramp(SmoothSign):
     """A straight line up to the smoothing velocity."""
 
@@ -319,7 +307,6 @@ class Ramp(SmoothSign):
         return where(s.speed < v_t, s.speed / v_t, 1.0)
 
 
-@final
 class Threlfall(SmoothSign):
     """An exponential rise that reaches the level at the smoothing velocity."""
 

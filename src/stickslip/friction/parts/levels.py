@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
-from typing import Annotated, final
+from typing import Annotated
 
 from typing_extensions import Doc, override
 
@@ -39,7 +39,6 @@ def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
     return where(speed < layer, exp(-power(speed / stribeck_velocity, exponent)), 0.0)
 
 
-@final
 class Kinetic(Level):
     """One level, whatever the speed."""
 
@@ -72,7 +71,6 @@ class Surplus(Level):
         raise NotImplementedError
 
 
-@final
 class Step(Level):
     """A static level that ends with rest."""
 
@@ -88,7 +86,6 @@ class Step(Level):
         return None
 
 
-@final
 class Peak(Level):
     """A break-away level above the one at which sliding begins."""
 
@@ -118,7 +115,6 @@ class Peak(Level):
         return None
 
 
-@final
 class Stribeck(Surplus):
     """A static surplus that fades exponentially."""
 
@@ -134,7 +130,6 @@ class Stribeck(Surplus):
         return fade(s.speed, p.stribeck_velocity, p.fading_exponent)
 
 
-@final
 class Tustin(Surplus):
     """A static surplus that fades exponentially, with a corner at rest."""
 
@@ -150,7 +145,6 @@ class Tustin(Surplus):
         return fade(s.speed, p.stribeck_velocity, 1.0)
 
 
-@final
 class Lorentz(Surplus):
     """A static surplus that fades with the square of the speed."""
 
@@ -167,7 +161,6 @@ class Lorentz(Surplus):
         return 1.0 / (1.0 + u * u)
 
 
-@final
 class Hyperbolic(Surplus):
     """A static surplus that fades with the speed itself."""
 
@@ -183,7 +176,6 @@ class Hyperbolic(Surplus):
         return 1.0 / (1.0 + s.speed / p.stribeck_velocity)
 
 
-@final
 class BrownMcPhee(SmoothLevel):
     """One smooth curve that peaks near mu_s at the transition velocity."""
 
@@ -207,7 +199,6 @@ class BrownMcPhee(SmoothLevel):
         return mu_k * tanh(4.0 * u) + (mu_s - mu_k) * u / (d * d)
 
 
-@final
 class Simscape(SmoothLevel):
     """The curve of the Translational Friction block: a bump on a hyperbolic tangent."""
 
@@ -231,7 +222,6 @@ class Simscape(SmoothLevel):
         return bump + mu_k * tanh(10.0 * s.speed / p.breakaway_velocity)
 
 
-@final
 class Logarithmic(Extra):
     """A level that grows with the logarithm of the speed, from 0 at rest."""
 
@@ -267,7 +257,6 @@ def rate(symbol: str, start: float, at_least: str | None = None) -> Quantity:
     )
 
 
-@final
 class Makkar(SmoothLevel):
     """Differences of hyperbolic tangents: a bump on a rise to the kinetic level."""
 
@@ -301,7 +290,6 @@ class Makkar(SmoothLevel):
         return bump + mu_k * tanh(p.smoothing_rate * v)
 
 
-@final
 class BengisuAkay(SmoothLevel):
     """A parabola up to the static level, and an exponential down to the kinetic one."""
 
@@ -340,7 +328,6 @@ SPEEDS, LEVELS = ("m/s", "rad/s"), ("1", "N", "N m")
 """Units that columns of a file may be converted to."""
 
 
-@final
 class Table(Extra):
     """A curve through measured levels: cubics between them without overshoot, constant beyond."""
 
@@ -575,7 +562,6 @@ class Fading(Extra):
         return fade(s.speed, p.stribeck_velocity, p.fading_exponent)
 
 
-@final
 class Weight(Extra):
     """In proportion to the size of an input."""
 
@@ -596,7 +582,6 @@ class Weight(Extra):
         return p.coefficient * abs(x)
 
 
-@final
 class WeightFading(Fading):
     """In proportion to the size of an input, fading as the static surplus does."""
 
@@ -617,7 +602,6 @@ class WeightFading(Fading):
         return p.static_surplus * abs(x)
 
 
-@final
 class Weight2(Extra):
     """In proportion to the square of an input."""
 
@@ -643,7 +627,6 @@ def share(symbol: str) -> Quantity:
     return Quantity(symbol, "1/N", low=0, scale="level/force", bounds=(0.0, 1.0), start=0.05)
 
 
-@final
 class Gear(Extra):
     """The load of a gear that does not lose as much of the motor's torque as of the other side's.
 
@@ -677,7 +660,6 @@ class Gear(Extra):
         return abs(p.motor_friction * motor - p.external_friction * external)
 
 
-@final
 class GearStribeck(Fading):
     """A load of the gear, fading as the static surplus does."""
 
@@ -717,7 +699,6 @@ def growth(symbol: str) -> Quantity:
     return Quantity(symbol, "1/N^2", low=0, scale="level/force^2", bounds=(0.0, 1.0), start=0.05)
 
 
-@final
 class GearQuadratic(Fading):
     """The square of the smaller one of two torques that oppose each other, fading.
 

@@ -3,7 +3,7 @@
 import functools
 import math
 from dataclasses import MISSING
-from typing import Annotated, final
+from typing import Annotated
 
 from typing_extensions import Doc, override
 
@@ -24,7 +24,6 @@ BENT = 1e-18
 """Square of the share of the friction level within which a loop is rounded."""
 
 
-@final
 class Dahl(Memory):
     """A spring that yields."""
 
@@ -80,7 +79,6 @@ class LuGreBristle(Bristle):
         return (s.along - p.bristle_stiffness * abs(s.along) / g * z[0],)
 
 
-@final
 class LuGre(LuGreBristle):
     """A bristle with a constant damping."""
 
@@ -94,7 +92,6 @@ class LuGre(LuGreBristle):
     bristle_damping: BristleDamping
 
 
-@final
 class LuGreFading(LuGreBristle):
     """A bristle whose damping fades with the speed, which can make the law passive."""
 
@@ -120,7 +117,6 @@ class LuGreFading(LuGreBristle):
         return p.bristle_damping * exp(-u * u)
 
 
-@final
 class ElastoPlastic(Bristle):
     """A bristle that does not yield below a share of its largest deflection."""
 
@@ -152,7 +148,6 @@ class ElastoPlastic(Bristle):
         return (s.along * (1.0 - alpha * u),)
 
 
-@final
 class BoucWen(Memory):
     """A loop whose sides bend differently on loading and on unloading."""
 
@@ -220,7 +215,6 @@ def pulled(z: Scalar, limit: Scalar, s: Slip, time: Scalar) -> Scalar:
     return z + way * where(step < room, step, room)
 
 
-@final
 class Maxwell(Elements):
     """Elements that slide under constant forces; a level that falls with speed scales their sum."""
 
@@ -255,7 +249,6 @@ class Maxwell(Elements):
         return g / s.rest * super().force(p, s, z, g)
 
 
-@final
 class GMS(Elements):
     """Elements that slip until the velocity turns, and lag behind the level while they do."""
 
@@ -305,7 +298,6 @@ class GMS(Elements):
         return tuple(found)
 
 
-@final
 class Reset(Memory):
     """A spring that is stiffer while it sticks: its force falls to the level where it gives way."""
 
@@ -358,7 +350,6 @@ class Reset(Memory):
         return 1.0 + p.sticking_surplus
 
 
-@final
 class BlimanSorine(Memory):
     """Two springs that yield against each other: break-away exceeds the level by a distance."""
 
@@ -407,7 +398,6 @@ class BlimanSorine(Memory):
         return 1.0 + b * (1.0 - eta) * exp(-eta * x)
 
 
-@final
 class Relaxing(Memory):
     """A spring that yields, with springs beside it that relax: stretched tissue.
 

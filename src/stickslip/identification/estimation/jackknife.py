@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import NormalDist
-from typing import final
 
 import numpy as np
 import scipy
@@ -32,7 +31,6 @@ BLOCKS = 8
 ONCE = "only one segment of the record depends on it"
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Directions:
     """Slopes (n, p) as a product: orthonormal columns times what makes them of coordinates.
@@ -97,7 +95,6 @@ def takes_part(rows: Array, directions: Array) -> NDArray[np.bool_]:
     return np.asarray(change > TAKES_PART * np.linalg.norm(rows, axis=1))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Displaced:
     """How far one standard uncertainty of a mechanism's parameter moves the residuals of a fit."""

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, Self, final
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ STEEPEST = float(np.sqrt(np.finfo(float).max))
 """Slopes from here on, whose squares overflow, are those of predictions that leave all bounds."""
 
 
-@final
 class ResidualJacobian:
     """Residuals and their slopes at some values, with what is local to a segment eliminated."""
 
@@ -214,7 +213,6 @@ class RecordProblem(Problem):
         """
 
 
-@final
 class SubsetProblem:
     """Some segments of a problem, for a search that begins near an earlier answer.
 
@@ -238,7 +236,6 @@ class SubsetProblem:
         return self.whole.linearise(values, near, only=self.chosen)
 
 
-@final
 class FixedParameterProblem:
     """A problem with one unknown held at a value, for a search.
 

@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,7 +141,6 @@ def balanced(
     return tuple(found)
 
 
-@final
 @dataclass(frozen=True)
 class RederivedBalance:
     """Derives the friction of a record with other values of parameters of the mechanism."""
@@ -161,7 +159,6 @@ class RederivedBalance:
         return self.derive(vary(self.mechanism, "mechanism", values), self.measurement)
 
 
-@final
 @dataclass(frozen=True)
 class BalanceProblemBuilder:
     """Builds the problem of a record that friction is derived from."""
@@ -439,7 +436,6 @@ def _passed_of_motion(x: Array, noise: float, least: float) -> float:
     return float(min(max(share, least), PATH * HIGHEST))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FilteredMotion:
     """A measured motion, filtered, and where it rests."""

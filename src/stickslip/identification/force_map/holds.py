@@ -9,7 +9,7 @@ Intervals of estimates include what is left open.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ WIDER: Final = 3.0
 """Factor on what the filter of inverse dynamics passes: half a sample is a fast effect."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class HoldFinding:
     """How the force runs between its samples, and what a record says of that."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -240,7 +239,6 @@ def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:
     return replace(one, segment=numbers.astype(np.intp))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointPiece:
     """What lies between two gaps of a record: motions, and what all balances are made of."""
@@ -510,7 +508,6 @@ def _loads(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> Array:
     return found
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointBalance(RecordProblem):
     """The balances of several joints: each a force map of its own law, all with one mechanism.
@@ -673,7 +670,6 @@ def _locally(
     return replace(own, items=items)
 
 
-@final
 @dataclass(frozen=True)
 class JointBalanceBuilder:
     """Builds the problem of a record that the friction of several joints is derived from."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, final
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,6 @@ class Rederivation(Protocol):
         """Return the stretches at values by path."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ForceMap(RecordProblem):
     """Measured friction less that of a law along the measured motion, less a constant offset.

@@ -4,7 +4,7 @@ import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +70,6 @@ class ProblemBuilder(Protocol):
         """Return what builds problems from here on, where the fit ended (p,)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Score(metaclass=Described):
     """How far predictions are off, each segment started from its own fitted state."""
@@ -147,7 +146,6 @@ class Score(metaclass=Described):
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Prediction(Tabular):
     """Predicted segments beside what was measured; rows stand in the order of time.
@@ -222,7 +220,6 @@ class Prediction(Tabular):
         return {"t": "s"}
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RecordFit(Fit[AnyLaw_co]):
     """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""

@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, cast, final
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +113,6 @@ def fit_joints(
     return fitter.fitted(laws, progress=progress)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Motion:
     """What records say whatever the laws are: motions, and the forces that these take."""
@@ -212,7 +211,6 @@ class _Motion:
         return replace(self, mechanism=mechanism, linear=linear, stretches=self.moved(change))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointFitter:
     """Fits laws by contact to records of several joints, whose motion is derived once for all."""
@@ -488,7 +486,6 @@ def _with_exchanged(
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Asked:
     """What is fitted, by contact."""

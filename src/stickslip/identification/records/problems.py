@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Generic, Literal, TypeAlias, final
+from typing import Generic, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,6 @@ ELECTRIC = ("mechanism.drive.resistance", "mechanism.drive.back_emf_constant")
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class RouteChoice:
     """How a record is fitted."""

@@ -8,7 +8,6 @@ knows: a body at rest has the friction that balances the other forces, one that 
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,6 @@ BEFORE = 0.02
 first sample of a record."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordedMotion:
     """The motion of a record between two gaps, and what it begins with."""
@@ -80,7 +78,6 @@ class RecordedMotion:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FirstDeflections:
     """Deflections with which the segments of a record begin, for a law at some values.

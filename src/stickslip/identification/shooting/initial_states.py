@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Generic, NamedTuple, TypeVar, final
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ at one over it nothing moves."""
 Found = TypeVar("Found")
 
 
-@final
 @dataclass(frozen=True)
 class Known(Generic[Found]):
     """What was found, in place of what finds it."""
@@ -47,7 +46,6 @@ class Ways(NamedTuple):
     """Right singular vectors, in rows (m, m)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LocalState:
     """One segment, linearised: what is needed to carry its initial state on.

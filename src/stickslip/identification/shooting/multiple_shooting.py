@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +79,6 @@ class Segment:
         return np.where(moves & ~self.known, 0.0, self.guess)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ZeroEstimate:
     """Where the positions of a record count from."""
@@ -91,7 +89,6 @@ class ZeroEstimate:
     """Its standard error."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shooting(RecordProblem):
     """Positions (or velocities) of segments simulated with the measured drive."""
@@ -334,7 +331,6 @@ class Shooting(RecordProblem):
         )
 
 
-@final
 @dataclass(frozen=True)
 class _Begun:
     """How the bristles of one segment begin."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from stickslip.mechanisms import DCMotor, LoopMemory, Mechanism, SampledLoop, mo
 from stickslip.solver import BareRun, EventDriven, IncrementalRun
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoopInSegment:
     """The loop of a motor in a segment of a record."""

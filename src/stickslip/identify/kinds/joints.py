@@ -30,7 +30,6 @@ Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +61,6 @@ SAME = math.sqrt(np.finfo(float).eps)
 """Eigenvalue of scaled slopes, over the largest, below which parameters are not told apart."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointRecords:
     """The balance of each joint as records of one coordinate."""
@@ -154,7 +152,6 @@ class JointRecords:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Links:
     """What the balances of all joints tell of parameters."""
@@ -214,7 +211,6 @@ def _mass(torques: JointTorques, mechanism: Mechanism, q: Array) -> Array:
     return np.asarray((moving - still).T)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Piece:
     """What lies between two gaps of a record, at even times."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from scipy import fft
@@ -42,7 +42,6 @@ CALM = 0.7
 that the acceleration of the motor has."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Record:
     """What was measured of one coordinate without a gap, in SI units."""
@@ -254,7 +253,6 @@ def _without_forces(
     }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Filter:
     """A low pass of fourth order forward and backward for one piece, and its derivatives."""
@@ -410,7 +408,6 @@ def bristle(path: Array, length: float, exponent: float, start: float = 0.0) -> 
     return found
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
     """What columns are scaled by: that of the records that were fitted, for any rows."""
@@ -446,7 +443,6 @@ class Frame:
     """What the work or impulse of free motions is divided by: of a steady force it has its size."""
 
 
-@final
 class Along:
     """Signals along records: full columns (n,) by name, and the filter that makes rows of them."""
 
@@ -970,7 +966,6 @@ def _even(time: Array) -> Array:
     return np.asarray(time[0] + step * np.arange(int((time[-1] - time[0]) / step + 1e-6) + 1))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Steady:
     """Steady motion at velocities (n,): bristles are stretched, and nothing accelerates."""

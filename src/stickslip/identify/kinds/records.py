@@ -46,7 +46,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,7 +134,6 @@ SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
 
 
-@final
 class RecordsProblem(Problem):
     """Records of one coordinate, as the judge sees them."""
 

@@ -11,7 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,6 @@ SHUFFLED = 0.3
 """Share of the order that speeds, loads and runs must leave, so that a drift can be told."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
     """Readings of friction, or places where it is asked."""
@@ -108,7 +107,6 @@ class Rows:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
     """What the columns of all rows are scaled by: it is that of the table that was measured."""
@@ -129,7 +127,6 @@ class Frame:
     """Means of the inputs."""
 
 
-@final
 class TableProblem(Problem):
     """A table of friction, as the judge sees it."""
 

@@ -20,7 +20,6 @@ import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +79,6 @@ APART, WORSE = 1e-2, 20.0
 """Relative distance from which minima are apart, and how much worse the best may leave them."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Size:
     """Sizes that follow from the leading coefficient that fits alone."""
@@ -95,7 +93,6 @@ class Size:
     """Largest speed of a run with it [m/s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TravelStructure:
     """A law in one shape, fitted to the travels."""
@@ -115,7 +112,6 @@ class TravelStructure:
     """Inverse prior variances (c,)."""
 
 
-@final
 @dataclass(eq=False)
 class TravelLaw:
     """A law as travels tell it."""

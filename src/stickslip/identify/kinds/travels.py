@@ -31,7 +31,7 @@ import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import brentq
@@ -105,7 +105,6 @@ UNTOLD = 0.7
 """Spread of a coefficient over that of its prior from which travels do not tell it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Linear:
     """A structure as a linear problem: travels over coefficients and nuisances."""
@@ -128,7 +127,6 @@ class Linear:
     """Of the curve."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solved:
     """A linear problem solved for some errors of the readings."""
@@ -152,7 +150,6 @@ class Solved:
     """Mean squares of these, standardised, by setting (b,)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TravelDraws:
     """Draws of a law, or of the curve about it."""
@@ -168,7 +165,6 @@ class TravelDraws:
     """Of the curve, the coefficients of its factor (d, q)."""
 
 
-@final
 @dataclass(eq=False)
 class TravelJudgement:
     """Travels, judged."""
@@ -1021,7 +1017,6 @@ def fitted_travels(
     )  # fmt: skip
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Fits:
     """What fits of all laws to the same travels share."""

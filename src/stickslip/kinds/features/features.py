@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -289,7 +289,6 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StickSlipFeatures(metaclass=Described):
     """Features of one record; forces are over the load, so they read as coefficients."""

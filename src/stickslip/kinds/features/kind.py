@@ -2,7 +2,6 @@
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import final
 
 from typing_extensions import override
 
@@ -23,7 +22,6 @@ UNITS = {"frequency": "Hz"}
 """Of features that have one."""
 
 
-@final
 class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     """Limit cycles of a towed block, fitted to frequency, mean and standard deviation."""
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ SOLVER = EventDriven(tier="compiled", tolerance=1e-7, stiff_tolerance=1e-5, max_
 """Features carry a per cent of doubt."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FeatureProblem(Problem):
     """Logarithms of frequency, mean and standard deviation of a simulated limit cycle."""

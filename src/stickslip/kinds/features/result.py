@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 Array: TypeAlias = NDArray[np.float64]
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class FeatureFit(Fit[Law_co]):
     """A law on a towed block whose limit cycle has the features of a record.

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, final
+from typing import Any, Final
 
 from typing_extensions import override
 
@@ -18,7 +18,6 @@ from stickslip.kinds.features.result import FeatureFit
 from stickslip.selection import Candidate, Verdict, plain, score_text
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class OtherSpeed(metaclass=Described):
     """What fitted laws predict where the spring is pulled at another speed."""
@@ -39,7 +38,6 @@ class OtherSpeed(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FeatureCandidate(Candidate[FeatureFit]):
     """One law on a record of stick-slip: its fit, its held-out errors, and what speaks against."""
@@ -157,7 +155,6 @@ COLUMNS: Final[Columns[FeatureCandidate]] = (
 """What tables say of each law."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FeatureVerdict(Verdict[FeatureCandidate]):
     """A verdict on the force of a spring that pulls a block, by features of stick-slip."""

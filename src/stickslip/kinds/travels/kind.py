@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import final
 
 from typing_extensions import override
 
@@ -21,7 +20,6 @@ from stickslip.report import Origin, SectionMaker
 from stickslip.selection import limits_of
 
 
-@final
 class TravelKind(Kind[TravelFit, TravelVerdict]):
     """Runs to rest, fitted to distances."""
 

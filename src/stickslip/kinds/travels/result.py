@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
     return float(np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip)]]).max())
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelFit(Fit[Law_co]):
     """A fit to travels.

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,6 @@ MM: Final = Scale(1e3, "mm")
 """What a terminal shows held-out errors in."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelCandidate(Candidate[TravelFit]):
     """One law on travels: as given, as fitted, and its share of the band."""
@@ -92,7 +91,6 @@ class TravelCandidate(Candidate[TravelFit]):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelVerdict(Verdict[TravelCandidate]):
     """Which law to use, and what the travel is at a setting whichever law holds."""

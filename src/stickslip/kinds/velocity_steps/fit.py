@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Literal, TypeAlias, final
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -216,7 +216,6 @@ def form_of(law: object) -> RateStateForm:
     return RATE_STATE_FORMS[law.name]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Asked:
     """What a fit looks for and what it holds, by path."""

@@ -1,7 +1,6 @@
 """Velocity steps of a load point, fitted by rate-and-state friction."""
 
 from dataclasses import replace
-from typing import final
 
 from typing_extensions import override
 
@@ -23,7 +22,6 @@ from stickslip.report import Origin, SectionMaker
 from stickslip.selection import on_second_record
 
 
-@final
 class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     """A slider without inertia behind a spring, fitted to the coefficient of friction."""
 

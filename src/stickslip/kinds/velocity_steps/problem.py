@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +54,6 @@ NUDGE = math.sqrt(TOLERANCE)
 """Step of difference quotients, relative."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Record:
     """Times, friction coefficients and the path of the load point, from time 0 on."""
@@ -178,7 +177,6 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Slider(Problem):
     """Means of the friction coefficient over short stretches of a record, weighted by samples."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,6 @@ SETTLED = 8.0
 """Way over which friction settles after a step, in critical distances: a change by e^-8 is left."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Window:
     """What a - b comes out as when less of the record is used."""
@@ -79,7 +78,6 @@ class Window:
     """
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Profile:
     """Fits with other evolution effects held that the record allows as well as the best."""
@@ -93,7 +91,6 @@ class Profile:
 NO_PROFILE = Profile()
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RateStateFit(Fit[RateState]):
     """Rate-and-state friction fitted to velocity steps; made by `fit_rate_state`.

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,6 @@ USUAL = ("constant-coefficient", "logarithmic", "rate-and-state", "rate-and-stat
 """Forms that are tried where none is named."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class _Law:
     """A candidate before it is fitted."""

@@ -5,7 +5,7 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,7 +34,6 @@ UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s", "seco
 STIFFNESS = Quantity("k", "1/m", above=0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SliderHistory(Tabular):
     """What a spring slider with rate-and-state friction does in time.

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias, final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from stickslip.selection import CrossValidated, CrossValidatedVerdict, plain, sc
 Array: TypeAlias = NDArray[np.float64]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class OtherStep(metaclass=Described):
     """A velocity step that was not measured, and how far apart two fitted laws are after it."""
@@ -36,7 +35,6 @@ class OtherStep(metaclass=Described):
         return {"before": self.before, "after": self.after, "separation": self.separation}
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class RateStateCandidate(CrossValidated[RateStateFit]):
     """One law on velocity steps: its fit, its held-out error, and what speaks against it."""
@@ -127,7 +125,6 @@ COLUMNS: Final[Columns[RateStateCandidate]] = (
 """What tables say of each law."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class RateStateVerdict(CrossValidatedVerdict[RateStateCandidate]):
     """A verdict on friction while a load point is pulled with steps of its speed."""

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Protocol, TypeAlias, final
+from typing import Any, Final, Protocol, TypeAlias
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -66,7 +66,6 @@ class Encoder(Protocol):
         """Write them all, so many a second."""
 
 
-@final
 @dataclass(frozen=True)
 class Gif:
     """GIF by Pillow; durations are hundredths of a second, kept right on the whole."""
@@ -128,7 +127,6 @@ def _rgb(colour: str) -> tuple[int, ...]:
     return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
 
 
-@final
 @dataclass(frozen=True)
 class Mp4:
     """H.264 by the program ffmpeg, which reads raw pictures."""

@@ -24,7 +24,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FunctionType, SimpleNamespace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from typing_extensions import override
@@ -71,7 +71,6 @@ TAKEN = (
 )
 
 
-@final
 @dataclass(frozen=True)
 class EquationsCode(ObjectCode):
     """Machine code of the equations of a mechanism with a law, whatever their parameters."""
@@ -173,7 +172,6 @@ PLACE = ctypes.c_char * 0
 SECONDS = 6.0
 
 
-@final
 @dataclass(frozen=True)
 class KernelsCode(ObjectCode):
     """Machine code of the kernels."""

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,6 @@ from stickslip.solver.compile.translation import Function, exported, translated
 # Machine code of the observer of a record, one file on a machine.
 
 
-@final
 class ObserverCode(ObjectCode):
     """Machine code of `stickslip.kernels.observer.observe`."""
 
@@ -100,7 +99,6 @@ def states_along(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start
     return out
 
 
-@final
 class _Shape:
     """A law by what shapes its equations: its parameters may be arrays, which have no hash."""
 
@@ -172,7 +170,6 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
     return StatesCode(law.name, entry, program, tuple(paths), len(flags))
 
 
-@final
 @dataclass(frozen=True)
 class StatesCode(ObjectCode):
     """Machine code of the states of a law along a motion."""
@@ -235,7 +232,6 @@ def _steps_text() -> str:
     return "\n".join(Path(one).read_text("utf-8") for one in (observer.__file__, __file__))
 
 
-@final
 class _Lines:
     """The lines of a program that numbers write while a law's equations run on them."""
 
@@ -263,7 +259,6 @@ class _Lines:
         return Written(self._known[text], self)
 
 
-@final
 class Written:
     """A number of a program: each operation on it writes a line.
 

@@ -12,7 +12,7 @@ import math
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 from stickslip.errors import CompilationError
 
@@ -224,7 +224,6 @@ def _others(node: ast.FunctionDef) -> list[ast.expr]:
     ]
 
 
-@final
 class _Body:
     """The translation of one function.
 

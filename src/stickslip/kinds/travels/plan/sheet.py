@@ -5,7 +5,7 @@ import html
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
@@ -25,7 +25,6 @@ TRAVEL_COLUMN = "travel [mm]"
 """Column of the table of runs that is filled in."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Separation(metaclass=Described):
     """One setting of the rig and the travel each fitted law predicts for it."""
@@ -67,7 +66,6 @@ class Separation(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Preparation(metaclass=Described):
     """A parameter to measure before the runs, and how well."""
@@ -115,7 +113,6 @@ class Preparation(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Telling(metaclass=Described):
     """What it takes to rule out one law where another one holds."""
@@ -156,7 +153,6 @@ class Telling(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Expectation(metaclass=Described):
     """The interval of a parameter that the planned runs will give, if its law holds."""
@@ -180,7 +176,6 @@ class Expectation(metaclass=Described):
         }
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Plan(Tabular):
     """Which travels to measure, how often and how well, and what they will tell."""

@@ -6,7 +6,6 @@ Symbols stand between dollar signs, which pages typeset.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import final
 
 from stickslip.formatting import count, fixed, joined, number, quantity, significant
 from stickslip.kinds.travels.plan.sheet import Plan, Telling
@@ -17,7 +16,6 @@ BLOCK = 6
 """Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SheetRow:
     """A row of a table."""
@@ -32,7 +30,6 @@ class SheetRow:
     """Whether it is not told."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SheetTable:
     """A table, and what is said in a line each below it."""
