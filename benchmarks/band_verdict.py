@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from benchmarks.band_truths.rig import Array, Points, Rig
 from stickslip import Measurement, select
-from stickslip.identify.kinds.record_signals import records_of
+from stickslip.identify.problems.record_signals import records_of
 from stickslip.identify.verdict import groups_of
 
 ROUTES = {"tables": None}

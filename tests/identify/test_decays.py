@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
-from stickslip.identify.kinds.record_frame import free_form
-from stickslip.identify.kinds.record_signals import records_of
-from stickslip.identify.kinds.records import RecordsProblem
+from stickslip.identify.problems.record_frame import free_form
+from stickslip.identify.problems.record_signals import records_of
+from stickslip.identify.problems.records import RecordsProblem
 
 INERTIA, STIFFNESS, LEVEL = 0.5, 200.0, 0.4
 NOISE = 1e-3

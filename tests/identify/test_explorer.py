@@ -9,9 +9,9 @@ from stickslip import Axis, Measurement, select
 from stickslip.identify.ensemble import band_of
 from stickslip.identify.explorer import Explorer
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.records import Record, RecordsProblem
-from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.problem import STRETCHES
+from stickslip.identify.problems.records import Record, RecordsProblem
+from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.regression import BlockRegression
 
 AXIS = Axis(inertia=1.0)

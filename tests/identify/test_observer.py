@@ -7,9 +7,9 @@ import pytest
 
 from stickslip.identify.comparison import compare, family_members
 from stickslip.identify.ensemble import Ensemble
-from stickslip.identify.kinds.record_signals import Record, bristle
-from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.observer import Observer
+from stickslip.identify.problems.record_signals import Record, bristle
+from stickslip.identify.problems.records import RecordsProblem
 from stickslip.identify.search import Search
 from stickslip.kernels import observer
 from stickslip.solver.compile.states import observe

@@ -6,8 +6,8 @@ from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
-from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import RecordsProblem
+from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.records import RecordsProblem
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
 RATE = 1000.0

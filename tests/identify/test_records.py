@@ -11,7 +11,8 @@ from stickslip.identify.comparison import Comparison, compare
 from stickslip.identify.ensemble import Ensemble
 from stickslip.identify.forces import forces_along
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.record_signals import (
+from stickslip.identify.problem import family_of
+from stickslip.identify.problems.record_signals import (
     Filter,
     Record,
     bristle,
@@ -20,8 +21,7 @@ from stickslip.identify.kinds.record_signals import (
     noise_of,
     records_of,
 )
-from stickslip.identify.kinds.records import RecordsProblem, unseen_length
-from stickslip.identify.problem import family_of
+from stickslip.identify.problems.records import RecordsProblem, unseen_length
 from stickslip.identify.search import Search
 from stickslip.identify.spans import same_span
 

@@ -22,8 +22,8 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.laws import MeasuredCurve, compose, curve_law, drawn_curve
+from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.requests import families_of
 
 AXIS = Axis(inertia=1.0)

@@ -21,7 +21,7 @@ from stickslip import (
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.identification import durations, trials_of
-from stickslip.identify.kinds.travels import judged_travels
+from stickslip.identify.problems.travels import judged_travels
 from stickslip.mechanisms import SoftStop, Torque
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)

@@ -8,13 +8,6 @@ from stickslip.identify.joints import JointVerdict as JointVerdict
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judge import Interval as Interval
-from stickslip.identify.kinds.travels import INSENSITIVE as INSENSITIVE
-from stickslip.identify.kinds.travels import TravelJudgement as TravelJudgement
-from stickslip.identify.kinds.travels import USUAL_LAWS as USUAL_LAWS
-from stickslip.identify.kinds.travels import fitted_travels as fitted_travels
-from stickslip.identify.kinds.travels import judged_travels as judged_travels
-from stickslip.identify.kinds.travels import knob_of as knob_of
-from stickslip.identify.kinds.travels import propagated as propagated
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import TITLES as TITLES
@@ -22,6 +15,13 @@ from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section
 from stickslip.identify.page import remarks_section as remarks_section
 from stickslip.identify.page import verdict_sections as verdict_sections
+from stickslip.identify.problems.travels import INSENSITIVE as INSENSITIVE
+from stickslip.identify.problems.travels import TravelJudgement as TravelJudgement
+from stickslip.identify.problems.travels import USUAL_LAWS as USUAL_LAWS
+from stickslip.identify.problems.travels import fitted_travels as fitted_travels
+from stickslip.identify.problems.travels import judged_travels as judged_travels
+from stickslip.identify.problems.travels import knob_of as knob_of
+from stickslip.identify.problems.travels import propagated as propagated
 from stickslip.identify.selection import select_record as select_record
 from stickslip.identify.selection import select_table as select_table
 from stickslip.identify.thresholds import THRESHOLDS as THRESHOLDS

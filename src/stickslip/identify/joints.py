@@ -1,7 +1,7 @@
 """Selection for several joints: each is judged by its own balance, as a record of one coordinate.
 
 Links that are looked for are found before, from all joints at once
-(:mod:`~stickslip.identify.kinds.joints`).
+(:mod:`~stickslip.identify.problems.joints`).
 """
 
 import json
@@ -32,11 +32,11 @@ from stickslip.identification import (
 )
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.joints import JointRecords, Links, links_of
-from stickslip.identify.kinds.record_signals import Record
-from stickslip.identify.kinds.records import RecordsProblem, with_hold
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problem import Array
+from stickslip.identify.problems.joints import JointRecords, Links, links_of
+from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.records import RecordsProblem, with_hold
 from stickslip.identify.selection import record_verdict, refined, restrict
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary

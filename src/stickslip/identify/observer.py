@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble, root_of, stream_of
-from stickslip.identify.kinds.record_signals import Record, noise_of
-from stickslip.identify.kinds.records import RecordsProblem
 from stickslip.identify.problem import Array, Column, Fitted, Mask, Shape, Structure
+from stickslip.identify.problems.record_signals import Record, noise_of
+from stickslip.identify.problems.records import RecordsProblem
 from stickslip.identify.search import block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.kernels import observer

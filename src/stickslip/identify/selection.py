@@ -16,11 +16,11 @@ from stickslip.identify.advice import Proposal, propose
 from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
-from stickslip.identify.kinds.record_signals import Record, records_of
-from stickslip.identify.kinds.records import RecordsProblem, unseen_length, with_hold
-from stickslip.identify.kinds.tables import TableProblem
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
+from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.records import RecordsProblem, unseen_length, with_hold
+from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on

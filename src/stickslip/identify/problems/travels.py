@@ -53,8 +53,9 @@ from stickslip.identification import (
 )
 from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
 from stickslip.identify.ensemble import allotted
-from stickslip.identify.kinds.travel_descent import STEP
-from stickslip.identify.kinds.travel_laws import (
+from stickslip.identify.problem import Array
+from stickslip.identify.problems.travel_descent import STEP
+from stickslip.identify.problems.travel_laws import (
     HOLDING,
     RESOLVED,
     Size,
@@ -62,7 +63,6 @@ from stickslip.identify.kinds.travel_laws import (
     TravelStructure,
     moving_back,
 )
-from stickslip.identify.problem import Array
 from stickslip.identify.search import block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism

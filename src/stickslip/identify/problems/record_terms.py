@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.identify.forces import TRANSMITTED
-from stickslip.identify.kinds.record_frame import APART, mean_frequency
-from stickslip.identify.kinds.record_signals import Along, Steady
 from stickslip.identify.laws import CHANGING, TITLES
 from stickslip.identify.problem import RUNNING_IN, Array, Shape, Term
+from stickslip.identify.problems.record_frame import APART, mean_frequency
+from stickslip.identify.problems.record_signals import Along, Steady
 from stickslip.identify.thresholds import THRESHOLDS
 
 GAINS = frozenset({"force_gain", "position_scale"})

@@ -9,7 +9,7 @@ r"""Records of several joints: the balance of each is a record of one coordinate
              = \sum_k (p_k - p_{k0})\, \partial T_i / \partial p_k + \text{friction}_i ,
 
    so that it is a record of one coordinate, with known forces of the mechanism and unknown ones
-   (:mod:`~stickslip.identify.kinds.records`): all that is judged there is judged here.
+   (:mod:`~stickslip.identify.problems.records`): all that is judged there is judged here.
 2. **Motion.** Velocities and accelerations in :math:`T_i` come from positions in a band `AHEAD`
    times that of the balance, whose filter follows. Noise of the acceleration of joint :math:`j`
    is a force :math:`M_{ij}` times it, so that the band of joint :math:`i` is that of noise
@@ -45,10 +45,10 @@ from stickslip.identification import (
     recorded_inputs,
 )
 from stickslip.identify.forces import Unknown, with_transmitted
-from stickslip.identify.kinds.record_frame import band_for, mean_frequency
-from stickslip.identify.kinds.record_signals import FEWEST, Along, Filter, Record, noise_of
-from stickslip.identify.kinds.records import RecordsProblem, by_curve
 from stickslip.identify.problem import Array
+from stickslip.identify.problems.record_frame import band_for, mean_frequency
+from stickslip.identify.problems.record_signals import FEWEST, Along, Filter, Record, noise_of
+from stickslip.identify.problems.records import RecordsProblem, by_curve
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.identify.kinds.record_signals import Along
 from stickslip.identify.problem import Array
+from stickslip.identify.problems.record_signals import Along
 from stickslip.identify.thresholds import THRESHOLDS
 
 

@@ -52,20 +52,6 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identify.kinds.features import features_along, features_in_steady_motion
-from stickslip.identify.kinds.record_checks import refuse_wrong_signs
-from stickslip.identify.kinds.record_frame import (
-    APART,
-    SLOW,
-    alike,
-    balanced_band,
-    band_for,
-    by_best_sensor,
-    frame_of,
-    free_form,
-)
-from stickslip.identify.kinds.record_signals import Along, Frame, Record, Steady
-from stickslip.identify.kinds.record_terms import DEAD_ZONE, EXPONENTS, GRID, screened, terms_of
 from stickslip.identify.laws import (
     FLOWS,
     POINTS,
@@ -88,6 +74,20 @@ from stickslip.identify.problem import (
     Structure,
     Term,
 )
+from stickslip.identify.problems.features import features_along, features_in_steady_motion
+from stickslip.identify.problems.record_checks import refuse_wrong_signs
+from stickslip.identify.problems.record_frame import (
+    APART,
+    SLOW,
+    alike,
+    balanced_band,
+    band_for,
+    by_best_sensor,
+    frame_of,
+    free_form,
+)
+from stickslip.identify.problems.record_signals import Along, Frame, Record, Steady
+from stickslip.identify.problems.record_terms import DEAD_ZONE, EXPONENTS, GRID, screened, terms_of
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.identify.kinds.record_signals import Along, Frame, Record, noise_of
 from stickslip.identify.problem import BEYOND, STRETCHES, bending_of
+from stickslip.identify.problems.record_signals import Along, Frame, Record, noise_of
 
 APART = 3.0
 """Distance over 1/fc from which rows are independent."""
