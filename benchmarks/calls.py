@@ -15,7 +15,7 @@ from benchmarks.compiling import told_by_child
 from benchmarks.kernel import Kernel
 from benchmarks.measuring import Section, Target
 from stickslip import Coulomb, EventDriven, simulate
-from stickslip.solver import prepare
+from stickslip.engine.solver import prepare
 
 FIRST = 10
 """Calls of the process that are timed one by one."""

@@ -17,9 +17,9 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from stickslip import Coulomb, SpringBlock
-from stickslip.outputs import EventTimes, Final, Max
-from stickslip.sweep import Campaign, Case, Normal, Uniform
-from stickslip.sweep.campaign import _Ledger, _made
+from stickslip.engine import EventTimes, Final, Max
+from stickslip.study.sweep import Campaign, Case, Normal, Uniform
+from stickslip.study.sweep.campaign import _Ledger, _made
 
 
 def asked(runs: int) -> Campaign:

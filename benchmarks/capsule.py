@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from benchmarks.measuring import Section, Target
 from stickslip import Capsule, Coulomb, ensemble
-from stickslip.drives import Sine
+from stickslip.engine import Samples
 from stickslip.mechanisms import SoftStop, Torque
-from stickslip.outputs import Samples
-from stickslip.sweep import OrbitDiagram, average_velocity, orbit_diagram
-from stickslip.sweep.bifurcation import period_of
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.sweep import OrbitDiagram, average_velocity, orbit_diagram
+from stickslip.study.sweep.bifurcation import period_of
 
 Array = NDArray[np.float64]
 

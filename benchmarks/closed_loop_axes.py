@@ -26,8 +26,8 @@ from stickslip import (
     Measurement,
     Stribeck,
 )
-from stickslip.control import closed_loop
 from stickslip.friction import bound
+from stickslip.study.control import closed_loop
 
 TRUTHS = ("lugre", "stribeck", "elasto-plastic", "gms", "direction-dependent", "backlash")
 ENCODERS = (1e-7, 1e-5)
@@ -248,7 +248,7 @@ ROUNDS = 100
 
 def _friction(law: FrictionLaw, rig: ControlledAxis, motion: Motion) -> Array:
     """Return the friction (n,) of a law along a motion, whose motor overcomes just that."""
-    from stickslip.identification.estimation.bristle_integration import Path, follow
+    from stickslip.identify.fits.estimation.bristle_integration import Path, follow
 
     t, v = motion.time, motion.velocity
     loaded = {*law.inputs} & {"motor", "external", "transmitted"}

@@ -14,9 +14,9 @@ import numpy as np
 from benchmarks import decay, lugre
 from benchmarks.measuring import Section
 from stickslip import Coulomb, CoulombViscous, EventDriven, Stribeck, simulate
+from stickslip.engine.solver import prepare
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver import prepare
 
 MU = decay.MU
 PAIRS: tuple[tuple[str, Mechanism, FrictionLaw], ...] = (

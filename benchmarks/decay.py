@@ -20,7 +20,7 @@ from benchmarks.measuring import (
     within,
 )
 from stickslip import Coulomb, SpringBlock
-from stickslip.results import Trajectory
+from stickslip.engine import Trajectory
 
 M, K, X_0, MU, G = 1.0, 100.0, 0.08, 0.1, 9.81
 F = MU * M * G

@@ -23,9 +23,8 @@ from benchmarks import decay
 from benchmarks.measuring import REPEATS, TIERS, TOLERANCES, Section, Target, mean_time
 from benchmarks.tables import milliseconds
 from stickslip import EventDriven, Stribeck, ensemble
+from stickslip.engine import Ensemble, EventTimes, Final
 from stickslip.friction import FrictionLaw
-from stickslip.outputs import EventTimes, Final
-from stickslip.results import Ensemble
 
 ROWS, MANY = 10_000, 1_000_000
 PART = 20

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import Capsule, load_rig, select, simulate
-from stickslip.drives import Sine
 from stickslip.errors import StickslipError
 from stickslip.friction import (
     Coulomb,
@@ -32,11 +31,12 @@ from stickslip.friction import (
     Stribeck,
 )
 from stickslip.friction import law as composed
-from stickslip.identification import durations
 from stickslip.identify import PredictionBand
-from stickslip.kinds.travels.verdict import TravelVerdict
+from stickslip.identify.fits import durations
+from stickslip.identify.kinds.travels.verdict import TravelVerdict
 from stickslip.mechanisms import SoftStop, Torque
-from stickslip.sweep import VelocityBand, average_velocity, velocity_band
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.sweep import VelocityBand, average_velocity, velocity_band
 
 FREQUENCY = "mechanism.drive.drive.frequency"
 FILMED = (4.0, 5.5, 7.0, 9.0, 11.0, 13.0, 15.0)

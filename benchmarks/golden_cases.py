@@ -10,9 +10,17 @@ import numpy as np
 import pandas as pd
 
 from benchmarks import closed_loop_axes
-from stickslip import Capsule, Coulomb, CoulombViscous, Pendulum, PendulumCart, catalogue, simulate
-from stickslip.drives import Square
+from stickslip import (
+    Capsule,
+    Coulomb,
+    CoulombViscous,
+    Pendulum,
+    PendulumCart,
+    simulate,
+)
+from stickslip.data import catalogue
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Square
 from stickslip.quantities import vary
 
 PYTHON = "python"
@@ -308,7 +316,7 @@ import numpy as np
 
 from stickslip import Measurement, TowedBlock
 from stickslip.friction import RateState
-from stickslip.kinds import fit_rate_state, simulate_velocity_steps
+from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 
 law = RateState(
     reference_coefficient=0.6,
@@ -332,8 +340,9 @@ print(json.dumps({name: fit.to_dict() for name, fit in fits.items()}))
 ROCK = '''
 """The velocity step of sepiolite gouge."""
 
-from stickslip import TowedBlock, catalogue
-from stickslip.kinds import fit_rate_state
+from stickslip import TowedBlock
+from stickslip.data import catalogue
+from stickslip.identify.kinds import fit_rate_state
 
 machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
 record = catalogue.dataset("rock_velocity_step").measurement()

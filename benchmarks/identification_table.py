@@ -22,14 +22,14 @@ from stickslip import (
     Stribeck,
     TowedBlock,
 )
-from stickslip.catalogue import dataset
+from stickslip.data.catalogue import dataset
 from stickslip.errors import StickslipError
-from stickslip.identification import RecordFit
-from stickslip.identification.estimation.levenberg_marquardt import search
-from stickslip.identification.force_map.problem import force_map
-from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics
-from stickslip.kinds import features_of, fit_features, fit_rate_state
+from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits.estimation.levenberg_marquardt import search
+from stickslip.identify.fits.force_map.problem import force_map
+from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
+from stickslip.identify.kinds import features_of, fit_features, fit_rate_state
 
 AXIS = Axis(inertia=95.0)
 """EMPS; its mass is looked for."""

@@ -28,10 +28,10 @@ import numpy as np
 from benchmarks.rigs import TRUTHS as USUAL
 from benchmarks.rigs import Array, Random, Sizes, between
 from stickslip import Dahl, FrictionLaw, Measurement, RecordSettings, TwoLinkArm, select
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import StickslipError
-from stickslip.formulation import JointTorques
 from stickslip.friction import bound, law, specification
-from stickslip.results import BandVerdict
+from stickslip.identify import BandVerdict
 
 RESULTS = "joints.jsonl"
 JOINTS = ("shoulder", "elbow")

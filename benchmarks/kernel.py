@@ -4,15 +4,22 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from stickslip.formulation import formulate
+from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels.batch import happened
+from stickslip.engine.kernels.state_layout import (
+    EVENT_COLUMNS,
+    EVENTS,
+    REJECTED,
+    ROW_COLUMNS,
+    STEPS,
+    Y,
+)
+from stickslip.engine.solver.backend import runner_of
+from stickslip.engine.solver.certify import directions_of, working
+from stickslip.engine.solver.reducers import reasons
+from stickslip.engine.solver.starts import gather
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.batch import happened
-from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.backend import runner_of
-from stickslip.solver.certify import directions_of, working
-from stickslip.solver.reducers import reasons
-from stickslip.solver.starts import gather
 
 LIMIT = 1_000_000
 """Steps after which a run is given up."""

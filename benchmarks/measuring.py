@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 
 from benchmarks.kernel import Kernel
 from stickslip import EventDriven, simulate
+from stickslip.engine import Trajectory
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.results import Trajectory
 
 TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(8, 27))
 """Tried from the loosest on, until the error is small enough."""

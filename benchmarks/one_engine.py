@@ -26,10 +26,10 @@ from stickslip import (
     TowedBlock,
     TwoMassAxis,
 )
-from stickslip.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, Prescribed, Torque
+from stickslip.mechanisms.drives import Pulse, Sine, Square, ThreePhase
 
 SAMPLES, RUNS = 1000, 25
 TIGHT, USUAL = 1e-12, 1e-9

@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 from stickslip import Coulomb, PendulumCart
 from stickslip import optimise_profile as optimise
-from stickslip.drives import ThreePhase
 from stickslip.mechanisms import Prescribed
-from stickslip.optimisation import Limits
-from stickslip.results import Optimum
+from stickslip.mechanisms.drives import ThreePhase
+from stickslip.study.optimisation import Limits, Optimum
 
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))

@@ -37,10 +37,10 @@ from stickslip import (
 )
 from stickslip.errors import StickslipError
 from stickslip.friction import RATE_STATE_FORMS, HessSoom, RateState
-from stickslip.identification import Estimate
-from stickslip.kinds import FeatureVerdict, RateStateVerdict, simulate_velocity_steps
-from stickslip.kinds.features.problem import cycle_features
-from stickslip.kinds.features.result import as_good
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds import FeatureVerdict, RateStateVerdict, simulate_velocity_steps
+from stickslip.identify.kinds.features.problem import cycle_features
+from stickslip.identify.kinds.features.result import as_good
 
 NEAR = 0.05
 """Root mean square error of features at other speeds, or share of the variation of friction at

@@ -21,8 +21,8 @@ from stickslip import (
     Stribeck,
     simulate,
 )
-from stickslip.drives import Sampled
 from stickslip.errors import SimulationError
+from stickslip.mechanisms.drives import Sampled
 
 Array: TypeAlias = NDArray[np.float64]
 Random: TypeAlias = np.random.Generator

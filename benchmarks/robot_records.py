@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from stickslip import fit
-from stickslip.benchmark.definition import Task
-from stickslip.benchmark.records import ROBOT_TASKS
 from stickslip.errors import StickslipError
 from stickslip.friction import LAWS, FrictionLaw, specification
-from stickslip.identification import RecordFit
+from stickslip.identify.fits import RecordFit
+from stickslip.study.benchmark.definition import Task
+from stickslip.study.benchmark.records import ROBOT_TASKS
 
 ASKED = ("viscous", "coulomb", "coulomb-viscous", "direction-dependent", "stribeck")
 """Laws of a table. One whose level grows with the recorded torque is not judged by how it predicts

@@ -8,11 +8,11 @@ import numpy as np
 from benchmarks.kernel import Kernel
 from benchmarks.measuring import REPEATS, Section, Target
 from stickslip import Coulomb, TwoLinkArm
-from stickslip.drives import Sine
-from stickslip.formulation import formulate
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver.compile.programs import code_of
 from stickslip.friction import Laws
 from stickslip.mechanisms import Link, Mechanism, Robot, RobotJoint, SerialArm
-from stickslip.solver.compile.programs import code_of
+from stickslip.mechanisms.drives import Sine
 
 LEVELS = [(1.0, 1.4), (1.2, 1.6), (0.8, 1.1), (0.3, 0.45), (0.3, 0.45), (0.2, 0.3)]
 """Kinetic and static levels in the joints of the robot [N m]."""

@@ -28,8 +28,8 @@ from benchmarks.measuring import (
     within,
 )
 from stickslip import Axis, CoulombViscous
-from stickslip.drives import Sampled
-from stickslip.results import Trajectory
+from stickslip.engine import Trajectory
+from stickslip.mechanisms.drives import Sampled
 
 J, F_K, F_S, SIGMA_2 = 1.0, 1.0, 1.2, 0.5
 SAMPLES, STEP = 25_000, 1e-3

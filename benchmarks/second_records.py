@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from stickslip import Axis, Measurement, Pendulum, catalogue, select
+from stickslip import Axis, Measurement, Pendulum, select
+from stickslip.data import catalogue
 from stickslip.errors import StickslipError
-from stickslip.results import BandVerdict
+from stickslip.identify import BandVerdict
 
 FIRST = 0.6
 """Part of a record that the rest is predicted from."""

@@ -11,9 +11,9 @@ from benchmarks.kernel import Kernel
 from benchmarks.measuring import REPEATS, TIERS, TOLERANCES, Section, Target, mean_time
 from benchmarks.variations import bristles, fading, swinging
 from stickslip import Axis, Stribeck
-from stickslip.drives import Sine
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import Sine
 
 MOST = 4.0
 """What a run with sensitivities may take, over a plain run."""

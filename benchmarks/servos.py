@@ -32,7 +32,12 @@ import numpy as np
 from benchmarks.rigs import Random, between
 from benchmarks.synthetic_truth import judged, run, share
 from stickslip import BamM4, FrictionLaw, Measurement, Pendulum, RecordSettings, fit, simulate
-from stickslip.benchmark.records import (
+from stickslip.errors import StickslipError
+from stickslip.friction import LAWS, law
+from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.mechanisms import DCMotor, PositionLoop
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.benchmark.records import (
     DROOP,
     DUTIES,
     SUPPLY,
@@ -44,12 +49,7 @@ from stickslip.benchmark.records import (
     logs,
     swing,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Sampled
-from stickslip.errors import StickslipError
-from stickslip.friction import LAWS, law
-from stickslip.identification.records.fitting import fit_record
-from stickslip.mechanisms import DCMotor, PositionLoop
+from stickslip.study.control import PID, closed_loop
 
 VARIED = ("mechanism.drive.resistance", "mechanism.drive.torque_constant")
 MASS = "mechanism.mass"

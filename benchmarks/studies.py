@@ -28,7 +28,7 @@ from benchmarks import (
 )
 from benchmarks.axis_records import FAULTS, FURTHER, TRUTHS
 from stickslip.cli.progress import workers
-from stickslip.executors import spread
+from stickslip.engine.executors import spread
 
 Row = Mapping[str, Any]
 GOLDEN = 0.618

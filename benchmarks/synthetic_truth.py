@@ -24,9 +24,9 @@ import numpy as np
 from benchmarks.rigs import FREE, TRUTHS, Random, Rig, draw, record
 from stickslip import Axis, CoulombViscous, FrictionLaw, Measurement, QuadraticDrag, fit
 from stickslip.errors import StickslipError
-from stickslip.identification import RecordFit
-from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.settings import RecordSettings
+from stickslip.identify.fits import RecordFit
+from stickslip.identify.fits.estimation.jackknife import infer
+from stickslip.identify.fits.settings import RecordSettings
 
 ALWAYS = "coulomb-viscous"
 ROUTES = ("shooting", "inverse-dynamics")

@@ -53,11 +53,11 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Pulse, Square
 from stickslip.errors import StickslipError
-from stickslip.identification import Estimate
-from stickslip.kinds import TravelVerdict
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds import TravelVerdict
 from stickslip.mechanisms import Torque, slip_of
+from stickslip.mechanisms.drives import Pulse, Square
 from stickslip.quantities import parameters, vary
 
 RESULTS = "travel_truth.jsonl"

@@ -28,11 +28,10 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Sampled, Sine, ThreePhase
 from stickslip.identify import draw_band
 from stickslip.mechanisms import Prescribed, Torque
-from stickslip.plots import (
+from stickslip.mechanisms.drives import Sampled, Sine, ThreePhase
+from stickslip.show.plots import (
     C1,
     DATA,
     INK,
@@ -43,10 +42,11 @@ from stickslip.plots import (
     Size,
     standalone_svg,
 )
-from stickslip.plots.runs import LOOP_SIZES, draw_closed_loop
-from stickslip.plots.studies import draw_fixed_steps
-from stickslip.plots.sweep_maps import draw_velocity_map
-from stickslip.sweep import average_velocity
+from stickslip.show.plots.runs import LOOP_SIZES, draw_closed_loop
+from stickslip.show.plots.studies import draw_fixed_steps
+from stickslip.show.plots.sweep_maps import draw_velocity_map
+from stickslip.study.control import PID, closed_loop
+from stickslip.study.sweep import average_velocity
 
 FOLDER = Path(__file__).parent / "figures"
 RECORD = Path(__file__).parent / "howto" / "files" / "axis.csv"

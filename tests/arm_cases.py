@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip import CoulombViscous, Measurement, RecordSettings, TwoLinkArm
-from stickslip.formulation import JointTorques
+from stickslip.engine.formulation import JointTorques
 
 ARM = TwoLinkArm(
     upper_mass=0.5, upper_length=0.2, upper_centre=0.18, upper_inertia=0.025,

@@ -54,14 +54,14 @@ def pytest_runtest_setup() -> None:
     Hooks of set-up and teardown hold for this folder alone: the examples in docstrings, which may
     run in the same process, see what users see.
     """
-    from stickslip.report import blocks
+    from stickslip.show.report import blocks
 
     blocks.CAUGHT = ()
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown() -> None:
-    from stickslip.report import blocks
+    from stickslip.show.report import blocks
 
     blocks.CAUGHT = (Exception,)
 

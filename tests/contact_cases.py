@@ -12,9 +12,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from stickslip import Coulomb
-from stickslip.drives import Drive, Sampled
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import Quantity
 
 

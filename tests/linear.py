@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import Problem, ResidualJacobian
+from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.estimation.problem import Problem, ResidualJacobian
 from stickslip.quantities import Quantity
 
 Array = NDArray[np.float64]

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from stickslip import Axis, Coulomb, Mechanism
-from stickslip.drives import Drive, Sine
 from stickslip.mechanisms import Contact
+from stickslip.mechanisms.drives import Drive, Sine
 from stickslip.quantities import Quantity
 
 

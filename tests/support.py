@@ -37,8 +37,9 @@ from stickslip import (
     TwoMassCapsule,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
-from stickslip.formulation import Model, formulate
+from stickslip.engine.formulation import Model, formulate
+from stickslip.engine.solver.backend import Equations
+from stickslip.engine.solver.starts import gather
 from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import (
     InnerMass,
@@ -54,10 +55,17 @@ from stickslip.mechanisms import (
     given_inputs,
     input_names,
 )
+from stickslip.mechanisms.drives import (
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sine,
+    SineSwing,
+    Square,
+    ThreePhase,
+)
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.solver.backend import Equations
-from stickslip.solver.starts import gather
-from stickslip.testing.friction import ORDINARY
+from stickslip.study.testing.friction import ORDINARY
 
 UNAIDED = {name: law for name, law in LAWS.items() if not law.inputs}
 """Laws that ask the contact for speed and load alone."""
@@ -600,7 +608,7 @@ def wide_only() -> Iterator[None]:
 
     Animations have one picture a second.
     """
-    from stickslip.plots import svg
+    from stickslip.show.plots import svg
 
     drawn = inspect.unwrap(svg._drawn)
 
@@ -625,7 +633,7 @@ def sketched() -> Iterator[None]:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    from stickslip.plots import svg, theme
+    from stickslip.show.plots import svg, theme
 
     drawn = inspect.unwrap(svg._drawn)
 

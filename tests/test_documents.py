@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from stickslip import documents
-from stickslip.documents import LIST, write_file, write_files, write_folder
 from stickslip.errors import InputError
+from stickslip.show import documents
+from stickslip.show.documents import LIST, write_file, write_files, write_folder
 
 OLD = {"index.html": "old", "verdict.json": "old", "law.toml": "old"}
 NEW = {"index.html": "new", "verdict.json": "new"}
 CHILD = """
 import ctypes, os, pathlib, signal, sys
-from stickslip import documents
+from stickslip.show import documents
 
 folder, where, can_exchange = sys.argv[1:]
 last = calls = 0

@@ -6,8 +6,8 @@ from multiprocessing import get_context
 
 import pytest
 
+from stickslip.engine.executors import on_threads, threads
 from stickslip.errors import InputError
-from stickslip.executors import on_threads, threads
 
 
 def slowly(i):

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip import maths
+from stickslip.engine.formulation.trace import Switchboard, Traced
 from stickslip.errors import InputError, TracingError
-from stickslip.formulation.trace import Switchboard, Traced
 
 ONE_ARGUMENT = {
     "exp": math.exp,

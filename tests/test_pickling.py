@@ -31,16 +31,15 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.characterization import presliding_loop
-from stickslip.control import closed_loop, limit_cycle
-from stickslip.drives import Sampled, Sine
-from stickslip.experiments import LawEstimates, guess_data
+from stickslip.data import LawEstimates, guess_data
+from stickslip.engine import Final, Sensitivity
 from stickslip.friction import RateState
-from stickslip.kinds import fit_rate_state, simulate_velocity_steps
-from stickslip.outputs import Final
-from stickslip.results import Sensitivity
-from stickslip.sweep import average_velocity, band_of, basins, bifurcation
-from stickslip.tables import Tabular
+from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
+from stickslip.mechanisms.drives import Sampled, Sine
+from stickslip.show.tables import Tabular
+from stickslip.study.characterization import presliding_loop
+from stickslip.study.control import closed_loop, limit_cycle
+from stickslip.study.sweep import average_velocity, band_of, basins, bifurcation
 
 PLAIN = EventDriven(tier="python")
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

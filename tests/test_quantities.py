@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, LuGre, Stribeck
-from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError, ParameterError, StickslipError, UnknownNameError, nearest
+from stickslip.mechanisms.drives import Pulse, Sine
 from stickslip.quantities import (
     MOST_KEPT,
     Parametrised,

@@ -20,12 +20,11 @@ from stickslip import (
     TwoFeet,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Sine
+from stickslip.engine import Max, Status
+from stickslip.engine.simulation import ensemble
 from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
-from stickslip.outputs import Max
-from stickslip.results import Status
-from stickslip.simulation import ensemble
-from stickslip.sweep import average_velocity, bifurcation
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine
+from stickslip.study.sweep import average_velocity, bifurcation
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

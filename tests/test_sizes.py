@@ -23,13 +23,13 @@ from stickslip import (
     load_measurement,
     simulate,
 )
-from stickslip.adapters import MotorEnvironment, MotorVectorEnvironment
 from stickslip.cli import main
-from stickslip.drives import Sine
+from stickslip.data import LawEstimates, Measurement
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.experiments import LawEstimates, Measurement
-from stickslip.optimisation.search import Memory
-from stickslip.sweep import average_velocity, band_of, bifurcation
+from stickslip.exports.adapters import MotorEnvironment, MotorVectorEnvironment
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.optimisation.search import Memory
+from stickslip.study.sweep import average_velocity, band_of, bifurcation
 
 MANY = 10**9
 TIME = np.arange(200) / 100

@@ -10,9 +10,9 @@ import pytest
 
 import stickslip
 from stickslip import Axis, Coulomb, Measurement
-from stickslip.control import closed_loop
 from stickslip.errors import InputError
-from stickslip.tables import dataset_of
+from stickslip.show.tables import dataset_of
+from stickslip.study.control import closed_loop
 
 PLACES = (
     "results", "adapters", "characterization", "control", "experiments", "identification",

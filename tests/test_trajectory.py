@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, TowedBlock, simulate
-from stickslip.drives import Pulse
+from stickslip.engine import Status
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.results import Status
+from stickslip.mechanisms.drives import Pulse
 
 LAW = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
 

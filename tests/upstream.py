@@ -10,7 +10,7 @@ import numpy as np
 from scipy.io import savemat
 from typing_extensions import override
 
-from stickslip.catalogue import Column, DataFile, Dataset
+from stickslip.data.catalogue import Column, DataFile, Dataset
 
 REPOSITORY, COMMIT = "someone/slides", "0123456789abcdef0123456789abcdef01234567"
 

@@ -135,7 +135,7 @@ def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str,
     for name, tree in trees.items():
         for other in imports(tree, known, doors):
             found[other].add(name)
-    for package in ("stickslip", "stickslip.outputs", "stickslip.plots", "stickslip.results"):
+    for package in ("stickslip", "stickslip.outputs", "stickslip.show.plots", "stickslip.results"):
         for home in doors[package].values():  # what users import
             found[home].add(package)
     return found

@@ -27,24 +27,25 @@ from typing import Any, get_args
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
-    "stickslip.adapters",
-    "stickslip.characterization",
-    "stickslip.control",
-    "stickslip.drives",
-    "stickslip.experiments",
+    "stickslip.data",
+    "stickslip.engine",
+    "stickslip.engine.solver",
     "stickslip.exports",
+    "stickslip.exports.adapters",
     "stickslip.friction",
-    "stickslip.identification",
     "stickslip.identify",
-    "stickslip.kinds",
+    "stickslip.identify.candidates",
+    "stickslip.identify.fits",
+    "stickslip.identify.kinds",
     "stickslip.mechanisms",
-    "stickslip.optimisation",
-    "stickslip.outputs",
-    "stickslip.plots",
-    "stickslip.report",
-    "stickslip.results",
-    "stickslip.selection",
-    "stickslip.solver",
+    "stickslip.mechanisms.drives",
+    "stickslip.show",
+    "stickslip.show.plots",
+    "stickslip.show.report",
+    "stickslip.study",
+    "stickslip.study.characterization",
+    "stickslip.study.control",
+    "stickslip.study.optimisation",
 )
 EXTRA = {
     "stickslip": {"__version__": "str"},
@@ -53,14 +54,14 @@ EXTRA = {
 }
 """Further names, which no module defines, with their types."""
 CONSTRUCTED = (
-    "stickslip.adapters",
-    "stickslip.characterization",
-    "stickslip.control",
-    "stickslip.drives",
+    "stickslip.engine.solver",
+    "stickslip.exports.adapters",
     "stickslip.friction",
     "stickslip.mechanisms",
-    "stickslip.optimisation",
-    "stickslip.solver",
+    "stickslip.mechanisms.drives",
+    "stickslip.study.characterization",
+    "stickslip.study.control",
+    "stickslip.study.optimisation",
 )
 """Packages of whose classes with quantities the constructors are declared."""
 EQUATIONS = {

@@ -4,8 +4,8 @@ from benchmarks.block.problem import MU_K, MU_S, G, M, Places, Run, pushes
 from benchmarks.measuring import TIERS
 from benchmarks.peers import BOTH, Engine
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
-from stickslip.drives import Sampled
-from stickslip.solver import prepare
+from stickslip.engine.solver import prepare
+from stickslip.mechanisms.drives import Sampled
 
 LAW = Coulomb(kinetic_coefficient=MU_K, static_coefficient=MU_S)
 

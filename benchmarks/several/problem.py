@@ -8,7 +8,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from stickslip.drives import Sampled, Sine
 from stickslip.friction import Coulomb, Laws
 from stickslip.mechanisms import (
     ClutchTrain,
@@ -19,6 +18,7 @@ from stickslip.mechanisms import (
     Rotor,
     TwoLinkArm,
 )
+from stickslip.mechanisms.drives import Sampled, Sine
 
 Run: TypeAlias = Callable[[], np.ndarray]
 """Returns the last places: of blocks [m], angles of links to each other and of rotors [rad]."""

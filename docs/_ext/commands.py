@@ -22,7 +22,7 @@ LOADED = (
     "pandas",
     "scipy.stats",
     "stickslip",
-    "stickslip.plots.dispatch",
+    "stickslip.show.plots.dispatch",
     *(f"stickslip.cli.{name}" for name in ("judge", "check", "console")),
 )
 """Modules that it leaves out, with all that they load when asked."""

@@ -14,13 +14,13 @@ from typing import Any
 from generated import Generated, symbol, table
 from sphinx.application import Sphinx
 
-from stickslip.characterization import Characterization, characterize
-from stickslip.characterization.battery import law_with_values
-from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction import LAWS, FrictionLaw, said_of
-from stickslip.plots import draw_characteristic
-from stickslip.plots.svg import standalone_svg
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import fields_of
+from stickslip.show.plots import draw_characteristic
+from stickslip.show.plots.svg import standalone_svg
+from stickslip.study.characterization import Characterization, characterize
+from stickslip.study.characterization.battery import law_with_values
 
 HERE = Path(__file__).parent
 FOLDER = HERE.parent / "gallery"

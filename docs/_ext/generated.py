@@ -12,10 +12,10 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from stickslip.cli.app import app as command_line
-from stickslip.experiments import rig_schema
+from stickslip.data import rig_schema
 from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
 from stickslip.identify import USUAL_LAWS, BandVerdict
-from stickslip.kinds.registry import kinds
+from stickslip.identify.kinds.registry import kinds
 from stickslip.quantities import fields_of
 
 GREEK = ("alpha", "beta", "mu", "phi", "rho", "sigma")

@@ -11,7 +11,7 @@ import yaml
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-from stickslip.catalogue import CacheLocation, dataset
+from stickslip.data.catalogue import CacheLocation, dataset
 
 logger = logging.getLogger(__name__)
 

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 from typing_extensions import override
 
-from stickslip.described import Described, alternatives
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
+from stickslip.show.described import Described, alternatives
 from stickslip.units import is_pint, number_in
 
 __all__ = [
@@ -916,7 +916,7 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
     Examples
     --------
     >>> from stickslip import SpringBlock
-    >>> from stickslip.drives import Pulse
+    >>> from stickslip.mechanisms.drives import Pulse
     >>> block = SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=1.0))
     >>> list(all_paths(block, "mechanism"))[-1]
     'mechanism.drive.start'
@@ -979,8 +979,11 @@ def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tupl
 
     Examples
     --------
-    >>> from stickslip.drives import Drive
-    >>> [kind.__name__ for kind in own_classes("stickslip.drives", {"Sine": "elementary"}, Drive)]
+    >>> from stickslip.mechanisms.drives import Drive
+    >>> [
+    ...     kind.__name__
+    ...     for kind in own_classes("stickslip.mechanisms.drives", {"Sine": "elementary"}, Drive)
+    ... ]
     ['Sine']
     """
     found = []

@@ -20,11 +20,11 @@ from stickslip import (
     TwoMassAxis,
     simulate,
 )
-from stickslip.adapters import to_describing_function, to_nonlinear_system
-from stickslip.drives import Drive, Sampled, Sine, ThreePhase
 from stickslip.errors import InputError
+from stickslip.exports.adapters import to_describing_function, to_nonlinear_system
 from stickslip.friction import bound, law
 from stickslip.mechanisms import Contact, Mechanism, Prescribed, given_inputs
+from stickslip.mechanisms.drives import Drive, Sampled, Sine, ThreePhase
 from stickslip.quantities import Quantity
 
 

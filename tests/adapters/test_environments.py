@@ -16,18 +16,18 @@ from gymnasium.utils.env_checker import check_env
 from tests.support import module_at
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, Measurement, Stribeck, select, simulate
-from stickslip.adapters import (
+from stickslip.engine import Status
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.exports.adapters import (
     CAPSULE,
     CART,
     MotorEnvironment,
     MotorVectorEnvironment,
     register_environments,
 )
-from stickslip.drives import ThreePhase
-from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import TISSUES
 from stickslip.mechanisms import Prescribed
-from stickslip.results import Status
+from stickslip.mechanisms.drives import ThreePhase
 
 register_environments()
 FILES = Path(__file__).parents[2] / "docs" / "howto" / "files"
@@ -64,7 +64,7 @@ def test_gymnasium_finds_nothing_to_complain_about(name):
 
 
 def test_a_name_with_its_module_is_found_in_a_process_of_its_own():
-    name = "stickslip.gym:stickslip/Capsule-v0"
+    name = "stickslip.exports.gym:stickslip/Capsule-v0"
     told = f"import gymnasium; print(gymnasium.make({name!r}).unwrapped.task.effort_limit)"
     run = subprocess.run(
         [sys.executable, "-W", "error", "-c", told], check=True, capture_output=True, text=True

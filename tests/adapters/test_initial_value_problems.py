@@ -24,12 +24,12 @@ from stickslip import (
     TwoMassAxis,
     simulate,
 )
-from stickslip.adapters import ModeProblem, to_ivp
-from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.engine import Status
 from stickslip.errors import InputError, SimulationError
+from stickslip.exports.adapters import ModeProblem, to_ivp
 from stickslip.friction import PrintedCoulomb
 from stickslip.mechanisms import BoundedMechanism, Prescribed, Stop, Torque
-from stickslip.results import Status
+from stickslip.mechanisms.drives import Sampled, Sine, ThreePhase
 
 COULOMB = Coulomb(kinetic_coefficient=0.25)
 LEVELS = CoulombViscousStatic(

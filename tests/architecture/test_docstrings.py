@@ -11,10 +11,10 @@ import pytest
 from tools import docstrings, slots
 
 from stickslip import BlockChain, Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
-from stickslip.drives import Pulse
-from stickslip.formulation import formulate
-from stickslip.kernels import entries, state_layout
-from stickslip.simulation import check_pair
+from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels import entries, state_layout
+from stickslip.engine.simulation import check_pair
+from stickslip.mechanisms.drives import Pulse
 
 GOOD = '''
 def height(along: float, off: float) -> float:
@@ -142,12 +142,12 @@ def test_sections_of_a_function_that_no_page_shows_are_a_fault() -> None:
 
 def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_module() -> None:
     assert docstrings.shown() >= {
-        ("stickslip.simulation", "simulate"),
+        ("stickslip.engine.simulation", "simulate"),
         ("stickslip.friction.base", "FrictionLaw.break_away"),
         ("stickslip.friction.base", "FrictionLaw"),
-        ("stickslip.sweep.bifurcation", "basins"),
+        ("stickslip.study.sweep.bifurcation", "basins"),
     }
-    assert ("stickslip.kernels.driver", "run") not in docstrings.shown()
+    assert ("stickslip.engine.kernels.driver", "run") not in docstrings.shown()
 
 
 class Watched(list[float]):
@@ -345,7 +345,7 @@ def test_kernels_touch_no_slot_but_those_that_they_list(
 
 
 def test_every_kernel_is_found() -> None:
-    from stickslip.kernels import driver, steppers
+    from stickslip.engine.kernels import driver, steppers
 
     for module in (driver, steppers):
         for name, function in inspect.getmembers(module, inspect.isfunction):

@@ -79,6 +79,6 @@ def test_public_names_are_listed_once():
 
 
 def test_a_module_that_is_imported_by_name_loads_no_others():
-    code = "import sys; from stickslip import documents; print('matplotlib' in sys.modules)"
+    code = "import sys; from stickslip.show import documents; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

@@ -85,7 +85,7 @@ def test_a_law_touches_three_places(tree: Tree) -> None:
 import numpy as np
 from stickslip import Axis, Measurement, SpringBlock, ToyLaw, fit, select, simulate
 from stickslip.friction import LAWS
-from stickslip.testing import check_friction
+from stickslip.study.testing import check_friction
 assert LAWS["toy-law"] is ToyLaw
 assert check_friction(ToyLaw(level=0.3, knee=0.05)).ok
 truth = ToyLaw(level=2.0, knee=0.05)
@@ -206,18 +206,18 @@ def test_a_plot_touches_three_places(tree: Tree) -> None:
     places = contributed(
         tree,
         "toy_plot.py",
-        "plots/toy_plot.py",
-        ("plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
+        "show/plots/toy_plot.py",
+        ("show/plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
     )
     use = """
 from stickslip import Coulomb, SpringBlock, simulate
-from stickslip.plots import plot_toy
+from stickslip.show.plots import plot_toy
 rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 axes = plot_toy(simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0))
 assert axes.get_xlabel() == "time since the start, s"
 """
     run(tree, "-c", use)
-    stub = (tree / "src/stickslip/plots/__init__.pyi").read_text(encoding="utf-8")
+    stub = (tree / "src/stickslip/show/plots/__init__.pyi").read_text(encoding="utf-8")
     assert "plot_toy as plot_toy" in stub
     assert places == 3
 
@@ -226,7 +226,7 @@ KIND_USED = """
 import math
 import numpy as np
 from stickslip import Coulomb, Measurement, SpringBlock, check, fit, select, write_report
-from stickslip.kinds import kind_of
+from stickslip.identify.kinds import kind_of
 random = np.random.default_rng(0)
 level, block = 0.25, SpringBlock(mass=0.5)
 slides = Measurement(
@@ -280,16 +280,16 @@ assert main(["fit", "rig.toml", "--law", "stribeck", "-o", "law.toml"]) == 0
 
 @pytest.mark.slow  # a kind of another package is used in the same way
 def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
-    registry = "kinds/registry.py"
+    registry = "identify/kinds/registry.py"
     places = contributed(
         tree,
         "toy_kind",
-        "kinds/toy",
+        "identify/kinds/toy",
         (registry, "OWN: tuple[AnyKind, ...] = (", "    SlideKind(),"),
         (
             registry,
-            "from stickslip.kinds.travels.kind import TravelKind",
-            "from stickslip.kinds.toy.kind import SlideKind",
+            "from stickslip.identify.kinds.travels.kind import TravelKind",
+            "from stickslip.identify.kinds.toy.kind import SlideKind",
         ),
         ("results/__init__.py", "HOMES = {", '    "SlideFit": "kinds.toy.fit",'),
     )
@@ -315,7 +315,7 @@ def test_what_is_registered_as_a_kind_and_is_none_is_said(tree: Tree) -> None:
     (about / "entry_points.txt").write_text("[stickslip.kinds]\ntoy = json:dumps\n")
     use = """
 from stickslip.errors import StickslipError
-from stickslip.kinds import kinds
+from stickslip.identify.kinds import kinds
 try:
     kinds()
 except StickslipError as error:

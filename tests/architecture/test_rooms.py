@@ -69,7 +69,9 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
         if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{room}"
         for alias in node.names
     }
-    if room == "plots":  # results draw themselves by `stickslip.display.plots`, below all figures
+    if (
+        room == "plots"
+    ):  # results draw themselves by `stickslip.show.display.plots`, below all figures
         used |= {
             node.attr
             for file in FILES

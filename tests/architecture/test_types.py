@@ -22,13 +22,13 @@ from tools import stubs
 from tools.lowest import lowest
 
 import stickslip
-import stickslip.plots
+import stickslip.show.plots
 from stickslip.friction import LAWS
-from stickslip.identification.records.route_choice import OwnRouteName
-from stickslip.kinds.registry import OWN
+from stickslip.identify.fits.records.route_choice import OwnRouteName
+from stickslip.identify.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
-from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
-from stickslip.optimisation.problem import GOALS, GoalName
+from stickslip.study.optimisation.parametrisation import KINDS, TYPES, KindName
+from stickslip.study.optimisation.problem import GOALS, GoalName
 
 ROOT = Path(__file__).parents[2]
 Reported = Mapping[str, Sequence[str]]
@@ -63,14 +63,14 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Pulse, Sampled, SineSwing
+from stickslip.study.control import PID, closed_loop
+from stickslip.mechanisms.drives import Pulse, Sampled, SineSwing
 from stickslip.friction import LAWS
 from stickslip.mechanisms import Link, Torque
-from stickslip.outputs import EventTimes, Max
-from stickslip.results import RecordFit, TravelVerdict
-from stickslip.sweep import average_velocity
-from stickslip.plots import draw_run, plot_run, save
+from stickslip.engine import EventTimes, Max
+from stickslip.identify import RecordFit, TravelVerdict
+from stickslip.study.sweep import average_velocity
+from stickslip.show.plots import draw_run, plot_run, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
 law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -193,7 +193,7 @@ MISTAKES = """
 from stickslip import *
 from stickslip import Coloumb  # !
 import stickslip
-import stickslip.plots
+import stickslip.show.plots
 
 block = SpringBlock(mass=1.0)
 law = Coulomb(kinetic_coefficient=0.25)
@@ -246,7 +246,7 @@ animate(simulate(block, law, t_end=1.0), law, "a.gif")  # !
 simulate(block, law, t_end=1.0).plot("axes")  # !
 simulate(block, law, t_end=1.0).plot().set_title("panels")  # !
 fit(block, Coulomb, reading).plot(color="red")  # !
-stickslip.plots.plot_run(law)  # !
+stickslip.show.plots.plot_run(law)  # !
 y: int = load_rig()  # !
 stickslip.simulte  # !
 stickslip.__version__ + 1  # !
@@ -318,7 +318,7 @@ def reported(
 ) -> Mapping[str, Sequence[str]]:
     """What mypy says of each script, checked as a user of the package would; one run for all."""
     scripts = {"correct": CORRECT, "mistakes": MISTAKES, **EXAMPLES}
-    for module in (stickslip, stickslip.plots):
+    for module in (stickslip, stickslip.show.plots):
         name = module.__name__
         lines = [f"import {name}", *(f"reveal_type({name}.{one})" for one in module.__all__)]
         scripts[f"names_{name.replace('.', '_')}"] = "\n".join(lines)
@@ -376,7 +376,7 @@ def test_each_mistake_in_a_script_is_reported_and_nothing_else(reported: Reporte
     assert {code[i - 1] for i in wrong ^ found} == set()
 
 
-@pytest.mark.parametrize("module", [stickslip, stickslip.plots])
+@pytest.mark.parametrize("module", [stickslip, stickslip.show.plots])
 def test_every_public_name_is_known_to_a_type_checker(
     reported: Reported, module: ModuleType
 ) -> None:

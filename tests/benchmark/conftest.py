@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, simulate
-from stickslip.benchmark import PositionError, Task, tasks
-from stickslip.drives import Sampled
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.benchmark import PositionError, Task, tasks
 
 TRUE = {
     "mechanism.inertia": 2.0,
@@ -50,7 +50,7 @@ MADE_UP = Task(
 def other_package(monkeypatch):
     """Install a package with the made-up task."""
     entry = SimpleNamespace(load=lambda: MADE_UP)
-    monkeypatch.setattr("stickslip.benchmark.sets.entry_points", lambda group: [entry])
+    monkeypatch.setattr("stickslip.study.benchmark.sets.entry_points", lambda group: [entry])
     tasks.cache_clear()
     yield MADE_UP
     tasks.cache_clear()

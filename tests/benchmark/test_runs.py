@@ -9,10 +9,10 @@ import pytest
 from tests.benchmark.conftest import TRUE
 
 from stickslip import fit
-from stickslip.benchmark import PEERS, ForceError, run
-from stickslip.benchmark.peers import Found
-from stickslip.benchmark.runs import JOURNAL, _at, made_by
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.study.benchmark import PEERS, ForceError, run
+from stickslip.study.benchmark.peers import Found
+from stickslip.study.benchmark.runs import JOURNAL, _at, made_by
 
 REGRESSIONS = ("scipy", "lmfit", "pysindy")
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 from tests.support import for_all
 
-from stickslip import catalogue
+from stickslip.data import QUANTITIES, catalogue
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import QUANTITIES
 
 RECORDS = [catalogue.dataset(name) for name in catalogue.names()]
 MEASURED = [record for record in RECORDS if record.kind == "measured"]
@@ -105,7 +104,7 @@ def test_a_reference_simulation_is_no_measurement():
 
 def test_reading_the_catalogue_loads_no_library_of_data_or_networks():
     code = (
-        "from stickslip import catalogue; import sys;"
+        "from stickslip.data import catalogue; import sys;"
         "[catalogue.dataset(name).place() for name in catalogue.names()]; print(*sys.modules)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

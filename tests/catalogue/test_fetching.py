@@ -20,7 +20,7 @@ from tests.upstream import (
     text_record,
 )
 
-from stickslip.catalogue import CacheLocation, DataFile, cache_folder
+from stickslip.data.catalogue import CacheLocation, DataFile, cache_folder
 from stickslip.errors import InputError, UnknownNameError
 
 
@@ -161,7 +161,7 @@ def test_a_cancelled_download_leaves_nothing_behind(upstream, monkeypatch):
     def cancelled(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["stickslip.catalogue.dataset"], "sha256_of", cancelled)
+    monkeypatch.setattr(sys.modules["stickslip.data.catalogue.dataset"], "sha256_of", cancelled)
     with pytest.raises(KeyboardInterrupt):
         text_record().path()
     assert len(upstream.asked) == 1

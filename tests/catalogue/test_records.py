@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from tests.upstream import matlab_file, sha256
 
-from stickslip import catalogue
-from stickslip.catalogue import CacheLocation
+from stickslip.data import catalogue
+from stickslip.data.catalogue import CacheLocation
 
 RECORDS = [catalogue.dataset(name) for name in catalogue.names()]
 TABLES = [

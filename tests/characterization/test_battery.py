@@ -16,15 +16,15 @@ from stickslip import (
     characterize,
     simulate,
 )
-from stickslip.characterization import TESTS, Bench, battery, cycle_energy
-from stickslip.characterization.bench import there_and_back
-from stickslip.characterization.presliding_tests import break_away, creep, drift, presliding
-from stickslip.characterization.sliding_tests import lag, passivity, steady_curve
-from stickslip.characterization.stick_slip_tests import cost, hunting, stick_slip_map
 from stickslip.cli.characterize import _show
-from stickslip.documents import document, json_text
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
+from stickslip.show.documents import document, json_text
+from stickslip.study.characterization import TESTS, Bench, battery, cycle_energy
+from stickslip.study.characterization.bench import there_and_back
+from stickslip.study.characterization.presliding_tests import break_away, creep, drift, presliding
+from stickslip.study.characterization.sliding_tests import lag, passivity, steady_curve
+from stickslip.study.characterization.stick_slip_tests import cost, hunting, stick_slip_map
 
 LEVELS = {"kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-3}
 BRISTLE = {"bristle_stiffness": 1e5, "bristle_damping": 1e5**0.5}

@@ -5,7 +5,7 @@ import pytest
 from tests.support import sketched, wide_only
 
 from stickslip import Axis, CoulombViscous, simulate
-from stickslip.drives import Sampled
+from stickslip.mechanisms.drives import Sampled
 
 RATE = 200.0
 """Samples a second [Hz]."""

@@ -11,7 +11,7 @@ import pytest
 from tests.commands import commands
 
 from stickslip.cli.check import LABELS
-from stickslip.experiments import checking
+from stickslip.data import checking
 
 TIME = np.arange(2000) / 1000
 
@@ -60,7 +60,7 @@ from stickslip.cli import main
 try:
     main({line!r})
 finally:
-    print("stickslip.kinds.registry" in sys.modules)
+    print("stickslip.identify.kinds.registry" in sys.modules)
 """
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path, check=True

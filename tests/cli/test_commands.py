@@ -634,7 +634,7 @@ def test_trying_a_folder_leaves_nothing_behind(tmp_path):
 
 
 def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_path):
-    from stickslip.documents import write_file, write_folder
+    from stickslip.show.documents import write_file, write_folder
 
     (tmp_path / "a.txt").write_text("old")
     (tmp_path / "folder").mkdir()

@@ -7,7 +7,7 @@ import pytest
 from tests.commands import commands
 from tests.upstream import TEXT, Upstream, text_record
 
-from stickslip import catalogue
+from stickslip.data import catalogue
 
 
 @pytest.fixture

@@ -15,11 +15,11 @@ import pytest
 from tests.commands import commands
 
 from stickslip import load_rig
+from stickslip.data.rigs import laws
 from stickslip.errors import InputError, UnknownNameError, nearest
-from stickslip.experiments.rigs import laws
-from stickslip.formatting import printable
 from stickslip.friction import LAWS
-from stickslip.plots import standalone_svg
+from stickslip.show.formatting import printable
+from stickslip.show.plots import standalone_svg
 
 RED, BACKWARDS, NUL, C1 = "\x1b[31m", "\u202e", "\x00", "\x9b31m"
 HOSTILE = f"evil{RED}{BACKWARDS}{C1}\x07\x7f\u2028name"

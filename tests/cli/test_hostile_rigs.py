@@ -14,7 +14,7 @@ import tomlkit
 from stickslip import Coulomb, TowedBlock, simulate
 from stickslip.cli import main
 from stickslip.friction import RateState
-from stickslip.kinds import simulate_velocity_steps
+from stickslip.identify.kinds import simulate_velocity_steps
 
 TRAVEL = """
 [mechanism]

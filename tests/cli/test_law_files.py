@@ -28,13 +28,13 @@ from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.judge import show_verdict
 from stickslip.cli.simulate import _cells, _event_rows
-from stickslip.documents import write_folder
-from stickslip.drives import Sine, Sum, ThreePhase
-from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
-from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.data import LawEstimates, bristle_remark, carried, extrapolations
+from stickslip.data.rigs.rig_writer import rig_toml
+from stickslip.engine.trajectory import Event
 from stickslip.friction import law
-from stickslip.sweep import Spread
-from stickslip.trajectory import Event
+from stickslip.mechanisms.drives import Sine, Sum, ThreePhase
+from stickslip.show.documents import write_folder
+from stickslip.study.sweep import Spread
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
@@ -290,7 +290,7 @@ def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):
 def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
     walk, monkeypatch, error, code, said
 ):
-    from stickslip.report import runs
+    from stickslip.show.report import runs
 
     def fails(_):
         raise error
@@ -312,7 +312,7 @@ def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
 
 
 def test_a_run_that_ends_early_says_so_by_its_code_also_where_its_page_fails(walk, monkeypatch):
-    from stickslip.report import runs
+    from stickslip.show.report import runs
 
     monkeypatch.setattr(runs, "run_page", lambda _: 1 / 0)
     faster = ("--set", "mechanism.pendulum.profile.slow=300", "--report")

@@ -10,11 +10,11 @@ import pytest
 from tests.commands import commands
 
 from stickslip import Axis, Coulomb, Measurement, load_rig, select
-from stickslip.drives import ThreePhase
-from stickslip.experiments import settled_speed
-from stickslip.kinds import drawn_laws, write_verdict
-from stickslip.optimisation import measure
-from stickslip.sweep import velocity_band
+from stickslip.data import settled_speed
+from stickslip.identify.kinds import drawn_laws, write_verdict
+from stickslip.mechanisms.drives import ThreePhase
+from stickslip.study.optimisation import measure
+from stickslip.study.sweep import velocity_band
 
 CAPSULE = """
 [mechanism]
@@ -148,8 +148,8 @@ def test_an_ensemble_that_cannot_be_is_refused_with_a_cure(run, arguments, words
 
 
 def test_a_motion_is_optimised_over_the_laws_that_the_selection_drew(run, monkeypatch):
-    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 1)
-    monkeypatch.setattr("stickslip.optimisation.optimise.POLISH", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.POLISH", 1)
     Path("stroke.toml").write_text(STROKE)
     given = ("--rate", "5 m/s", "--stroke", "20 mm", "--acceleration", "100 m/s^2")
     code, out, _ = run(

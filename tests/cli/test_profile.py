@@ -21,8 +21,8 @@ QUICK = ("--kind", "three-phase", "--evaluations", "30")
 @pytest.fixture(autouse=True)
 def polishes_are_short(monkeypatch):
     """Let a polish try some ten motions: how far it gets is asserted in `tests/optimisation`."""
-    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 1)
-    monkeypatch.setattr("stickslip.optimisation.optimise.POLISH", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.POLISH", 1)
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ from tests.commands import commands
 
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli.inputs import measured
-from stickslip.drives import Sampled
-from stickslip.experiments.readers.columns import Reading
-from stickslip.solver.compile.modules import notice
+from stickslip.data.readers.columns import Reading
+from stickslip.engine.solver.compile.modules import notice
+from stickslip.mechanisms.drives import Sampled
 
 RIG = """
 title = "Axis"

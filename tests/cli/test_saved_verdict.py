@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 import stickslip.cli.judge as command
 from stickslip import LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli.app import app
-from stickslip.documents import write_folder
+from stickslip.show.documents import write_folder
 
 LAW = "stickslip-report/law.toml"
 RIG = """

@@ -11,7 +11,7 @@ from tests.support import exported
 
 from stickslip import EventDriven, load_rig
 from stickslip.cli import main
-from stickslip.sweep import band_of
+from stickslip.study.sweep import band_of
 
 FEET = """
 title = "Sledge on two feet"

@@ -191,7 +191,7 @@ T = np.arange(N) / 250
 def measured(tmp_path):
     """Write a German record of an axis; return its true mass and friction."""
     from stickslip import Axis, CoulombViscous, simulate
-    from stickslip.drives import PiecewiseLinear
+    from stickslip.mechanisms.drives import PiecewiseLinear
 
     force = 40 * np.sin(2 * np.pi * T) + 15 * np.sin(2.3 * T)
     axis = Axis(inertia=5.0, drive=PiecewiseLinear(times=T, values=force))

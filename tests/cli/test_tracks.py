@@ -7,7 +7,7 @@ import pytest
 from tests.commands import commands
 
 from stickslip import Axis, Coulomb, Measurement, select
-from stickslip.kinds import write_verdict
+from stickslip.identify.kinds import write_verdict
 
 MU = 0.21
 SPEED = 1.4

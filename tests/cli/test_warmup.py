@@ -10,10 +10,10 @@ import pytest
 from tests.commands import commands
 
 import stickslip.cli.warmup as command
+from stickslip.engine.solver import WarmUp
 from stickslip.errors import CompilationError
 from stickslip.friction import listed
 from stickslip.mechanisms import mechanisms
-from stickslip.solver import WarmUp
 
 RIG = """
 [mechanism]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip.friction import FrictionLaw, bound, contained_laws, laws
-from stickslip.identification.estimation.parameters import starting_law
-from stickslip.testing.friction import ORDINARY
+from stickslip.identify.fits.estimation.parameters import starting_law
+from stickslip.study.testing.friction import ORDINARY
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]
 LARGE = 1e12

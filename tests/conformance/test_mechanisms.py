@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from tests.support import RIGS, SHOWN, Generated, example_of, examples, informed, pairs
 
 from stickslip import simulate
-from stickslip.drives import Drive
 from stickslip.friction import LAWS
 from stickslip.mechanisms import MECHANISMS, InnerMass, Motor, slip_of, stops_of
+from stickslip.mechanisms.drives import Drive
 
 each_mechanism = pytest.mark.parametrize("name", MECHANISMS)
 each_example = pytest.mark.parametrize("rig", SHOWN.values(), ids=SHOWN)

@@ -5,7 +5,7 @@ from tests.support import EXAMPLES, SEVERAL, SHOWN, example_of, quick
 
 from stickslip import Coulomb
 from stickslip.friction import LAWS
-from stickslip.testing import check_friction, check_mechanism
+from stickslip.study.testing import check_friction, check_mechanism
 
 CHECKED = ("block-chain", "disc-brake", "two-feet")
 """Friction between bodies, on a turning body, and under an uneven load."""

@@ -18,14 +18,14 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Pulse, Sine, ThreePhase
+from stickslip.engine import Status
+from stickslip.engine.solver import incremental
+from stickslip.engine.solver.run import Work
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, Torque
-from stickslip.results import Status
-from stickslip.solver import incremental
-from stickslip.solver.run import Work
+from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
+from stickslip.study.control import PID, closed_loop
 
 MASS, SPRING, DAMPER, PERIOD = 1.3, 20.0, 0.7, 0.02
 AXIS = Axis(inertia=MASS, stiffness=SPRING)

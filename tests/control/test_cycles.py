@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, TowedBlock, Viscous, simulate
-from stickslip.control import PID, closed_loop, compensation, limit_cycle
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.control import PID, closed_loop, compensation, limit_cycle
 
 F_K, F_S = 1.0, 1.5
 PLAIN = Coulomb(kinetic_coefficient=F_K)

@@ -15,12 +15,18 @@ from stickslip import (
     Stribeck,
     simulate,
 )
-from stickslip.control import PID, PartialLinearisation, closed_loop, compensation, dynamics_at
-from stickslip.drives import ThreePhase
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import bound
 from stickslip.friction import law as law_of
 from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms.drives import ThreePhase
+from stickslip.study.control import (
+    PID,
+    PartialLinearisation,
+    closed_loop,
+    compensation,
+    dynamics_at,
+)
 
 M, BALL, L, G = 0.5, 0.1, 0.3, 9.81
 MU = 0.2

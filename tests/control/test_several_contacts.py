@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from tests.contact_cases import Plain
 from tests.pair_cases import LAW, LAWS, OTHER, Pair, axis
 
-from stickslip import Coulomb, EventDriven, SerialArm, TwoFeet, TwoLinkArm, plots, simulate
-from stickslip.control import closed_loop, dynamics_at, limit_cycle
-from stickslip.drives import Drive
+from stickslip import Coulomb, EventDriven, SerialArm, TwoFeet, TwoLinkArm, simulate
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError, ParameterError
-from stickslip.formulation import JointTorques
 from stickslip.mechanisms import Contact, Link
+from stickslip.mechanisms.drives import Drive
+from stickslip.show import plots
+from stickslip.study.control import closed_loop, dynamics_at, limit_cycle
 
 PLAIN = EventDriven(tier="python")
 HOW = {"period": 0.02, "t_end": 0.5, "delay": 0.007, "solver": PLAIN}

@@ -29,10 +29,11 @@ def test_what_is_removed_is_at_no_door() -> None:
     assert names
     doors = (
         stickslip,
-        stickslip.identification,
-        stickslip.kinds,
-        stickslip.plots,
-        stickslip.results,
+        stickslip.identify.fits,
+        stickslip.identify.kinds,
+        stickslip.show.plots,
+        stickslip.engine,
+        stickslip.identify,
     )
     assert not {name for name in names for door in doors if name in dir(door)}
     assert not names & set(re.findall(r"`(\w+)`", added + changed))

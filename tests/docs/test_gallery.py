@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip.characterization import TESTS
 from stickslip.friction import LAWS, bound
+from stickslip.study.characterization import TESTS
 
 EXTENSIONS = Path(__file__).parents[2] / "docs" / "_ext"
 

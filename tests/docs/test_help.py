@@ -12,8 +12,8 @@ from tests.docs.test_reference import ENTRIES
 from tests.support import for_all
 
 import stickslip
-from stickslip.described import texts_below
 from stickslip.quantities import fields_of
+from stickslip.show.described import texts_below
 
 
 def _public_classes():
@@ -44,7 +44,9 @@ def test_help_on_a_capsule_gives_symbol_unit_and_range():
     assert shown.index("Parameters") < shown.index("Examples")
 
 
-@pytest.mark.parametrize("kind", [stickslip.LuGre, stickslip.Robot, stickslip.drives.Sine])
+@pytest.mark.parametrize(
+    "kind", [stickslip.LuGre, stickslip.Robot, stickslip.mechanisms.drives.Sine]
+)
 def test_ranges_in_help_are_those_that_are_checked(kind):
     lines = [line.strip() for line in inspect.getdoc(kind).splitlines()]
     for name, quantity in fields_of(kind).items():

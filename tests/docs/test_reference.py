@@ -5,16 +5,16 @@ import re
 from functools import reduce
 from pathlib import Path
 
+import stickslip.outputs
+import stickslip.results
 from tests.support import for_all
 
 import stickslip
-import stickslip.adapters
-import stickslip.control
-import stickslip.drives
-import stickslip.outputs
-import stickslip.results
+import stickslip.exports.adapters
+import stickslip.mechanisms.drives
+import stickslip.study.control
 from stickslip.friction.notation import PARTS
-from stickslip.kinds.registry import kinds
+from stickslip.identify.kinds.registry import kinds
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
 TEXT = PAGE.read_text(encoding="utf-8")

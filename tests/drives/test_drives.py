@@ -10,7 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from tests.support import broken_lines, pulses, squares
 
-from stickslip.drives import (
+from stickslip.errors import ParameterError
+from stickslip.mechanisms.drives import (
     Piece,
     PiecewiseLinear,
     Pulse,
@@ -21,8 +22,7 @@ from stickslip.drives import (
     Sum,
     ThreePhase,
 )
-from stickslip.drives.base import BEGINNING
-from stickslip.errors import ParameterError
+from stickslip.mechanisms.drives.base import BEGINNING
 
 sines = st.builds(Sine, amplitude=st.floats(-9, 9), frequency=st.floats(0.1, 9))
 ramps = st.builds(Ramp, rate=st.floats(-9, 9), start=st.floats(-1, 1))

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from tests.support import broken_lines, drives, examples, nearly, pulses
 
 from stickslip import Axis, Coulomb, simulate
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
-from stickslip.formulation import formulate
-from stickslip.solver import starts as drive_schedule
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver import starts as drive_schedule
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))

@@ -9,11 +9,11 @@ from tests.exports.fmus import made, need_tools
 from tests.exports.test_fmu import compare
 
 from stickslip import Axis, Capsule, Coulomb, EventDriven, FixedStep, ensemble, simulate
-from stickslip.drives import HalfSine, Sine, Sum
+from stickslip.data import load_rig
 from stickslip.errors import ParameterError
-from stickslip.experiments import load_rig
 from stickslip.mechanisms import Torque
-from stickslip.sweep import periodic_orbit
+from stickslip.mechanisms.drives import HalfSine, Sine, Sum
+from stickslip.study.sweep import periodic_orbit
 
 BLOWS = HalfSine(amplitude=2.0, period=0.5, duty=0.2)
 SMOOTH = Coulomb(kinetic_coefficient=0.0)

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip import Coulomb, Measurement, PendulumCart, fit, load_rig, simulate
-from stickslip.drives import SampledSwing, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.errors import InputError, ParameterError
-from stickslip.identification import RecordSettings
+from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Prescribed, cycle_or_none
+from stickslip.mechanisms.drives import SampledSwing, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.quantities import vary
 
 LAW = Coulomb(kinetic_coefficient=0.2)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Capsule, Coulomb, EventDriven, SpringBlock, ensemble, simulate
-from stickslip.drives import Sine, Square
+from stickslip.engine import Status
 from stickslip.mechanisms import Torque
-from stickslip.results import Status
-from stickslip.sweep import average_velocity
+from stickslip.mechanisms.drives import Sine, Square
+from stickslip.study.sweep import average_velocity
 
 G = 9.81
 PLAIN = EventDriven(tier="python")

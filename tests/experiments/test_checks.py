@@ -15,10 +15,9 @@ from stickslip import (
     fit,
     load_measurement,
 )
+from stickslip.data import Checks, Finding, guess_data, inertia_of, read_data, refuse_faults
+from stickslip.data.checking.coverage import independent
 from stickslip.errors import InputError
-from stickslip.experiments import guess_data, inertia_of, read_data, refuse_faults
-from stickslip.experiments.checking.coverage import independent
-from stickslip.results import Checks, Finding
 
 RATE = 1000.0
 

@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 
 from stickslip import Measurement, check, load_measurement
+from stickslip.data import unit_of_input
+from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import unit_of_input
-from stickslip.experiments.differentiation import rows_of
 from stickslip.units import converted, number_in
 
 T = np.arange(0.0, 5.0, 0.01)

@@ -15,10 +15,10 @@ from stickslip import (
     check,
     simulate,
 )
-from stickslip.drives import Drive, Sampled
-from stickslip.experiments import refuse_faults
-from stickslip.experiments.checking.data_quality import faults
+from stickslip.data import refuse_faults
+from stickslip.data.checking.data_quality import faults
 from stickslip.mechanisms import Contact
+from stickslip.mechanisms.drives import Drive, Sampled
 
 AXIS = Axis(inertia=5.0)
 SPRUNG = Axis(inertia=1.0, stiffness=40.0)

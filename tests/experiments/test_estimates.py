@@ -18,9 +18,9 @@ from stickslip import (
     fit,
     load_rig,
 )
+from stickslip.data import LawEstimates
+from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates
-from stickslip.experiments.rigs.rig_writer import rig_toml
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.1)
 LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from stickslip import Capsule, Coulomb, Measurement, check, select, simulate
-from stickslip.drives import Square
+from stickslip.data import travels_of_films
+from stickslip.data.travels import frequency_of, other_drives
 from stickslip.errors import InputError
-from stickslip.experiments import travels_of_films
-from stickslip.experiments.travels import frequency_of, other_drives
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Square
 
 PERIOD = "mechanism.drive.drive.period"
 LAW = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, check, load_measurement, load_rig
+from stickslip.data import Layout, guess_data, guessed_rig, read_data
+from stickslip.data.readers import guess as guessing
+from stickslip.data.readers.table_reader import read_frame as frame
 from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import Layout, guess_data, guessed_rig, read_data
-from stickslip.experiments.readers import guess as guessing
-from stickslip.experiments.readers.table_reader import read_frame as frame
 
 N = 1200
 LONG = 300_000

@@ -8,9 +8,9 @@ import pytest
 
 from stickslip import load_rig, simulate
 from stickslip.cli import main
+from stickslip.data import rig_schema
+from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError
-from stickslip.experiments import rig_schema
-from stickslip.experiments.rigs.rig_writer import rig_toml
 
 MODULE = '''
 from dataclasses import dataclass

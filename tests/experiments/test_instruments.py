@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement, check, load_measurement
+from stickslip.data import Layout, guess_data, read_data
+from stickslip.data.readers.table_reader import read_frame
 from stickslip.errors import InputError
-from stickslip.experiments import Layout, guess_data, read_data
-from stickslip.experiments.readers.table_reader import read_frame
 
 N = 60
 T = np.arange(N) / 100

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement, TwoLinkArm, check, load_measurement, load_rig
+from stickslip.data import refuse_same, rows_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import refuse_same, rows_of
 
 TIME = np.arange(50) / 100
 ANGLES = {"shoulder": np.sin(TIME), "elbow": np.cos(TIME)}

@@ -31,10 +31,10 @@ from tests.experiments.log_cases import (
 
 from stickslip import check, load_measurement, load_rig
 from stickslip.cli import main
-from stickslip.documents import private_folder
+from stickslip.data import guess_data, guess_robot
+from stickslip.data.readers.robot_guess import lag_of
 from stickslip.errors import InputError
-from stickslip.experiments import guess_data, guess_robot
-from stickslip.experiments.readers.robot_guess import lag_of
+from stickslip.show.documents import private_folder
 
 TIME = np.arange(300) / 100
 SHOULDER = (np.sin(3 * TIME), 3 * np.cos(3 * TIME), np.cos(TIME))
@@ -508,7 +508,7 @@ def test_messages_that_a_bag_says_it_has_are_missed(tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_temporary_files_are_removed_however_a_process_ends(tmp_path, number):
     code = (
-        "from stickslip.documents import private_folder\n"
+        "from stickslip.show.documents import private_folder\n"
         "import time\n"
         "with private_folder() as place:\n"
         "    (place / 'large').write_text('x')\n"

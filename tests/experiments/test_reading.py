@@ -11,10 +11,10 @@ import pytest
 from scipy.io import savemat
 
 from stickslip import check, load_measurement
+from stickslip.data import guess_data
+from stickslip.data.readers.binary import check_structure
+from stickslip.data.readers.csv_reader import read_text
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import guess_data
-from stickslip.experiments.readers.binary import check_structure
-from stickslip.experiments.readers.csv_reader import read_text
 
 TIME = np.arange(100) / 100
 POSITION = np.sin(TIME)

@@ -28,7 +28,12 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import (
+from stickslip.data import rig_schema
+from stickslip.data.rigs.rig_writer import rig_toml
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import LAWS
+from stickslip.mechanisms import MECHANISMS, Lining, Link, Prescribed, Rotor, Torque
+from stickslip.mechanisms.drives import (
     PiecewiseAffine,
     PiecewiseLinear,
     Pulse,
@@ -45,15 +50,10 @@ from stickslip.drives import (
     ThreePhase,
     TimedThreePhase,
 )
-from stickslip.drives.registry import DRIVES, PROFILES
-from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import rig_schema
-from stickslip.experiments.rigs.rig_writer import rig_toml
-from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS, Lining, Link, Prescribed, Rotor, Torque
+from stickslip.mechanisms.drives.registry import DRIVES, PROFILES
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
-BUNDLED = files("stickslip.experiments").joinpath("paper_rig.toml").read_bytes()
+BUNDLED = files("stickslip.data").joinpath("paper_rig.toml").read_bytes()
 
 
 @pytest.fixture

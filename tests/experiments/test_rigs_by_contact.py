@@ -9,13 +9,13 @@ import pytest
 from tests.contact_cases import coulomb
 
 from stickslip import BlockChain, ClutchTrain, DiscBrake, EventDriven, LuGre, TwoFeet, load_rig
-from stickslip.drives import Pulse, Sine
+from stickslip.data import LawEstimates, Rig, rig_schema, rig_toml
+from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import LawEstimates, Rig, rig_schema, rig_toml
 from stickslip.friction import Laws
 from stickslip.mechanisms import Lining, Rotor
-from stickslip.simulation import simulate
-from stickslip.sweep import band_of
+from stickslip.mechanisms.drives import Pulse, Sine
+from stickslip.study.sweep import band_of
 
 PLAIN = EventDriven(tier="python")
 

@@ -7,10 +7,10 @@ import pytest
 from tests.contact_cases import coulomb
 
 from stickslip import Coulomb, load_rig
-from stickslip.drives import Sine
+from stickslip.data import rig_toml
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import rig_toml
 from stickslip.mechanisms import read_urdf
+from stickslip.mechanisms.drives import Sine
 
 DESK = (files("stickslip.mechanisms") / "desk_arm.urdf").read_text()
 ARM = """

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, Measurement, select
+from stickslip.data.checking.data_quality import refuse_same
 from stickslip.errors import InputError
-from stickslip.experiments.checking.data_quality import refuse_same
 
 V = np.linspace(-0.2, 0.2, 60)
 TABLE = Measurement(velocity=V, friction=2.0 * np.sign(V), name="table")

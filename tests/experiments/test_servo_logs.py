@@ -10,9 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from stickslip import load_measurement, load_rig
+from stickslip.data import guess_data, guess_robot
+from stickslip.data.readers.robots import read_servo
 from stickslip.errors import InputError
-from stickslip.experiments import guess_data, guess_robot
-from stickslip.experiments.readers.robots import read_servo
 
 TIME = np.arange(120) / 30
 NAMES = ["shoulder.pos", "elbow.pos"]
@@ -95,7 +95,7 @@ def test_joints_of_lerobot_are_found_with_their_delay(dataset, urdf, tmp_path):
     said = "\n".join(guess.doubts)
     for part in ("frame numbers over 30 fps", "turret", "no angle in rad", "no effort"):
         assert part in said
-    from stickslip.experiments import guessed_rig
+    from stickslip.data import guessed_rig
 
     text = guessed_rig(guess, "picks/meta/info.json", robot="arm.urdf")
     (tmp_path / "rig.toml").write_text(text)

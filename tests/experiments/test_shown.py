@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip import Axis, Measurement, SpringBlock, fit, inverse_dynamics, plots, simulate
+from stickslip import Axis, Measurement, SpringBlock, fit, inverse_dynamics, simulate
 from stickslip.errors import UnknownNameError
 from stickslip.friction import Coulomb
+from stickslip.show import plots
 
 TIME = np.arange(300) / 100
 RECORD = Measurement(

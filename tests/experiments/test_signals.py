@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement
-from stickslip.errors import InputError
-from stickslip.experiments.differentiation import (
+from stickslip.data.differentiation import (
     acceleration_of,
     noise_of,
     smooth,
     step_of,
     velocity_of,
 )
+from stickslip.errors import InputError
 
 RATE = 1000.0
 TIME = np.arange(4000) / RATE

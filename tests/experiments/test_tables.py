@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from stickslip import Axis, Coulomb, load_measurement, load_rig, simulate
-from stickslip.drives import Sine
+from stickslip.data import guess_data
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import guess_data
+from stickslip.mechanisms.drives import Sine
 
 T = np.arange(200) / 100
 X = 0.02 * np.sin(3.0 * T)

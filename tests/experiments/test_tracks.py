@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import check, load_measurement, load_rig
+from stickslip.data import rig_schema
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import rig_schema
 
 PLANE = {"position": ["x", "y"]}
 TIME = np.arange(60) / 60

@@ -18,9 +18,9 @@ from stickslip import (
     simulate,
 )
 from stickslip.cli import main
+from stickslip.data import read_data
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import read_data
-from stickslip.kinds.records import error_text
+from stickslip.identify.kinds.records import error_text
 
 
 @pytest.fixture

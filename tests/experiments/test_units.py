@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip import Axis, Coulomb, Measurement, RecordSettings
+from stickslip.data.units import check_uncertainty, gain_factor, read_number
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import check_uncertainty, gain_factor, read_number
 from stickslip.quantities import Quantity
 from stickslip.units import factor
 

@@ -11,10 +11,10 @@ import pytest
 from tests.support import SEVERAL, SHOWN
 
 from stickslip import Coulomb, LuGre, SpringBlock, Stribeck
-from stickslip.drives import PiecewiseAffine
 from stickslip.exports import export_fmu
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import PiecewiseAffine
 
 WAITS = 0.05
 """Communication step of tests with inputs [s]."""

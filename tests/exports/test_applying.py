@@ -22,16 +22,16 @@ from stickslip import (
     load_rig,
     simulate,
 )
+from stickslip.data import KnownLaws
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
 from stickslip.exports.applying.models import Mjcf
 from stickslip.exports.applying.running import SHARE
 from stickslip.exports.joints import PolynomialFriction, simplified
 from stickslip.exports.program import Subject
-from stickslip.formatting import quantity
 from stickslip.friction import law as composed
 from stickslip.mechanisms import read_urdf
+from stickslip.show.formatting import quantity
 
 LAW = CoulombViscous(kinetic_coefficient=0.3, viscous_coefficient=0.1)
 STRIBECK = Stribeck(

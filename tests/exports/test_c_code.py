@@ -9,9 +9,9 @@ from tests.exports.compiled import library, number, numbers
 from tests.exports.laws import LAWS_EXPORTED, LOADS, SPEEDS, Hostile, bristle_states
 
 from stickslip import Axis, Coulomb, LuGre, Stribeck, Viscous, export, simulate
-from stickslip.control import compensation
-from stickslip.drives import Sampled
 from stickslip.exports.program import equations_of
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.control import compensation
 
 LOAD, MASS = 9.81, 2.0
 RELATIVE = 1e-12

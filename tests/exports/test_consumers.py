@@ -10,10 +10,10 @@ from tests.exports.compiled import library, numbers
 from tests.exports.fmus import need_tools
 
 from stickslip import Axis, RecordSettings, Stribeck, export, fit, load_rig, simulate
-from stickslip.drives import Sampled
 from stickslip.exports import export_fmu
 from stickslip.exports.joints import simplified
 from stickslip.exports.program import Subject
+from stickslip.mechanisms.drives import Sampled
 
 INERTIA, PERIOD, END = 0.02, 1e-3, 3.0
 TRUE = Stribeck(

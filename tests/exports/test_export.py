@@ -22,8 +22,8 @@ from stickslip import (
     load_rig,
     select,
 )
+from stickslip.data import KnownLaws, LawEstimates
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import KnownLaws, LawEstimates
 from stickslip.exports import TARGETS, Target
 from stickslip.exports.program import identifier, identifiers
 from stickslip.friction import RateState, SetValuedLaw

@@ -43,7 +43,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.cli import main
-from stickslip.drives import Pulse, Sine, Square, ThreePhase
+from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import export_fmu
 from stickslip.exports.fmu.description import (
@@ -53,7 +53,6 @@ from stickslip.exports.fmu.description import (
     variables_of,
     with_inputs,
 )
-from stickslip.formulation import formulate
 from stickslip.friction import LAWS
 from stickslip.maths import sqrt
 from stickslip.mechanisms import (
@@ -68,6 +67,7 @@ from stickslip.mechanisms import (
     Torque,
     input_names,
 )
+from stickslip.mechanisms.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.quantities import Quantity, fields_of, turned
 
 CHAIN = BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)

@@ -24,13 +24,13 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import Sine
+from stickslip.data import KnownLaws, LawEstimates, levels_at
 from stickslip.errors import InputError
-from stickslip.experiments import KnownLaws, LawEstimates, levels_at
 from stickslip.exports.joints import JointFriction, simplified
 from stickslip.exports.program import Subject
-from stickslip.formatting import quantity
 from stickslip.mechanisms import RobotJoint, read_urdf
+from stickslip.mechanisms.drives import Sine
+from stickslip.show.formatting import quantity
 
 LAW = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=3.0)
 STRIBECK = Stribeck(

@@ -11,8 +11,8 @@ from tests.exports.compiled import library, numbers
 from tests.exports.laws import LAWS_EXPORTED, bristle_states
 
 from stickslip import Coulomb, export
-from stickslip.control import compensation
 from stickslip.exports.program import equations_of
+from stickslip.study.control import compensation
 
 LOAD, MASS, PERIOD = 7.0, 2.0, 0.01
 VELOCITIES = (0.0, 1e-7, 3e-3, 0.04, 2.0, -1e-7, -3e-3, -0.04, -2.0)

@@ -39,11 +39,11 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import PiecewiseAffine, Sine, Square
+from stickslip.engine.formulation import formulate
+from stickslip.engine.simulation import check_pair
 from stickslip.exports.fmu.description import variables_of
-from stickslip.formulation import formulate
 from stickslip.mechanisms import Mechanism, Torque
-from stickslip.simulation import check_pair
+from stickslip.mechanisms.drives import PiecewiseAffine, Sine, Square
 
 SOLVER = 1e-9
 """Tolerance of a step of the importer's solver, CVode."""

@@ -9,10 +9,10 @@ from tests.exports.laws import LAWS_EXPORTED
 from tests.support import example_of
 
 from stickslip import Axis, CoulombViscous, LuGre, Stribeck, export, simulate
-from stickslip.control import compensation
-from stickslip.drives import Sine
 from stickslip.exports.program import equations_of
 from stickslip.exports.targets import modelica_unit
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.control import compensation
 
 LOAD, MASS = 9.81, 2.0
 NAMES = ("direction_dependent", "stribeck", "dahl", "lugre_held", "two_bristles")

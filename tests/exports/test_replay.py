@@ -8,14 +8,14 @@ import pytest
 
 from stickslip import Axis, BamM5, CoulombViscous, Measurement, Pendulum, Rig, Stribeck, simulate
 from stickslip.cli import main
-from stickslip.drives import Sampled
+from stickslip.data import KnownLaws
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError
-from stickslip.experiments import KnownLaws
 from stickslip.exports import apply
 from stickslip.exports.joints import simplified
 from stickslip.exports.program import Subject
-from stickslip.formulation import JointTorques
 from stickslip.mechanisms import DCMotor, PositionLoop, read_urdf
+from stickslip.mechanisms.drives import Sampled
 
 LINK = """<link name="{}"><inertial><origin xyz="0.15 0 0"/><mass value="{}"/>
   <inertia ixx="1e-3" iyy="{}" izz="{}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""

@@ -13,12 +13,12 @@ from tests.exports.compiled import library, number, numbers
 from tests.exports.fmus import need_tools
 
 from stickslip import Axis, DiscBrake, export, simulate
-from stickslip.control import compensation
-from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.exports import export_fmu
 from stickslip.friction import bound, law
 from stickslip.mechanisms import Lining, given_inputs
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.control import compensation
 
 GEAR = law("level + stribeck + weight[transmitted] + viscous * exponential[temperature]")(
     kinetic_coefficient=0.04,

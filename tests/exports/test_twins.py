@@ -20,11 +20,11 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Sine
+from stickslip.data import Rig
+from stickslip.engine.solver import SoftConstraint
 from stickslip.errors import InputError, SimulationError
-from stickslip.experiments import Rig
 from stickslip.exports import PROGRAMS, Drake, Karnopp, MuJoCo, MuJoCoMotor, Simscape, export, twin
-from stickslip.solver import SoftConstraint
+from stickslip.mechanisms.drives import PiecewiseLinear, Sine
 
 LAW = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=0.5)
 BRISTLES = LuGre.from_forces(

@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip.cli.console import plain, show_table
-from stickslip.documents import json_text
-from stickslip.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
+from stickslip.identify import Estimate
+from stickslip.identify.candidates.verdict import score_text
 from stickslip.quantities import Quantity
-from stickslip.report import Page, Paragraph, Section, Table
-from stickslip.report.blocks import Fact, Facts, render
-from stickslip.report.tables import Column, Number, Row
-from stickslip.results import Estimate
-from stickslip.selection.verdict import score_text
+from stickslip.show.documents import json_text
+from stickslip.show.formatting import NO_BREAK_SPACE, PREFIXES, Scale, scale_of, unbroken, with_unit
+from stickslip.show.report import Page, Paragraph, Section, Table
+from stickslip.show.report.blocks import Fact, Facts, render
+from stickslip.show.report.tables import Column, Number, Row
 
 units = st.sampled_from([*PREFIXES, "1", "N s/m", "N s^2/m^2", "kg m^2", "m/s^2", "1/m"])
 values = st.floats(1e-12, 1e9) | st.floats(-1e9, -1e-12)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from stickslip import formatting
+from stickslip.show import formatting
 
 anything = st.floats(allow_nan=True, allow_infinity=True)
 finite = st.floats(-1e12, 1e12)

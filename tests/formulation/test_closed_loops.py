@@ -5,7 +5,7 @@ from itertools import combinations
 import pytest
 import symengine as se
 
-from stickslip.formulation.slip_directions import loops_of
+from stickslip.engine.formulation.slip_directions import loops_of
 
 
 def all_pairs(bodies):

@@ -11,14 +11,14 @@ import symengine as se
 from tests.support import UNAIDED, Generated, each_of, example_of
 
 from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, ensemble, simulate
-from stickslip.drives import Drive, Sine
+from stickslip.engine import Status
+from stickslip.engine.formulation.mechanics import matrix_supply
+from stickslip.engine.formulation.trace import Switchboard, Traced, expression
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.mechanics import matrix_supply
-from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism, Torque
+from stickslip.mechanisms.drives import Drive, Sine
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 Mass = Annotated[float, Quantity("M", "kg", above=0)]
 

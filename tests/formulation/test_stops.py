@@ -13,11 +13,11 @@ import pytest
 from typing_extensions import override
 
 from stickslip import Coulomb, EventDriven, simulate
-from stickslip.drives import Drive, Pulse
+from stickslip.engine import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import BoundedMechanism, Contact, Guide, Stop, stops_between
+from stickslip.mechanisms.drives import Drive, Pulse
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 
 @dataclass(frozen=True, kw_only=True)

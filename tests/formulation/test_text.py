@@ -16,20 +16,20 @@ from tests.support import EXAMPLES, UNAIDED, Generated, example_of, pairs
 from typing_extensions import override
 
 from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
-from stickslip.drives import Drive, Pulse
+from stickslip.engine.formulation import formulate
+from stickslip.engine.formulation.infix import program
+from stickslip.engine.formulation.trace import rebuilt
 from stickslip.errors import InputError, TracingError
-from stickslip.formulation import formulate
-from stickslip.formulation.infix import program
-from stickslip.formulation.trace import rebuilt
 from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms.drives import Drive, Pulse
 from stickslip.quantities import Quantity
 
 PRINT_TEXTS = """
 import hashlib
 from tests.support import UNAIDED
-from stickslip.formulation import formulate
+from stickslip.engine.formulation import formulate
 from tests.support import EXAMPLES, example_of
 laws = [example_of(kind) for kind in UNAIDED.values()]
 texts = [formulate(rig, law).text for rig in EXAMPLES.values() for law in laws]

@@ -13,10 +13,9 @@ import pytest
 from tests.support import quick
 
 from stickslip import Axis, LuGre, Measurement, SpringBlock, Stribeck, fit, load_rig, simulate
-from stickslip.drives import Sine
+from stickslip.data import Rig, carried, unit_on
+from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Rig, carried, unit_on
-from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import (
     LAWS,
     SetValuedLaw,
@@ -32,8 +31,9 @@ from stickslip.friction.classes import equations_of
 from stickslip.friction.notation import Around, Product, Sum, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Slip
-from stickslip.identification.estimation.parameters import starting_law
+from stickslip.identify.fits.estimation.parameters import starting_law
 from stickslip.maths import Latches
+from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import Quantity, fields_of
 
 FREE = (

@@ -8,12 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Axis, FixedStep, Pendulum, SpringBlock, ensemble, load_rig, simulate
-from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.drives import PiecewiseLinear, Ramp, Sampled, Sine
+from stickslip.data.rigs.rig_writer import rig_toml
 from stickslip.errors import InputError, SimulationError, UnknownNameError
-from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import bound, law
 from stickslip.mechanisms import given_inputs
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
+from stickslip.mechanisms.drives import PiecewiseLinear, Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
 
 WARM = law("level + viscous * exponential[temperature]")(

@@ -12,7 +12,7 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import Sampled
+from stickslip.mechanisms.drives import Sampled
 
 VALUES = {"kinetic_coefficient": 5.0, "static_coefficient": 8.0, "viscous_coefficient": 20.0}
 LAW = CoulombViscousStatic(**VALUES)

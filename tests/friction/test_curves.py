@@ -11,7 +11,7 @@ from stickslip import Axis, EventDriven, TwoMassAxis, export, load_rig, simulate
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.friction.parts.levels import MOST_POINTS
-from stickslip.identification import starting_law
+from stickslip.identify.fits import starting_law
 
 POINTS = [(0.0, 2.0), (0.01, 1.5), (0.05, 1.2), (0.08, 1.25), (0.3, 1.1)]
 TEXT = "table[0: 2, 0.01: 1.5, 0.05: 1.2, 0.08: 1.25, 0.3: 1.1]"

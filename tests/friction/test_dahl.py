@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Dahl, EventDriven, load_rig, simulate
-from stickslip.drives import Sine
+from stickslip.mechanisms.drives import Sine
 
 VALUES = {"kinetic_coefficient": 0.4, "bristle_stiffness": 200.0}
 PLAIN = Dahl(**VALUES)

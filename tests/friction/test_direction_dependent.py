@@ -14,8 +14,8 @@ from stickslip import (
     FixedStep,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp
 
 AHEAD, BACK = 1.0, 2.0
 LEVELS = {1: AHEAD, -1: BACK}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from stickslip import EventDriven, Pendulum, simulate
-from stickslip.drives import Ramp, Sampled, Sine
 from stickslip.friction import LAWS, bound
+from stickslip.mechanisms.drives import Ramp, Sampled, Sine
 
 SERVO = Pendulum(mass=0.5, length=0.16)
 WEIGHT = 0.5 * 9.81 * 0.16

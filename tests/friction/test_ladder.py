@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.friction import FrictionLaw, containment_of, law, laws, usual_specifications
 from stickslip.friction.notation import canonical, read
-from stickslip.identification.estimation.parameters import starting_law
+from stickslip.identify.fits.estimation.parameters import starting_law
 
 KINDS = list(dict.fromkeys(one.law for one in usual_specifications()))
 PAIRS = [(rich, one) for rich in KINDS for one in KINDS if containment_of(rich, one)]

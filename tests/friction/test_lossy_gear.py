@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from stickslip import EventDriven, Pendulum, simulate
-from stickslip.drives import Ramp, Sampled, Sine
 from stickslip.friction import bound, law
+from stickslip.mechanisms.drives import Ramp, Sampled, Sine
 
 PLAIN = EventDriven(tier="python")
 MOTOR = law("level + weight[motor] + viscous")

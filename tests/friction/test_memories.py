@@ -23,12 +23,12 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identification.estimation.bristle_integration import Path, follow
+from stickslip.identify.fits.estimation.bristle_integration import Path, follow
 from stickslip.maths import Latches, latched
 from stickslip.mechanisms import given_inputs
+from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import fields_of
 
 CURVE = {

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, EventDriven, PowerViscous, QuadraticDrag, simulate
-from stickslip.drives import PiecewiseLinear, Ramp
 from stickslip.friction.parts.flows import PLATEAU
+from stickslip.mechanisms.drives import PiecewiseLinear, Ramp
 
 M, SIGMA, V0 = 1.5, 0.8, 0.6
 SMOOTH = 1e-11

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, QuadraticDrag, simulate
-from stickslip.drives import PiecewiseLinear
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import PiecewiseLinear
 
 M, LEVEL, C = 2.0, 0.5, 3.0
 LAW = QuadraticDrag(kinetic_coefficient=LEVEL, quadratic_coefficient=C)

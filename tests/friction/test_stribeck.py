@@ -1,8 +1,8 @@
 import pytest
 
 from stickslip import Axis, Stribeck, simulate
-from stickslip.drives import Ramp
 from stickslip.errors import ParameterError
+from stickslip.mechanisms.drives import Ramp
 
 VALUES = {"kinetic_coefficient": 1.0, "static_coefficient": 2.0, "stribeck_velocity": 0.1}
 

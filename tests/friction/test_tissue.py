@@ -21,11 +21,11 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Sine
 from stickslip.friction import SOURCES, TISSUES, bound, law
 from stickslip.mechanisms import SoftStop, Torque, given_inputs
-from stickslip.sweep import periodic_orbit
-from stickslip.testing import check_friction
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.sweep import periodic_orbit
+from stickslip.study.testing import check_friction
 
 STIFFNESSES, TIMES = (300.0, 150.0), (0.2, 2.0)
 OWN = law("relaxing[2](level) + viscous")(

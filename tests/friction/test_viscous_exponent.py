@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Dahl, LuGre, simulate
-from stickslip.drives import PiecewiseLinear, Sine
+from stickslip.engine.formulation import formulate
 from stickslip.errors import ParameterError
-from stickslip.formulation import formulate
 from stickslip.friction.parts.flows import PLATEAU
+from stickslip.mechanisms.drives import PiecewiseLinear, Sine
 from stickslip.quantities import parameters, structure
-from stickslip.testing import check_friction
+from stickslip.study.testing import check_friction
 
 DAHL = Dahl(kinetic_coefficient=0.4, bristle_stiffness=200.0, viscous_coefficient=0.7)
 LUGRE = LuGre(

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, fit, simulate
-from stickslip.drives import Sampled
-from stickslip.identification.estimation.estimates import estimates_of
-from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import ResidualJacobian
+from stickslip.identify.fits.estimation.estimates import estimates_of
+from stickslip.identify.fits.estimation.jackknife import infer
+from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.estimation.problem import ResidualJacobian
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
 
 TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, Pendulum, RecordSettings, fit, select, simulate
-from stickslip.drives import Sampled, Sine, Sum
 from stickslip.errors import InputError
 from stickslip.friction import Laws, bound, law
-from stickslip.identification.contact_inputs import (
+from stickslip.identify.fits.contact_inputs import (
     as_informed,
     inputs_along,
     known_inputs,
@@ -17,6 +16,7 @@ from stickslip.identification.contact_inputs import (
     with_inputs,
 )
 from stickslip.mechanisms import DiscBrake, Lining, given_inputs, given_names
+from stickslip.mechanisms.drives import Sampled, Sine, Sum
 
 WARM = law("level + viscous * exponential[temperature]")
 GEAR = law("level + stribeck + weight[transmitted] + viscous")
@@ -251,7 +251,7 @@ def test_curves_are_drawn_at_the_median_size_of_forces(servo):
 def warm_arm():
     """Return an arm whose shoulder warms up, and its record without the temperature."""
     from stickslip import TwoLinkArm
-    from stickslip.formulation import JointTorques
+    from stickslip.engine.formulation import JointTorques
 
     arm = TwoLinkArm(
         upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,

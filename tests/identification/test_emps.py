@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement
-from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics
-from stickslip.identification.settings import RecordSettings
+from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
+from stickslip.identify.fits.settings import RecordSettings
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from stickslip.formatting import interval
+from stickslip.identify import Estimate
 from stickslip.quantities import Quantity
-from stickslip.results import Estimate
+from stickslip.show.formatting import interval
 
 MASS = Quantity("J", "kg")
 

@@ -7,13 +7,13 @@ import pytest
 from scipy import integrate
 
 from stickslip import Axis, Dahl, LuGre, Measurement, RecordSettings, fit, simulate
-from stickslip.drives import Sampled
 from stickslip.friction import law
-from stickslip.identification.estimation.bristle_integration import Path, follow
-from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.records.problems import RouteChoice, prepared
-from stickslip.identification.shooting.first_deflections import FirstDeflections, RecordedMotion
-from stickslip.identification.validation import Parameters
+from stickslip.identify.fits.estimation.bristle_integration import Path, follow
+from stickslip.identify.fits.estimation.parameters import FreeParameters
+from stickslip.identify.fits.records.problems import RouteChoice, prepared
+from stickslip.identify.fits.shooting.first_deflections import FirstDeflections, RecordedMotion
+from stickslip.identify.fits.validation import Parameters
+from stickslip.mechanisms.drives import Sampled
 
 SOFT = LuGre(
     kinetic_coefficient=3.0,

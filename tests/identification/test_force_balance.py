@@ -20,16 +20,16 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import Sampled
 from stickslip.errors import InputError
-from stickslip.identification.force_map.force_balance import (
+from stickslip.identify.fits.force_map.force_balance import (
     balanced,
     filtered_motion,
     mean_force,
     passed_by_balance,
     travelled,
 )
-from stickslip.identification.force_map.problem import constant_of, map_along
+from stickslip.identify.fits.force_map.problem import constant_of, map_along
+from stickslip.mechanisms.drives import Sampled
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
 TRUTH = CoulombViscous(kinetic_coefficient=LEVEL, viscous_coefficient=VISCOUS)

@@ -30,13 +30,13 @@ from stickslip import (
 )
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw
-from stickslip.identification.estimation.bristle_integration import Path as Motion
-from stickslip.identification.estimation.bristle_integration import follow
-from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, search
-from stickslip.identification.force_map.data import stretches_of
-from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import force_map
-from stickslip.identification.settings import SensorResponse
+from stickslip.identify.fits.estimation.bristle_integration import Path as Motion
+from stickslip.identify.fits.estimation.bristle_integration import follow
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, search
+from stickslip.identify.fits.force_map.data import stretches_of
+from stickslip.identify.fits.force_map.model import ForceMap
+from stickslip.identify.fits.force_map.problem import force_map
+from stickslip.identify.fits.settings import SensorResponse
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 

@@ -14,8 +14,8 @@ from stickslip import (
     TwoMassAxis,
     fit,
 )
-from stickslip.identification import FreeParameter, FreeParameters
-from stickslip.identification.estimation.parameters import told
+from stickslip.identify.fits import FreeParameter, FreeParameters
+from stickslip.identify.fits.estimation.parameters import told
 from stickslip.quantities import fields_of
 
 

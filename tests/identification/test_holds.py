@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
-from stickslip.drives import Sampled
-from stickslip.identification.force_map.holds import HoldFinding, hold_of
+from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
+from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)

@@ -8,14 +8,14 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, Stribeck, fit
-from stickslip.identification.estimation.jackknife import (
+from stickslip.identify.fits.estimation.jackknife import (
     block_sums,
     bootstrap,
     effective_size,
     freedom_of,
     infer,
 )
-from stickslip.identification.estimation.problem import ResidualJacobian
+from stickslip.identify.fits.estimation.problem import ResidualJacobian
 
 
 def autoregression(count, decay, random):

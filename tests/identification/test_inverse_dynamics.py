@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, SpringBlock
+from stickslip.data.differentiation import rows_of
 from stickslip.errors import InputError
-from stickslip.experiments.differentiation import rows_of
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics, mass_of
-from stickslip.identification.series.start_values import inertia_of
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics, mass_of
+from stickslip.identify.fits.series.start_values import inertia_of
 
 T = np.arange(0.0, 20.0, 1e-3)
 J, F_V, F_C, OFFSET = 4.0, 6.0, 2.0, -0.5

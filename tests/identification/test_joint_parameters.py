@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, QUICK, TRUTH, motion, parts, record
 
-from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SerialArm, catalogue, fit
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SerialArm, fit
+from stickslip.data import catalogue
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError, ParameterError
-from stickslip.formulation import JointTorques
-from stickslip.identification import RecordSettings
+from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Link, read_urdf
 
 LINKS = (

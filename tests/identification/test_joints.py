@@ -17,11 +17,11 @@ from stickslip import (
     export,
     fit,
     load_rig,
-    plots,
 )
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.formulation import JointTorques
 from stickslip.friction import Laws
+from stickslip.show import plots
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 

@@ -6,10 +6,11 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from stickslip import CoulombViscous, Measurement, TwoLinkArm, catalogue, fit, load_rig
+from stickslip import CoulombViscous, Measurement, TwoLinkArm, fit, load_rig
+from stickslip.data import catalogue
+from stickslip.engine.formulation import JointTorques
 from stickslip.errors import InputError
-from stickslip.formulation import JointTorques
-from stickslip.identification.records.links import told_links
+from stickslip.identify.fits.records.links import told_links
 from stickslip.mechanisms import Robot, RobotJoint, read_urdf
 
 DESK = files("stickslip.mechanisms") / "desk_arm.urdf"
@@ -76,7 +77,7 @@ def planar():
 
 def test_two_links_in_a_plane_have_seven_base_parameters(monkeypatch):
     """M. Gautier: moments of both, inertias of both and the armature of the second."""
-    monkeypatch.setattr("stickslip.identification.records.links.SURE", 0.0)
+    monkeypatch.setattr("stickslip.identify.fits.records.links.SURE", 0.0)
     robot = planar()
     other = replace(robot, joints=(replace(robot.joints[0], mass=2.1), robot.joints[1]))
     _, told = told_links(other, excited(robot, 1), "first", zeros=False)
@@ -162,7 +163,7 @@ def tx40():
 
 @pytest.mark.slow
 def test_a_measured_arm_of_unknown_links_has_the_published_friction(tx40):
-    from stickslip.benchmark.records import by_motors, tx40_robot
+    from stickslip.study.benchmark.records import by_motors, tx40_robot
 
     robot = tx40_robot()
     found = fit(robot, CoulombViscous, by_motors(tx40), vary=["friction.*", "links"])

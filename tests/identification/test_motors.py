@@ -16,13 +16,13 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Sampled
+from stickslip.data import loop_samples, with_voltage
+from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError
-from stickslip.experiments import loop_samples, with_voltage
-from stickslip.identification.shooting.sampled_loops import LoopInSegment, run_through
+from stickslip.identify.fits.shooting.sampled_loops import LoopInSegment, run_through
 from stickslip.mechanisms import DCMotor, PositionLoop, SampledLoop
-from stickslip.solver import EventDriven
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.control import PID, closed_loop
 
 GAIN, SUPPLY = 25.0, 7.4
 M1 = BamM1(kinetic_coefficient=0.05, viscous_coefficient=0.02)

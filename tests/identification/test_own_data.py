@@ -5,8 +5,8 @@ import pytest
 from tests.friction.test_memories import CURVES, FLOWS, recorded, truth
 
 from stickslip import Axis, Measurement, RecordSettings, fit
-from stickslip.drives import Sine
 from stickslip.friction import specification
+from stickslip.mechanisms.drives import Sine
 
 FIVE = ("dahl", "lugre", "maxwell[3]", "reset", "elasto_plastic")
 DRIVE = Sine(amplitude=3.0, frequency=0.7) + Sine(amplitude=1.5, frequency=1.9)

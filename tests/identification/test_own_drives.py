@@ -8,12 +8,12 @@ import pytest
 from tests.support import quick
 
 from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, fit, simulate
-from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identification.records.problems import RouteChoice
-from stickslip.identification.records.route_choice import route_of
-from stickslip.identification.settings import RecordSettings
+from stickslip.identify.fits.records.problems import RouteChoice
+from stickslip.identify.fits.records.route_choice import route_of
+from stickslip.identify.fits.settings import RecordSettings
 from stickslip.mechanisms import Prescribed, Torque
+from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)

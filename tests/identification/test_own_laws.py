@@ -18,11 +18,11 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.friction import SetValuedLaw
-from stickslip.identification import starting_law
+from stickslip.identify.fits import starting_law
 from stickslip.maths import exp
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity, fields_of
 
 RATE = 200.0

@@ -6,8 +6,8 @@ import pytest
 from tests.support import UNAIDED
 
 from stickslip.errors import ParameterError
-from stickslip.identification import starting_law
-from stickslip.identification.force_map.start_values import StartEstimate
+from stickslip.identify.fits import starting_law
+from stickslip.identify.fits.force_map.start_values import StartEstimate
 from stickslip.quantities import Quantity, fields_of
 
 SEEN = {

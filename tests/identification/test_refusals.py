@@ -19,10 +19,10 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics
 from stickslip.mechanisms import TwoMassAxis
+from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=5.0)
 QUICK = RecordSettings(starts=1)

@@ -7,9 +7,10 @@ import pytest
 from tests.arm_cases import ARM, JOINTS, QUICK, TRUTH, motion, parts, record
 from tests.support import quick
 
-from stickslip import CoulombViscous, Measurement, check, fit, plots, select, write_report
-from stickslip.formulation import JointTorques
-from stickslip.identification.force_map.joint_balance import joint_pieces
+from stickslip import CoulombViscous, Measurement, check, fit, select, write_report
+from stickslip.engine.formulation import JointTorques
+from stickslip.identify.fits.force_map.joint_balance import joint_pieces
+from stickslip.show import plots
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
 COUNT = 2.0 * np.pi / 4096.0

@@ -16,10 +16,10 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.identification.estimation.levenberg_marquardt import search
-from stickslip.identification.records import fitting
+from stickslip.identify.fits.estimation.levenberg_marquardt import search
+from stickslip.identify.fits.records import fitting
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse
 
 QUICK = RecordSettings(starts=1)
 TRUTH = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=4.0)

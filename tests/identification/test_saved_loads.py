@@ -16,8 +16,8 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import Pulse, Sampled
-from stickslip.identification.series.measured_load import as_loaded
+from stickslip.identify.fits.series.measured_load import as_loaded
+from stickslip.mechanisms.drives import Pulse, Sampled
 
 SPEED = np.concatenate([np.linspace(-0.1, -0.01, 40), np.linspace(0.01, 0.1, 40)])
 LEVEL = 0.4

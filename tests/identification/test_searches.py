@@ -14,10 +14,10 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.control import closed_loop
-from stickslip.drives import Sampled
+from stickslip.engine.solver import EventDriven
 from stickslip.friction import laws
-from stickslip.solver import EventDriven
+from stickslip.mechanisms.drives import Sampled
+from stickslip.study.control import closed_loop
 
 SOLVER = EventDriven(tier="compiled", max_steps=1_000_000)
 

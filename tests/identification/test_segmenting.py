@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, RecordSettings, TowedBlock, fit
-from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identification.shooting.segments import (
+from stickslip.identify.fits.shooting.segments import (
     measured_quantity,
     segments_of,
     with_drive,
     with_usual_segment,
 )
+from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0)
 T = np.arange(0.0, 5.0, 1e-3)

@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, Pendulum, fit, simulate
-from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.problems import RouteChoice, prepared
-from stickslip.identification.settings import RecordSettings
-from stickslip.identification.shooting.initial_states import (
+from stickslip.identify.fits.estimation.levenberg_marquardt import improve
+from stickslip.identify.fits.records.fitting import fit_record
+from stickslip.identify.fits.records.problems import RouteChoice, prepared
+from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.initial_states import (
     AGREE,
     Known,
     LocalState,
     Ways,
     followed,
 )
-from stickslip.identification.validation import Parameters
+from stickslip.identify.fits.validation import Parameters
+from stickslip.mechanisms.drives import Sampled
 
 TRUE = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=8.0)
 RIG = Axis(inertia=4.0, offset=-0.4)

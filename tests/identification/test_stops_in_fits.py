@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Capsule, Coulomb, Measurement, fit, simulate
-from stickslip.drives import Sine
-from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.shooting.multiple_shooting import Segment, Shooting
+from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identify.fits.shooting.multiple_shooting import Segment, Shooting
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import fields_of
 
 CAPSULE = Capsule(

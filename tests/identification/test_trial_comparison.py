@@ -8,8 +8,8 @@ import pytest
 
 from stickslip import Axis, Coulomb, CoulombViscous, Measurement, compare_trials, fit
 from stickslip import simulate as run_of
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError
+from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
 

@@ -25,9 +25,9 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Sampled, ThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms.drives import Sampled, ThreePhase
 from stickslip.quantities import parameters, vary
 
 J, K, N = "mechanism.inertia", "mechanism.stiffness", "mechanism.load"

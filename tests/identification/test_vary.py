@@ -15,10 +15,10 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.identification.validation import LAW, Parameters
-from stickslip.kinds import compare_features, fit_features
+from stickslip.identify.fits.validation import LAW, Parameters
+from stickslip.identify.kinds import compare_features, fit_features
+from stickslip.mechanisms.drives import Sampled
 
 AXIS = Axis(inertia=2.0)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select, simulate
-from stickslip.drives import PiecewiseLinear
 from stickslip.errors import InputError
 from stickslip.friction import law
 from stickslip.identify.problems.record_signals import records_of
+from stickslip.mechanisms.drives import PiecewiseLinear
 
 RATE, SECONDS = 500.0, 8.0
 T = np.arange(0.0, SECONDS, 1.0 / RATE)

@@ -19,7 +19,7 @@ from stickslip import (
     write_report,
 )
 from stickslip.errors import InputError
-from stickslip.results import JointVerdict
+from stickslip.identify import JointVerdict
 
 STRIBECK = Stribeck(
     kinetic_coefficient=0.15, static_coefficient=0.4, stribeck_velocity=0.8,

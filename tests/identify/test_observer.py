@@ -5,14 +5,14 @@ import functools
 import numpy as np
 import pytest
 
+from stickslip.engine.kernels import observer
+from stickslip.engine.solver.compile.states import observe
 from stickslip.identify.comparison import compare, family_members
 from stickslip.identify.ensemble import Ensemble
 from stickslip.identify.observer import Observer
 from stickslip.identify.problems.record_signals import Record, bristle
 from stickslip.identify.problems.records import RecordsProblem
 from stickslip.identify.search import Search
-from stickslip.kernels import observer
-from stickslip.solver.compile.states import observe
 
 STEP, INERTIA, LEVEL, VISCOUS = 0.001, 0.02, 1.0, 0.3
 HALF = 400

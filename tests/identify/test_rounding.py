@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, select, simulate
-from stickslip.drives import Sine
 from stickslip.identify.problem import bending_of
+from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.5))
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.5)

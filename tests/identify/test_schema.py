@@ -8,8 +8,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from stickslip import Axis, Measurement, SpringBlock, select
-from stickslip.documents import document, json_text
 from stickslip.identify import BandVerdict
+from stickslip.show.documents import document, json_text
 
 SCHEMA = BandVerdict.schema()
 T = np.arange(0.0, 8.0, 0.004)

@@ -22,11 +22,11 @@ from stickslip import (
     simulate,
     write_report,
 )
-from stickslip.drives import PiecewiseLinear, Sampled, Sine, Square
 from stickslip.errors import InputError
 from stickslip.friction import law
+from stickslip.identify import BandVerdict
 from stickslip.mechanisms import DCMotor, PositionLoop, Torque
-from stickslip.results import BandVerdict
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled, Sine, Square
 
 RATE, SECONDS = 500.0, 12.0
 T = np.arange(0.0, SECONDS, 1.0 / RATE)

@@ -19,8 +19,8 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError
-from stickslip.formulation import formulate
 from stickslip.identify.judge import Judgement
 from stickslip.identify.laws import MeasuredCurve, compose, curve_law, drawn_curve
 from stickslip.identify.problems.tables import TableProblem

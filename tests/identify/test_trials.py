@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, select, simulate
-from stickslip.drives import Sampled
+from stickslip.mechanisms.drives import Sampled
 
 RATE, STEP, NOISE = 50.0, 5e-4, 0.01
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
-from stickslip.identification import Estimate
 from stickslip.identify.advice import Proposal
 from stickslip.identify.explorer import Pattern
+from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.page import laws_section, remarks_section, verdict_sections
@@ -22,7 +22,7 @@ from stickslip.identify.wording import (
     phrase_of,
 )
 from stickslip.quantities import Quantity
-from stickslip.report import MOST, Origin
+from stickslip.show.report import MOST, Origin
 
 WORDS = Words(
     measured="record", held_out="stretches", response="force", force_unit="N", speed_unit="m/s"

@@ -9,10 +9,10 @@ from scipy.integrate import DOP853
 from tests.support import Generated
 
 from stickslip import Axis, LuGre
-from stickslip.kernels import steppers
-from stickslip.kernels.numerics import interpolate, lu_factor, lu_solve
-from stickslip.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y
-from stickslip.kernels.steppers import rodas_dense, rodas_step
+from stickslip.engine.kernels import steppers
+from stickslip.engine.kernels.numerics import interpolate, lu_factor, lu_solve
+from stickslip.engine.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y
+from stickslip.engine.kernels.steppers import rodas_dense, rodas_step
 
 
 def solved(a, b):
@@ -108,7 +108,7 @@ def test_the_dense_output_of_rodas5p_converges_with_order_four(stiff):
 
 def test_a_guard_that_falls_steadily_is_not_searched_for_a_turn():
     """One such search takes forty evaluations of the equations; each step has several of them."""
-    from stickslip.kernels.guard_roots import turns
+    from stickslip.engine.kernels.guard_roots import turns
 
     assert not turns(1.0, 0.99, 0.98)
     assert not turns(1.0, 0.99, 0.981)  # turns, after ten such parts of the step

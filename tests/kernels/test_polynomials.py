@@ -13,8 +13,8 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from tests.support import examples
 
-from stickslip.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall
-from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SERIES
+from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall
+from stickslip.engine.kernels.state_layout import NUMBERS, POLYNOMIAL, SERIES
 
 EPSILON = 2.0**-52
 MANY = examples(200)

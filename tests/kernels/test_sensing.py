@@ -4,10 +4,19 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, EventDriven, ensemble, simulate
-from stickslip.drives import Sine
-from stickslip.kernels.sensitivities import RADAU, RADAU_NODES, RADAU_STAGES
-from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Min, Samples
-from stickslip.results import Sensitivity, Status
+from stickslip.engine import (
+    EventCount,
+    EventTimes,
+    Final,
+    Max,
+    Mean,
+    Min,
+    Samples,
+    Sensitivity,
+    Status,
+)
+from stickslip.engine.kernels.sensitivities import RADAU, RADAU_NODES, RADAU_STAGES
+from stickslip.mechanisms.drives import Sine
 
 A = np.array(RADAU).reshape(RADAU_STAGES, RADAU_STAGES)
 C = np.array(RADAU_NODES)

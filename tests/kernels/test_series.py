@@ -20,9 +20,9 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Sampled, Sine
-from stickslip.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
-from stickslip.kernels.steppers import series_step
+from stickslip.engine.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
+from stickslip.engine.kernels.steppers import series_step
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sampled, Sine
 
 MANY = examples(100)
 ROUNDING = 3e-15

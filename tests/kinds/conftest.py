@@ -5,7 +5,7 @@ import pytest
 
 from stickslip import Measurement, RecordSettings, TowedBlock, select
 from stickslip.friction import RateState
-from stickslip.kinds import simulate_velocity_steps
+from stickslip.identify.kinds import simulate_velocity_steps
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
 LAW = RateState(

@@ -6,14 +6,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip.formatting import EstimateText, Scale
-from stickslip.kinds import Column, data_row, page_table, terminal_table
-from stickslip.kinds.features.verdict import COLUMNS as OF_FEATURES
-from stickslip.kinds.features.verdict import FeatureCandidate
-from stickslip.kinds.velocity_steps.verdict import COLUMNS as OF_STEPS
-from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
-from stickslip.report import Number, RowPlot
-from stickslip.selection import CrossValidation
+from stickslip.identify.candidates import CrossValidation
+from stickslip.identify.kinds import Column, data_row, page_table, terminal_table
+from stickslip.identify.kinds.features.verdict import COLUMNS as OF_FEATURES
+from stickslip.identify.kinds.features.verdict import FeatureCandidate
+from stickslip.identify.kinds.velocity_steps.verdict import COLUMNS as OF_STEPS
+from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.show.formatting import EstimateText, Scale
+from stickslip.show.report import Number, RowPlot
 
 
 @dataclass

@@ -9,7 +9,7 @@ import pytest
 from stickslip import Coulomb, Measurement, SpringBlock, Stribeck, TowedBlock, load_measurement
 from stickslip import simulate as run_of
 from stickslip.errors import InputError
-from stickslip.kinds import compare_features, features_of, fit_features
+from stickslip.identify.kinds import compare_features, features_of, fit_features
 
 BLOCK = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
 LOAD = 0.03 * 9.81

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
-from stickslip.kinds.features.figures import Excerpt
-from stickslip.kinds.features.page import _excerpt
-from stickslip.kinds.features.problem import WATCHED
-from stickslip.kinds.report import verdict_page
-from stickslip.report import render
-from stickslip.report.blocks import Origin
+from stickslip.identify.kinds.features.figures import Excerpt
+from stickslip.identify.kinds.features.page import _excerpt
+from stickslip.identify.kinds.features.problem import WATCHED
+from stickslip.identify.kinds.report import verdict_page
+from stickslip.show.report import render
+from stickslip.show.report.blocks import Origin
 
 LAW = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)

@@ -23,9 +23,9 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.kinds import fit_features
-from stickslip.kinds.features.result import as_good, error_of_score, paired, room_of
-from stickslip.results import FeatureFit, FeatureVerdict
+from stickslip.identify import FeatureFit, FeatureVerdict
+from stickslip.identify.kinds import fit_features
+from stickslip.identify.kinds.features.result import as_good, error_of_score, paired, room_of
 
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)
 STATED = replace(REAL, mass=0.03)

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Measurement, TowedBlock, check
 from stickslip.errors import InputError
-from stickslip.kinds import features_of
+from stickslip.identify.kinds import features_of
 
 SPEED, STIFFNESS, LOAD = 42e-6, 168.0, 0.3
 WAIT = 0.64

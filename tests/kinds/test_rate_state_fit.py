@@ -9,14 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Coulomb, Measurement, TowedBlock, load_measurement, select
-from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import RATE_STATE_FORMS, RateState
-from stickslip.identification.estimation.levenberg_marquardt import step_of
-from stickslip.kinds import fit_rate_state, simulate_velocity_steps
-from stickslip.kinds.velocity_steps import slider
-from stickslip.kinds.velocity_steps.load_point import path_of
-from stickslip.kinds.velocity_steps.problem import serves
+from stickslip.identify.fits.estimation.levenberg_marquardt import step_of
+from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
+from stickslip.identify.kinds.velocity_steps import slider
+from stickslip.identify.kinds.velocity_steps.load_point import path_of
+from stickslip.identify.kinds.velocity_steps.problem import serves
+from stickslip.mechanisms.drives import Sine
 
 KNOTS = np.array([0.0, 20.0, 60.0, 100.0, 120.0])
 PULL = 1e-6 * np.array([0.0, 20.0, 420.0, 460.0, 660.0])

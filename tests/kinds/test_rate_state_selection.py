@@ -12,18 +12,18 @@ from tests.support import sketched
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError
 from stickslip.friction import RateState
-from stickslip.kinds import (
+from stickslip.identify.kinds import (
     RateStateVerdict,
     fit_rate_state,
     select_rate_state,
     simulate_velocity_steps,
 )
-from stickslip.kinds.registry import kind_of_route
-from stickslip.kinds.velocity_steps.page import sections
-from stickslip.kinds.velocity_steps.selection import rate_state_laws, unseen_of
-from stickslip.kinds.velocity_steps.verdict import RateStateCandidate
-from stickslip.kinds.velocity_steps.wording import _untried
-from stickslip.report.blocks import Origin, Page, made_sections, render
+from stickslip.identify.kinds.registry import kind_of_route
+from stickslip.identify.kinds.velocity_steps.page import sections
+from stickslip.identify.kinds.velocity_steps.selection import rate_state_laws, unseen_of
+from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate
+from stickslip.identify.kinds.velocity_steps.wording import _untried
+from stickslip.show.report.blocks import Origin, Page, made_sections, render
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
 THREE = ([0.0, 20.0, 60.0, 100.0, 120.0], [0.0, 20.0, 420.0, 460.0, 660.0])

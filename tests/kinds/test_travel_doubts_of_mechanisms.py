@@ -22,8 +22,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification.travel_model import trials_of
-from stickslip.selection.identifiable import limits_of
+from stickslip.identify.candidates.identifiable import limits_of
+from stickslip.identify.fits.travel_model import trials_of
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 K, M, X = "mechanism.stiffness", "mechanism.mass", "mechanism.compression"

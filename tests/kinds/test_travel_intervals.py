@@ -14,9 +14,9 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import Pulse
-from stickslip.identification import TravelModel
+from stickslip.identify.fits import TravelModel
 from stickslip.mechanisms import slip_of
+from stickslip.mechanisms.drives import Pulse
 from stickslip.quantities import vary
 
 FOUR = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity", "viscous_coefficient")

@@ -21,10 +21,10 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError
-from stickslip.kinds.travels.plan.sheet import Plan
-from stickslip.kinds.travels.plan.tables import tables_of
+from stickslip.identify.kinds.travels.plan.sheet import Plan
+from stickslip.identify.kinds.travels.plan.tables import tables_of
+from stickslip.mechanisms.drives import Pulse, Sine
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
 K, M, X = "mechanism.stiffness", "mechanism.mass", "mechanism.compression"

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from stickslip import Coulomb, SpringBlock, plan
-from stickslip.kinds.travels.plan.page import plan_page
-from stickslip.kinds.travels.plan.tables import tables_of
-from stickslip.report.blocks import render
+from stickslip.identify.kinds.travels.plan.page import plan_page
+from stickslip.identify.kinds.travels.plan.tables import tables_of
+from stickslip.show.report.blocks import render
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
 

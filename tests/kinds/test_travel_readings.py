@@ -23,15 +23,15 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, Square
+from stickslip.data.travels import scale_of
 from stickslip.errors import ConvergenceError, InputError, ParameterError
-from stickslip.experiments.travels import scale_of
-from stickslip.identification.travel_model import (
+from stickslip.identify.fits.travel_model import (
     standard_errors,
     trials_of,
     under_cycles,
 )
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Pulse, Sine, Square
 
 WAVE = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
 CAPSULE = Capsule(
@@ -235,7 +235,7 @@ def test_a_table_of_a_rig_is_checked_for_cycles(tmp_path):
 
 @pytest.mark.slow
 def test_the_report_shows_what_was_read():
-    from stickslip.kinds.travels.page import trials_section
+    from stickslip.identify.kinds.travels.page import trials_section
 
     speeds = {0.3: way(0.3, END) / END, 0.4: way(0.4, END) / END}
     verdict = select(CAPSULE, [Coulomb], readings("mean_velocity", speeds, 1e-3), t_end=END)

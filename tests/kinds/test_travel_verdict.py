@@ -18,11 +18,11 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import Sine
 from stickslip.errors import InputError
-from stickslip.identification import durations, trials_of
+from stickslip.identify.fits import durations, trials_of
 from stickslip.identify.problems.travels import judged_travels
 from stickslip.mechanisms import SoftStop, Torque
+from stickslip.mechanisms.drives import Sine
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
 PATH = "mechanism.compression"

@@ -7,12 +7,17 @@ import pytest
 from tests.commands import commands
 
 from stickslip import RecordSettings, fit, select, write_report
-from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
-from stickslip.kinds import RateStateFit, RateStateVerdict, fit_rate_state, select_rate_state
-from stickslip.kinds.report import verdict_page
-from stickslip.report.blocks import Origin, render
+from stickslip.identify.kinds import (
+    RateStateFit,
+    RateStateVerdict,
+    fit_rate_state,
+    select_rate_state,
+)
+from stickslip.identify.kinds.report import verdict_page
+from stickslip.show.documents import write_folder
+from stickslip.show.report.blocks import Origin, render
 
 RIG = """
 title = "Gouge"
@@ -154,7 +159,7 @@ def test_the_command_fits_the_ageing_law_where_none_is_named(run, monkeypatch):
         asked.append(law)
         raise InputError("seen.")
 
-    monkeypatch.setattr("stickslip.kinds.velocity_steps.kind.fit_rate_state", seen)
+    monkeypatch.setattr("stickslip.identify.kinds.velocity_steps.kind.fit_rate_state", seen)
     assert run("fit", "steps.toml")[0] == 2
     assert asked == ["rate-and-state"]
 
@@ -201,7 +206,7 @@ def test_a_rig_file_of_the_law_is_refused_before_the_work(run, monkeypatch, tmp_
     def worked(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("stickslip.kinds.velocity_steps.kind.fit_rate_state", worked)
+    monkeypatch.setattr("stickslip.identify.kinds.velocity_steps.kind.fit_rate_state", worked)
     code, out, err = run("fit", "steps.toml", "-o", "law.toml")
     assert (code, out) == (2, "")
     assert len(err.splitlines()) == 1

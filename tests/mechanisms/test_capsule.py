@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from tests.support import examples
 
 from stickslip import Capsule, Coulomb, simulate
-from stickslip.drives import Sine, ThreePhase
+from stickslip.engine import Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, Torque
-from stickslip.results import Status
+from stickslip.mechanisms.drives import Sine, ThreePhase
 
 G = 9.81
 

@@ -18,8 +18,6 @@ from stickslip import (
     SpringBlock,
     TwoFeet,
 )
-from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import (
     Lining,
@@ -35,6 +33,8 @@ from stickslip.mechanisms import (
     of_contact,
     without_given,
 )
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
+from stickslip.mechanisms.drives import Sampled
 
 PUSH = Sampled(times=[0.0], values=[1.7])
 RIGS = {

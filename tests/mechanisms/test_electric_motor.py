@@ -20,10 +20,8 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Sampled, Square
+from stickslip.data import rig_toml
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import rig_toml
 from stickslip.mechanisms import (
     CurrentLoop,
     DCMotor,
@@ -35,7 +33,9 @@ from stickslip.mechanisms import (
     SerialArm,
     VelocityLoop,
 )
-from stickslip.plots.animation.frame import moments_of
+from stickslip.mechanisms.drives import Sampled, Square
+from stickslip.show.plots.animation.frame import moments_of
+from stickslip.study.control import PID, closed_loop
 
 MOTOR = DCMotor(
     resistance=3.0,

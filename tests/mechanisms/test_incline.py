@@ -19,10 +19,10 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import ThreePhase
+from stickslip.engine import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, static_normal_force
-from stickslip.results import Status
+from stickslip.mechanisms.drives import ThreePhase
 
 G = 9.81
 SLOPED = [

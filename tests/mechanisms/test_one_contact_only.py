@@ -16,13 +16,13 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.control import PartialLinearisation, closed_loop
-from stickslip.drives import Sine
+from stickslip.data import LawEstimates
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates
+from stickslip.identify.candidates import criteria_of
 from stickslip.mechanisms import PendulumCart
-from stickslip.selection import criteria_of
-from stickslip.sweep import average_velocity, band_of, basins, bifurcation
+from stickslip.mechanisms.drives import Sine
+from stickslip.study.control import PartialLinearisation, closed_loop
+from stickslip.study.sweep import average_velocity, band_of, basins, bifurcation
 
 PLAIN = EventDriven(tier="python")
 BODY = TwoFeet(

@@ -7,9 +7,9 @@ import pytest
 from scipy.special import ellipk
 
 from stickslip import Coulomb, Pendulum, TowedBlock, TwoMassAxis, simulate
-from stickslip.drives import PiecewiseLinear, Sine
+from stickslip.engine import Status
 from stickslip.errors import ParameterError
-from stickslip.results import Status
+from stickslip.mechanisms.drives import PiecewiseLinear, Sine
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 

@@ -14,7 +14,11 @@ from hypothesis import strategies as st
 from tests.support import Generated, decade, examples
 
 from stickslip import Coulomb, EventDriven, FixedStep, PendulumCart, ensemble, simulate
-from stickslip.drives import (
+from stickslip.engine import Status
+from stickslip.engine.formulation import formulate
+from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.mechanisms.drives import (
     PiecewiseLinear,
     Sampled,
     SevenStep,
@@ -24,11 +28,7 @@ from stickslip.drives import (
     ThreePhase,
     TimedThreePhase,
 )
-from stickslip.errors import InputError, ParameterError, SimulationError
-from stickslip.formulation import formulate
-from stickslip.mechanisms import Prescribed, Torque
 from stickslip.quantities import fields_of
-from stickslip.results import Status
 
 ROUNDING = 1e-12
 """Roundings, multiplied by the ratio of the masses and by how close D comes to zero."""

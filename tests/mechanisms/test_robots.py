@@ -13,10 +13,10 @@ from tests.contact_cases import Arm, coulomb
 from tests.mechanisms.urdf_cases import by_jacobians, needed, random_urdf
 
 from stickslip import Coulomb, EventDriven, TwoLinkArm, simulate
+from stickslip.engine import Status
+from stickslip.engine.formulation import formulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.formulation import formulate
 from stickslip.mechanisms import Link, Robot, RobotJoint, SerialArm, read_urdf
-from stickslip.results import Status
 
 DESK = files("stickslip.mechanisms") / "desk_arm.urdf"
 PLAIN = EventDriven(tier="python")

@@ -23,10 +23,10 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
+from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import Contact, Lining, Link, Prescribed, Rotor, SerialArm, Torque
-from stickslip.results import Status
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
 
 PLAIN = EventDriven(tier="python")
 

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Capsule, Coulomb, EventDriven, simulate
-from stickslip.drives import Sine, SineSwing
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
+from stickslip.mechanisms.drives import Sine, SineSwing
 
 GRAVITY = 9.81
 FORCE = Sine(amplitude=0.25, frequency=7.0)

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Capsule, Viscous, simulate
-from stickslip.drives import Sine
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Sine
 
 DAMPING = 9.81
 RANDOM = np.random.default_rng(5)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, PendulumCart, simulate
-from stickslip.drives import PiecewiseLinear, Sampled, Sine
+from stickslip.engine import Status
 from stickslip.mechanisms import Torque
-from stickslip.results import Status
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled, Sine
 
 END = 3.0
 SHARES = 4

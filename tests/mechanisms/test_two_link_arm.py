@@ -5,7 +5,7 @@ import pytest
 from tests.contact_cases import Arm, coulomb
 
 from stickslip import Coulomb, TwoLinkArm, simulate
-from stickslip.formulation import JointTorques
+from stickslip.engine.formulation import JointTorques
 
 LINEAR = [
     f"mechanism.{name}"

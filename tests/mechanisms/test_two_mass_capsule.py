@@ -8,12 +8,12 @@ import pytest
 from scipy.optimize import brentq
 
 from stickslip import Capsule, Coulomb, EventDriven, PendulumCart, TwoMassCapsule, simulate
-from stickslip.drives import Rotation, Sine, SineSwing
+from stickslip.data import load_rig
+from stickslip.engine import Status
 from stickslip.errors import ParameterError
-from stickslip.experiments import load_rig
 from stickslip.mechanisms import InnerMass, Prescribed, SoftStop, Torque
-from stickslip.results import Status
-from stickslip.sweep import periodic_orbit
+from stickslip.mechanisms.drives import Rotation, Sine, SineSwing
+from stickslip.study.sweep import periodic_orbit
 
 G = 9.81
 UP = 0.5 * math.pi

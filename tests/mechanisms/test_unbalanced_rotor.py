@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, DirectionDependent, PendulumCart, simulate
-from stickslip.drives import Rotation
+from stickslip.engine import Status
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed
-from stickslip.results import Status
+from stickslip.mechanisms.drives import Rotation
 
 BODY, ROTOR, ARM, GRAVITY = 0.5, 0.1, 0.02, 9.81
 TOTAL = BODY + ROTOR

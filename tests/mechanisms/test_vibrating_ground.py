@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Coulomb, PendulumCart, simulate
-from stickslip.drives import Pulse, Sine
+from stickslip.mechanisms.drives import Pulse, Sine
 
 MASS, BALL, LENGTH, GRAVITY = 0.5, 0.1, 0.3, 9.81
 SHAKING = Sine(amplitude=6.0, frequency=3.0)

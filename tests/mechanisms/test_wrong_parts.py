@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Capsule, ClutchTrain, SpringBlock
-from stickslip.drives import Sampled, Sine, Sum, ThreePhase
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, Rotor, Torque
+from stickslip.mechanisms.drives import Sampled, Sine, Sum, ThreePhase
 
 SINE = Sine(amplitude=1.0, frequency=2.0)
 MOTION = ThreePhase(amplitude=0.1, fast=9.0, slow=3.0)

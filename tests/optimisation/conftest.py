@@ -5,9 +5,9 @@ import math
 import pytest
 
 from stickslip import Capsule, Coulomb, PendulumCart
-from stickslip.drives import ThreePhase
 from stickslip.mechanisms import Prescribed
-from stickslip.optimisation import Limits
+from stickslip.mechanisms.drives import ThreePhase
+from stickslip.study.optimisation import Limits
 
 MU = 0.2
 STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")

@@ -12,10 +12,10 @@ import math
 import pytest
 
 from stickslip import Capsule, Coulomb, DirectionDependent
-from stickslip.drives import ThreePhase
 from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms import Prescribed
-from stickslip.optimisation import Limits, optimise_profile, pareto_front
+from stickslip.mechanisms.drives import ThreePhase
+from stickslip.study.optimisation import Limits, optimise_profile, pareto_front
 
 GRAVITY, SHARE = 9.81, 0.2
 """Acceleration of free fall [m/s^2], and inner mass over that of both."""

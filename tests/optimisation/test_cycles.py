@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb
-from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import Prescribed, static_normal_force, static_normal_forces
-from stickslip.optimisation import GOALS, Limits, ScoredMotion, measure, units_of_limits
-from stickslip.optimisation.problem import fitted
-from stickslip.plots.studies import _bounds
+from stickslip.mechanisms.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.show.plots.studies import _bounds
+from stickslip.study.optimisation import GOALS, Limits, ScoredMotion, measure, units_of_limits
+from stickslip.study.optimisation.problem import fitted
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb
-from stickslip.optimisation import GOALS, Limits
-from stickslip.optimisation.parametrisation import space_of
-from stickslip.optimisation.problem import Problem, Scenarios
-from stickslip.optimisation.search import goal_gradient, travel_gradient
+from stickslip.study.optimisation import GOALS, Limits
+from stickslip.study.optimisation.parametrisation import space_of
+from stickslip.study.optimisation.problem import Problem, Scenarios
+from stickslip.study.optimisation.search import goal_gradient, travel_gradient
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 LIMITS = Limits(position=1.0, rate=12.0, effort=2.0)

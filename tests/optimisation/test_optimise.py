@@ -19,14 +19,14 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
-from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.mechanisms import Prescribed
-from stickslip.optimisation import GOALS, Limits, Margin, measure
-from stickslip.optimisation.optimise import LEAST_ROUNDS, MOST_POLISHED
-from stickslip.optimisation.parametrisation import KINDS, kind_of, space_of
-from stickslip.optimisation.problem import FINER, Problem, scenarios_of
+from stickslip.mechanisms.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.mechanisms.drives.registry import PROFILES
+from stickslip.study.optimisation import GOALS, Limits, Margin, measure
+from stickslip.study.optimisation.optimise import LEAST_ROUNDS, MOST_POLISHED
+from stickslip.study.optimisation.parametrisation import KINDS, kind_of, space_of
+from stickslip.study.optimisation.problem import FINER, Problem, scenarios_of
 
 SMALL = 60
 """Motions that a search tries here."""
@@ -48,7 +48,7 @@ def numbers(optimum):
 @pytest.fixture(scope="module")
 def spline(cart, law, cart_limits):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 1)
+        patch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 1)
         return optimise_profile(
             cart, law, limits=cart_limits, kind="spline", knots=8, evaluations=SMALL, seed=2
         )
@@ -57,8 +57,8 @@ def spline(cart, law, cart_limits):
 @pytest.fixture
 def short_polishes(monkeypatch):
     """Let a polish try some ten motions."""
-    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 2)
-    monkeypatch.setattr("stickslip.optimisation.optimise.POLISH", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 2)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.POLISH", 1)
 
 
 @pytest.mark.slow
@@ -147,8 +147,8 @@ def test_no_search_returns_less_than_a_feasible_motion_it_could_begin_from(
 def test_a_motion_that_no_spline_exceeds_is_the_result_and_the_text_says_so(
     cart, law, cart_limits, monkeypatch
 ):
-    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 0)
-    monkeypatch.setattr("stickslip.optimisation.optimise.POLISH", 1)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 0)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.POLISH", 1)
     weak = ThreePhase(amplitude=0.3, fast=40.0, slow=20.0)
     found = optimise_profile(
         replace(cart, pendulum=Prescribed(profile=weak)),
@@ -221,7 +221,7 @@ def test_ending_a_search_keeps_the_best_so_far(cart, law, cart_limits):
 
 def test_state_goes_on_in_another_process(capsule, law, tmp_path):
     # what is written of functions differs from process to process
-    from stickslip.optimisation import GOALS
+    from stickslip.study.optimisation import GOALS
 
     assert not any(" at 0x" in repr(goal) for goal in GOALS.values())
 
@@ -291,7 +291,7 @@ def test_what_counts_of_samples_is_that_of_their_values(
 def test_the_motion_for_the_laws_of_a_verdict_beats_that_for_the_named_law_over_them(
     capsule, monkeypatch, quantile, statistic, gain
 ):
-    monkeypatch.setattr("stickslip.optimisation.optimise.LEAST_ROUNDS", 8)
+    monkeypatch.setattr("stickslip.study.optimisation.optimise.LEAST_ROUNDS", 8)
     speed = np.linspace(0.02, 0.6, 8)
     noise = 1.0 + 0.2 * np.random.default_rng(3).normal(size=8)
     table = Measurement(velocity=speed, friction=9.81 * 0.2 * noise)
@@ -371,7 +371,9 @@ def test_what_is_no_law_is_refused(capsule):
 def test_a_state_that_cannot_be_written_is_refused_before_anything_is_run(
     capsule, law, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("stickslip.optimisation.problem.measure", None)  # would be no InputError
+    monkeypatch.setattr(
+        "stickslip.study.optimisation.problem.measure", None
+    )  # would be no InputError
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         optimise_profile(capsule, law, limits=CAPSULE_LIMITS, state=tmp_path / "file" / "s.json")

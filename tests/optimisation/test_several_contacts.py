@@ -6,12 +6,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 
-from stickslip import Coulomb, Mechanism, TwoFeet, plots
+from stickslip import Coulomb, Mechanism, TwoFeet
+from stickslip.engine.simulation import event_driven_law
 from stickslip.errors import InputError
 from stickslip.mechanisms import Contact, Prescribed, static_normal_forces
-from stickslip.optimisation import Limits, measure, optimise_profile
 from stickslip.quantities import Quantity
-from stickslip.simulation import event_driven_law
+from stickslip.show import plots
+from stickslip.study.optimisation import Limits, measure, optimise_profile
 
 WEIGHT = 9.81
 

@@ -17,7 +17,7 @@ from stickslip.paper import PaperValues, study_cart
 from stickslip.paper.rigs import CART, CYCLES, KINETIC, STEP, SWING
 from stickslip.paper.sections import cart_section, choice_section
 from stickslip.paper.sections.cart import STROKE
-from stickslip.report import Page, render
+from stickslip.show.report import Page, render
 
 NAMED = Coulomb(kinetic_coefficient=0.255, static_coefficient=0.35)
 THEIRS = CoulombViscous(kinetic_coefficient=0.25, static_coefficient=0.35, viscous_coefficient=0.5)

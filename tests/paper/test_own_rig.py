@@ -8,7 +8,7 @@ from tests.support import sketched
 
 from stickslip import load_rig
 from stickslip.errors import InputError
-from stickslip.kinds import select_travels
+from stickslip.identify.kinds import select_travels
 from stickslip.paper import PaperValues, audit, paper_report
 from stickslip.paper.rigs import adopted, viscous_fit
 from stickslip.paper.sections.equations import assumption_section

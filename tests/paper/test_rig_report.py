@@ -6,10 +6,10 @@ import pytest
 from tests.support import sketched
 
 from stickslip import load_rig, select
-from stickslip.kinds.report import verdict_page
+from stickslip.identify.kinds.report import verdict_page
 from stickslip.paper import beside
-from stickslip.report import render
-from stickslip.report.blocks import Origin
+from stickslip.show.report import render
+from stickslip.show.report.blocks import Origin
 
 TEXT = """
 title = "Thrown"

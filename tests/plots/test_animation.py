@@ -28,14 +28,14 @@ from stickslip import (
     animate,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError
 from stickslip.mechanisms import MECHANISMS, InnerMass, Prescribed, Torque
-from stickslip.plots import animation_html, draw_scene, standalone_svg
-from stickslip.plots.animation.animation import frame_times
-from stickslip.plots.animation.frame import _PAINTERS as PAINTERS
-from stickslip.plots.animation.frame import MODE_COLOURS, Stage, moments_of
-from stickslip.plots.animation.scenes import (
+from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
+from stickslip.show.plots import animation_html, draw_scene, standalone_svg
+from stickslip.show.plots.animation.animation import frame_times
+from stickslip.show.plots.animation.frame import _PAINTERS as PAINTERS
+from stickslip.show.plots.animation.frame import MODE_COLOURS, Stage, moments_of
+from stickslip.show.plots.animation.scenes import (
     Arrow,
     Ball,
     Box,
@@ -49,7 +49,7 @@ from stickslip.plots.animation.scenes import (
     extent_of,
     scene_of,
 )
-from stickslip.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
+from stickslip.show.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 SMALL = (440.0, 320.0)

@@ -26,23 +26,23 @@ from stickslip import (
     TowedBlock,
     ensemble,
     fit,
-    kinds,
-    plots,
     select,
     simulate,
 )
-from stickslip.characterization import presliding_loop
-from stickslip.display import MOST_ROWS, InPanels, Summary, html_of
-from stickslip.drives import Sine
+from stickslip.data import LawEstimates
+from stickslip.engine.solver import Max, Samples
+from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import LawEstimates
-from stickslip.identification import Fit
-from stickslip.selection import Verdict
-from stickslip.selection.verdict import Candidate, Wording
-from stickslip.solver import Max, Samples
-from stickslip.sweep import band_of, basins, bifurcation, validate
-from stickslip.sweep.mean_velocity import VelocityMap
-from stickslip.trajectory import Status
+from stickslip.identify import kinds
+from stickslip.identify.candidates import Verdict
+from stickslip.identify.candidates.verdict import Candidate, Wording
+from stickslip.identify.fits import Fit
+from stickslip.mechanisms.drives import Sine
+from stickslip.show import plots
+from stickslip.show.display import MOST_ROWS, InPanels, Summary, html_of
+from stickslip.study.characterization import presliding_loop
+from stickslip.study.sweep import band_of, basins, bifurcation, validate
+from stickslip.study.sweep.mean_velocity import VelocityMap
 
 plt.switch_backend("Agg")
 
@@ -169,7 +169,7 @@ def test_a_result_that_cannot_be_drawn_still_has_its_table(kind, results, monkey
     def fail(*_):
         raise RuntimeError("no drawing")
 
-    monkeypatch.setattr("stickslip.plots.dispatch.plot", fail)
+    monkeypatch.setattr("stickslip.show.plots.dispatch.plot", fail)
     page = results[kind]._repr_html_()
     assert "<table>" in page
     assert "<svg" not in page
@@ -288,7 +288,7 @@ def test_a_drawing_that_fails_leaves_no_figure_and_no_settings_behind(results):
         draw(figure, narrow)
         raise KeyboardInterrupt
 
-    from stickslip.plots.axes import on_panels
+    from stickslip.show.plots.axes import on_panels
 
     with pytest.raises(KeyboardInterrupt):
         on_panels(fail, None, (880, 300))

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from tests.contact_cases import coulomb
 
 from stickslip import ClutchTrain, DiscBrake, EventDriven, PendulumCart, simulate
-from stickslip.drives import Pulse
 from stickslip.mechanisms import Lining, Rotor
-from stickslip.plots import contact_sizes, draw_contacts, draw_states
+from stickslip.mechanisms.drives import Pulse
+from stickslip.show.plots import contact_sizes, draw_contacts, draw_states
 
 PLAIN = EventDriven(tier="python")
 

@@ -19,22 +19,21 @@ from stickslip import (
     Stribeck,
     TowedBlock,
     Viscous,
-    kinds,
-    plots,
     simulate,
 )
-from stickslip.control import PID, closed_loop
-from stickslip.drives import Pulse, Sine
-from stickslip.plots import inline_svg
-from stickslip.plots.axes import Curve, dense, grouped, horizon, label_curves, looks, wrapped
-from stickslip.plots.laws import (
+from stickslip.identify import kinds
+from stickslip.mechanisms.drives import Pulse, Sine
+from stickslip.show import plots
+from stickslip.show.plots import inline_svg
+from stickslip.show.plots.axes import Curve, dense, grouped, horizon, label_curves, looks, wrapped
+from stickslip.show.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
     presliding_sizes,
 )
-from stickslip.plots.measurements import SKETCHES, sketch
-from stickslip.plots.runs import (
+from stickslip.show.plots.measurements import SKETCHES, sketch
+from stickslip.show.plots.runs import (
     FRICTION_SIZES,
     LOOP_SIZES,
     RUN_SIZES,
@@ -43,7 +42,7 @@ from stickslip.plots.runs import (
     draw_run,
     draw_runs,
 )
-from stickslip.plots.studies import (
+from stickslip.show.plots.studies import (
     CYCLE_SIZES,
     EXCITATION_SIZES,
     draw_cycles,
@@ -52,7 +51,8 @@ from stickslip.plots.studies import (
     excitation_colours,
     fixed_step_sizes,
 )
-from stickslip.plots.theme import C1
+from stickslip.show.plots.theme import C1
+from stickslip.study.control import PID, closed_loop
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25)

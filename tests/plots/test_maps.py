@@ -5,19 +5,19 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip import Capsule, Coulomb
-from stickslip.drives import Sine
+from stickslip.engine import Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
-from stickslip.plots import (
+from stickslip.mechanisms.drives import Sine
+from stickslip.show.plots import (
     draw_basins,
     draw_bifurcation,
     draw_orbits,
     draw_velocity_map,
     standalone_svg,
 )
-from stickslip.plots.theme import SLIP_BACK, house_style
-from stickslip.results import Status
-from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap, orbit_diagram
+from stickslip.show.plots.theme import SLIP_BACK, house_style
+from stickslip.study.sweep import Attractor, Basins, Bifurcation, VelocityMap, orbit_diagram
 
 
 def velocity_map(axes, velocity):

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.errors import InputError
-from stickslip.plots import MotionView, draw_motion, standalone_svg
+from stickslip.show.plots import MotionView, draw_motion, standalone_svg
 
 BLOCK = SpringBlock(mass=1.0)
 

@@ -7,8 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip import Measurement
-from stickslip.plots import draw_overview, overview_size, standalone_svg
-from stickslip.plots.measurements import _envelope
+from stickslip.show.plots import draw_overview, overview_size, standalone_svg
+from stickslip.show.plots.measurements import _envelope
 
 TIME = np.arange(3000) / 1000
 POSITION = 0.05 * np.sin(2 * np.pi * TIME)

@@ -5,9 +5,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip.friction import Coulomb, CoulombViscous, Stribeck
-from stickslip.plots.fits import Piece, draw_pieces
-from stickslip.plots.laws import MapLaw, draw_friction_map
-from stickslip.plots.theme import C1, C2, C3, C4, DATA, house_style
+from stickslip.show.plots.fits import Piece, draw_pieces
+from stickslip.show.plots.laws import MapLaw, draw_friction_map
+from stickslip.show.plots.theme import C1, C2, C3, C4, DATA, house_style
 
 T = np.linspace(0.0, 1.0, 50)
 

@@ -12,11 +12,11 @@ from tests.support import SEVERAL, SHOWN
 
 from stickslip import DiscBrake, EventDriven, simulate
 from stickslip.mechanisms import MECHANISMS, Lining, Link, Robot, RobotJoint, SerialArm
-from stickslip.plots import draw_scene, standalone_svg
-from stickslip.plots.animation.animation import frame_times
-from stickslip.plots.animation.frame import MODE_COLOURS, Stage, artists_of, moments_of
-from stickslip.plots.animation.scenes import Ball, Box, Ground, bars, scene_of
-from stickslip.plots.theme import SLIP_BACK, STICK, house_style
+from stickslip.show.plots import draw_scene, standalone_svg
+from stickslip.show.plots.animation.animation import frame_times
+from stickslip.show.plots.animation.frame import MODE_COLOURS, Stage, artists_of, moments_of
+from stickslip.show.plots.animation.scenes import Ball, Box, Ground, bars, scene_of
+from stickslip.show.plots.theme import SLIP_BACK, STICK, house_style
 
 PLAIN = EventDriven(tier="python")
 CASES = {**SEVERAL, "two-link-arm": SHOWN["two-link-arm"]}

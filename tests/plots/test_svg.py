@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from stickslip.plots import svg, theme
-from stickslip.plots.measurements import schematic
+from stickslip.show.plots import svg, theme
+from stickslip.show.plots.measurements import schematic
 
 
 def cloud(figure: Figure, narrow: bool) -> None:

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from stickslip import Axis, CoulombViscous, Measurement, compare_trials
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.plots import draw_trials
-from stickslip.plots.theme import C1, C2, house_style
+from stickslip.show.plots import draw_trials
+from stickslip.show.plots.theme import C1, C2, house_style
 
 
 def comparison(*conditions):

@@ -1,6 +1,6 @@
 import pytest
 
-from stickslip.solver import run
+from stickslip.engine.solver import run
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -33,12 +33,12 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.engine import Status
 from stickslip.friction import SetValuedLaw, law
 from stickslip.maths import where
 from stickslip.mechanisms import Lining, Rotor
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 COULOMB = Coulomb(kinetic_coefficient=1.0)

@@ -14,9 +14,9 @@ from scipy.optimize import minimize_scalar
 from tests.contact_cases import Plain
 
 from stickslip import Axis, Coulomb, EventDriven, simulate
-from stickslip.drives import Drive, PiecewiseLinear, Sine
 from stickslip.maths import sin
 from stickslip.mechanisms import Contact
+from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Sine
 from stickslip.quantities import Quantity
 
 PLAIN = EventDriven(tier="python")

@@ -23,7 +23,7 @@ from tests.support import (
 )
 
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
-from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
+from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Pulse, Sum
 from stickslip.quantities import Parametrised, fields_of
 
 each_law = pytest.mark.parametrize("kind", each_of(UNAIDED.values()))

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from stickslip import load_measurement, load_rig
+from stickslip.data import guess_data
+from stickslip.data.readers.instruments import read_serial
+from stickslip.data.readers.layout import is_number, is_stamp, layout_of, seconds_of
+from stickslip.data.readers.tracks import seconds
+from stickslip.data.units import read_gain
 from stickslip.errors import InputError
-from stickslip.experiments import guess_data
-from stickslip.experiments.readers.instruments import read_serial
-from stickslip.experiments.readers.layout import is_number, is_stamp, layout_of, seconds_of
-from stickslip.experiments.readers.tracks import seconds
-from stickslip.experiments.units import read_gain
 from stickslip.exports.applying.consumers import read_model
-from stickslip.formatting import printable, unbroken
 from stickslip.friction import law
+from stickslip.show.formatting import printable, unbroken
 from stickslip.units import is_unit, number_in
 
 LENGTH = 99_000

@@ -21,8 +21,8 @@ from tests.support import (
 )
 
 from stickslip import SpringBlock, simulate
-from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
 from stickslip.friction import LAWS
+from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Pulse, Sum
 
 T_END = 1.5
 each_law = pytest.mark.parametrize("kind", each_of(UNAIDED.values()))

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from tests.reference.heyoka_equations import Equations, equations
 
-from stickslip.drives import Drive
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import parameters
 
 STOP, BREAK_FORWARD, BREAK_BACKWARD, SWITCH = range(4)

@@ -21,12 +21,12 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Drive, Pulse, Rotation, Sine, SineSwing, Square, ThreePhase
+from stickslip.engine.solver import Samples
 from stickslip.friction import law
 from stickslip.mechanisms import Contact, Prescribed, Torque
+from stickslip.mechanisms.drives import Drive, Pulse, Rotation, Sine, SineSwing, Square, ThreePhase
 from stickslip.quantities import Quantity
-from stickslip.solver import Samples
-from stickslip.sweep import periodic_orbit
+from stickslip.study.sweep import periodic_orbit
 
 G = 9.81
 

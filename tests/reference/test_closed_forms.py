@@ -15,8 +15,8 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import Pulse
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import Pulse
 
 G = 9.81
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

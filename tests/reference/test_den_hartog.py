@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import root
 
 from stickslip import Axis, Coulomb, simulate
-from stickslip.drives import Sine
+from stickslip.mechanisms.drives import Sine
 
 # ratio of frequencies, ratio of friction to force, amplitude times k / P
 TABLE = [

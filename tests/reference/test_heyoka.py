@@ -12,11 +12,11 @@ from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.support import EXAMPLES, FIRST, UNAIDED, each_of, example_of
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, SpringBlock, TowedBlock, simulate
-from stickslip.drives import PiecewiseLinear, Pulse, Sine
+from stickslip.engine import Trajectory
 from stickslip.friction import FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine
 from stickslip.quantities import fields_of, parameters, vary
-from stickslip.results import Trajectory
 
 pytest.importorskip("heyoka", reason="heyoka is there for Linux only")
 from tests.reference.heyoka_oracle import Oracle

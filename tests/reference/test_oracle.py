@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stickslip import LuGre, SpringBlock, Stribeck, TowedBlock, simulate
-from stickslip.drives import Pulse
+from stickslip.mechanisms.drives import Pulse
 
 M, K, SPEED, F_K, F_S, V_S, S2 = 1.0, 2.0, 0.1, 1.0, 1.5, 0.02, 0.4
 

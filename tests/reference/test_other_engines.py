@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from stickslip import Axis, Coulomb, Stribeck, simulate
-from stickslip.drives import Sine
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import Sine
 
 
 def test_the_friction_oscillator_rests_where_the_exact_solution_does(data_dir):

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from stickslip import Axis, Dahl, LuGre, SpringBlock, TowedBlock, simulate
-from stickslip.drives import PiecewiseLinear, Pulse, Ramp
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Ramp
 
 LUGRE = LuGre.from_forces(
     load=1.0,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, Dahl, LuGre, SpringBlock, simulate
-from stickslip.drives import Pulse, Ramp, Sine
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import Pulse, Ramp, Sine
 
 SMOOTH = Coulomb(kinetic_coefficient=0.0)
 G = 9.81

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip import report
+from stickslip.show import report
 
 OPENING = {"kicker": "One travel", "verdict": "Use Coulomb.", "lede": "It is enough."}
 TEXT = report.Paragraph(text="Text.")

@@ -4,9 +4,9 @@ import pytest
 from tests.contact_cases import coulomb
 
 from stickslip import BlockChain, EventDriven, TwoFeet, simulate
-from stickslip.experiments import Rig
+from stickslip.data import Rig
 from stickslip.friction import Laws
-from stickslip.report import ContactsReport, contacts_page
+from stickslip.show.report import ContactsReport, contacts_page
 
 PLAIN = EventDriven(tier="python")
 

@@ -9,8 +9,8 @@ from tests.support import for_all
 
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_EQUATIONS, law, laws
-from stickslip.report import Math, Page, Section, render
-from stickslip.report.markup import branches, formula_text, symbol_text
+from stickslip.show.report import Math, Page, Section, render
+from stickslip.show.report.markup import branches, formula_text, symbol_text
 
 LATEX = [form.formula for form in (*PRINTED_EQUATIONS, *laws().values())]
 

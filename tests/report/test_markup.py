@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import Markup
 
-from stickslip.report import markup
+from stickslip.show.report import markup
 
 
 class Tags(HTMLParser):

@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 
-from stickslip import report
 from stickslip.errors import InputError
-from stickslip.plots import C1, VARIABLES, inline_svg
-from stickslip.report.blocks import render, write
+from stickslip.show import report
+from stickslip.show.plots import C1, VARIABLES, inline_svg
+from stickslip.show.report.blocks import render, write
 
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 LONG_NAME = "GeneralisedMaxwellSlipWithFortyElements1"

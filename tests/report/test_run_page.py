@@ -26,13 +26,13 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, ThreePhase
+from stickslip.data import LawEstimates
 from stickslip.errors import SimulationError
-from stickslip.experiments import LawEstimates
 from stickslip.mechanisms import Prescribed
-from stickslip.report import blocks, runs
-from stickslip.report.runs import RunReport, run_page
-from stickslip.sweep import Spread, band_of
+from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
+from stickslip.show.report import blocks, runs
+from stickslip.show.report.runs import RunReport, run_page
+from stickslip.study.sweep import Spread, band_of
 
 EVERY = "test_every_section_can_be_made_of"
 WHOLE = f"{EVERY}[a cart on bristles]"

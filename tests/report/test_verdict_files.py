@@ -22,11 +22,11 @@ from stickslip import (
     write_report,
 )
 from stickslip.cli import main
-from stickslip.drives import Square
 from stickslip.errors import InputError
 from stickslip.friction import SetValuedLaw
-from stickslip.kinds import drawn_laws, write_verdict
+from stickslip.identify.kinds import drawn_laws, write_verdict
 from stickslip.mechanisms import Torque
+from stickslip.mechanisms.drives import Square
 from stickslip.quantities import Quantity
 
 SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])

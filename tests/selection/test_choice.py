@@ -14,8 +14,8 @@ from stickslip import (
     RecordSettings,
     select,
 )
-from stickslip.selection.choice import APART, NEAR, apart, as_good, choose
-from stickslip.selection.cross_validation import CrossValidation
+from stickslip.identify.candidates.choice import APART, NEAR, apart, as_good, choose
+from stickslip.identify.candidates.cross_validation import CrossValidation
 
 AXIS = Axis(inertia=1.0)
 QUICK = RecordSettings(starts=1)

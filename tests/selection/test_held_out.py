@@ -5,8 +5,8 @@ import pytest
 from tests.linear import Linear
 
 from stickslip.errors import InputError
-from stickslip.identification import search
-from stickslip.selection import CrossValidation, held_out
+from stickslip.identify.candidates import CrossValidation, held_out
+from stickslip.identify.fits import search
 
 RANDOM = np.random.default_rng(0)
 TABLE = np.column_stack([np.ones(12), np.linspace(0.0, 1.0, 12)])

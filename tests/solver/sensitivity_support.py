@@ -16,8 +16,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stickslip import Axis, EventDriven, SpringBlock, simulate
-from stickslip.drives import Sum
 from stickslip.maths import cos, sin, where
+from stickslip.mechanisms.drives import Sum
 from stickslip.quantities import parameters, shadow, vary
 
 PYTHON = EventDriven(tier="compiled")

@@ -7,8 +7,8 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip import Axis, CoulombViscous, LuGre, simulate
-from stickslip.drives import Drive, Piece, Pulse, Sampled
-from stickslip.solver import EventDriven
+from stickslip.engine.solver import EventDriven
+from stickslip.mechanisms.drives import Drive, Piece, Pulse, Sampled
 
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
 BRISTLES = LuGre(

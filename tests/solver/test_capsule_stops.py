@@ -13,8 +13,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Capsule, Coulomb, EventDriven, ensemble, simulate
-from stickslip.drives import Sine
 from stickslip.mechanisms import SoftStop, Torque
+from stickslip.mechanisms.drives import Sine
 
 SLOWEST = 1e-6
 """Share of the fastest impact below which the reference bounces no more: what is left of a fading

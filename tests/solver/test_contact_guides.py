@@ -10,12 +10,12 @@ from tests.contact_cases import Plain, coulomb
 from tests.solver.test_contact_sensitivities import assert_slopes
 
 from stickslip import EventDriven, simulate
-from stickslip.drives import Drive, Sampled, Sine
+from stickslip.engine import Status
 from stickslip.errors import InputError, SimulationError
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Guide
+from stickslip.mechanisms.drives import Drive, Sampled, Sine
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 PLAIN = EventDriven(tier="python")
 SWING = Sine(amplitude=30.0, frequency=1.0)

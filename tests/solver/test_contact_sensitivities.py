@@ -19,13 +19,12 @@ from tests.contact_cases import (
 )
 
 from stickslip import EventDriven, LuGre, Stribeck, ensemble, simulate
-from stickslip.drives import Sampled
+from stickslip.engine import Final, Sensitivity
 from stickslip.friction import Laws, SetValuedLaw
 from stickslip.maths import where
 from stickslip.mechanisms import Contact
-from stickslip.outputs import Final
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity, parameters, vary
-from stickslip.results import Sensitivity
 
 PLAIN = EventDriven(tier="compiled")
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}

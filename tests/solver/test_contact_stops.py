@@ -10,10 +10,9 @@ from scipy.integrate import solve_ivp
 from tests.contact_cases import Arm, Plain, RubbingCart, TwoFeet, coulomb
 
 from stickslip import Axis, EventDriven, LuGre, ensemble, simulate
+from stickslip.engine import EventCount, EventTimes, Final, Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop
-from stickslip.outputs import EventCount, EventTimes, Final
-from stickslip.results import Status
 
 PLAIN = EventDriven(tier="python")
 

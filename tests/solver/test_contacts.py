@@ -34,20 +34,19 @@ from stickslip import (
     mechanisms,
     simulate,
 )
-from stickslip.drives import Drive, Pulse, Ramp, Sampled
+from stickslip.engine import EventCount, EventTimes, Status
+from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels import driver
+from stickslip.engine.kernels import state_layout as layout
+from stickslip.engine.kernels.contacts import decisions
+from stickslip.engine.kernels.contacts.assembly import determinant, refresh
+from stickslip.engine.kernels.guard_roots import NO_GUARD
+from stickslip.engine.solver.event_driven import status_of
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation import formulate
 from stickslip.friction import Laws, assigned
-from stickslip.kernels import driver
-from stickslip.kernels import state_layout as layout
-from stickslip.kernels.contacts import decisions
-from stickslip.kernels.contacts.assembly import determinant, refresh
-from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
-from stickslip.outputs import EventCount, EventTimes
-from stickslip.results import Status
-from stickslip.solver.event_driven import status_of
+from stickslip.mechanisms.drives import Drive, Pulse, Ramp, Sampled
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
 BENT = {"shoulder": 1.2, "elbow": 0.8}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, Dahl, LuGre, TwoFeet, simulate
-from stickslip.drives import Sine
 from stickslip.friction import law
+from stickslip.mechanisms.drives import Sine
 
 AXIS = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5))
 SLOPES = {"speed_coefficient_1": -0.8, "speed_coefficient_2": 1.0}

@@ -27,15 +27,14 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, ThreePhase
+from stickslip.engine import EventCount, EventTimes, Final, Max, Mean, Samples, Sensitivity, Status
+from stickslip.engine.solver import ensembles, path_units
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, given_inputs
-from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
+from stickslip.mechanisms.drives import Pulse, Sine, ThreePhase
 from stickslip.quantities import Quantity, vary
-from stickslip.results import Sensitivity, Status
-from stickslip.solver import ensembles, path_units
-from stickslip.testing.friction import ORDINARY
+from stickslip.study.testing.friction import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

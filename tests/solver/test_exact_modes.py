@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from tests.support import decade, examples, nearly
 
 from stickslip import Axis, Coulomb, CoulombViscous, SpringBlock, TowedBlock, simulate
-from stickslip.drives import PiecewiseLinear, Pulse, Sampled
-from stickslip.results import Status
+from stickslip.engine import Status
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sampled
 
 SOME = examples(40)
 TINY = 3e-14

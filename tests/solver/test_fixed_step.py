@@ -19,14 +19,14 @@ from stickslip import (
     TwoFeet,
     simulate,
 )
-from stickslip.drives import Pulse, ThreePhase
+from stickslip.engine import Status
 from stickslip.errors import InputError, ParameterError, SimulationError
-from stickslip.formatting import quantity
 from stickslip.friction import PRINTED_FORMS
 from stickslip.friction.published import PrintedCoulomb
 from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms.drives import Pulse, ThreePhase
 from stickslip.quantities import fields_of
-from stickslip.results import Status
+from stickslip.show.formatting import quantity
 
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
 RELEASED = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

@@ -10,10 +10,10 @@ from tests.solver.test_capsule_stops import LAW, robot, setting
 from tests.solver.test_contact_stops import LEVELS, MOVING, Walled
 
 from stickslip import Axis, FixedStep, Viscous, simulate
-from stickslip.drives import PiecewiseLinear
+from stickslip.engine.solver import SoftConstraint
 from stickslip.errors import InputError
 from stickslip.mechanisms import Torque
-from stickslip.solver import SoftConstraint
+from stickslip.mechanisms.drives import PiecewiseLinear
 
 
 def gap(exact, rig, law, dt, state, **settings):

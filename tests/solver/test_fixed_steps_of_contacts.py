@@ -5,11 +5,20 @@ import pytest
 from tests.contact_cases import coulomb
 from tests.pair_cases import LAW, LAWS, OTHER, PUSH, Pair, axis
 
-from stickslip import Coulomb, Dahl, EventDriven, FixedStep, TwoFeet, TwoLinkArm, plots, simulate
-from stickslip.drives import Pulse
+from stickslip import (
+    Coulomb,
+    Dahl,
+    EventDriven,
+    FixedStep,
+    TwoFeet,
+    TwoLinkArm,
+    simulate,
+)
+from stickslip.engine import Status
 from stickslip.errors import InputError
 from stickslip.friction import PRINTED_FORMS
-from stickslip.results import Status
+from stickslip.mechanisms.drives import Pulse
+from stickslip.show import plots
 
 PLAIN = EventDriven(tier="python")
 ARM = TwoLinkArm(

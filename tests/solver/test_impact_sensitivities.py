@@ -19,11 +19,11 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Ramp, Sine
+from stickslip.engine import Sensitivity
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop, Torque
+from stickslip.mechanisms.drives import Ramp, Sine
 from stickslip.quantities import Quantity, parameters, vary
-from stickslip.results import Sensitivity
 
 PLAIN, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 FALL = {"inertia": 1.3, "offset": 4.0, "lower_stop": -0.7, "restitution": 0.8, "level": 0.9}

@@ -8,14 +8,14 @@ import pytest
 from tests.solver.test_slip_directions import shafts
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
-from stickslip.drives import Sampled
+from stickslip.engine import Status
+from stickslip.engine.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
+from stickslip.engine.simulation import check_pair
+from stickslip.engine.solver import IncrementalEnsemble, gather
+from stickslip.engine.solver.backend import runner_of
 from stickslip.errors import InputError
-from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import vary
-from stickslip.results import Status
-from stickslip.simulation import check_pair
-from stickslip.solver import IncrementalEnsemble, gather
-from stickslip.solver.backend import runner_of
 
 ZERO = Sampled(times=(0.0,), values=(0.0,))
 PERIOD, STEPS, COUNT = 0.02, 25, 33
@@ -97,7 +97,7 @@ def test_values_of_another_shape_are_refused():
 
 def test_threads_and_room_for_rows_change_nothing(monkeypatch):
     plain = advanced(going(*CASES["series"], threads=1)).states
-    monkeypatch.setattr("stickslip.solver.incremental.FIRST_ROWS", 1)
+    monkeypatch.setattr("stickslip.engine.solver.incremental.FIRST_ROWS", 1)
     np.testing.assert_array_equal(advanced(going(*CASES["series"], threads=2)).states, plain)
 
 

@@ -25,11 +25,11 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Ramp, Sampled, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import law
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Lining, gear_inputs, given_inputs
+from stickslip.mechanisms.drives import Ramp, Sampled, Sine
 from stickslip.quantities import Quantity
 
 PLAIN, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")

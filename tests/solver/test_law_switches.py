@@ -6,12 +6,12 @@ from typing import Annotated, ClassVar
 import pytest
 
 from stickslip import Axis, DiscBrake, EventDriven, simulate
-from stickslip.drives import Sampled
+from stickslip.engine import Status
 from stickslip.friction import SetValuedLaw
 from stickslip.maths import where
 from stickslip.mechanisms import Lining
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 JUMP, END = 0.3, 0.4
 """Times at which the drive jumps, and at which a run ends [s]."""

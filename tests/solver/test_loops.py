@@ -24,13 +24,13 @@ from tests.loop_cases import (
 )
 
 from stickslip import EventDriven, FixedStep, LuGre, Stribeck, ensemble, simulate
-from stickslip.control import dynamics_at
-from stickslip.drives import Drive, PiecewiseLinear, Sampled
+from stickslip.engine import Final
+from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError
 from stickslip.maths import sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop
-from stickslip.outputs import Final
-from stickslip.trajectory import Status
+from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Sampled
+from stickslip.study.control import dynamics_at
 
 PLAIN = EventDriven(tier="python")
 COMPILED = EventDriven(tier="compiled")

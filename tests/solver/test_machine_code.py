@@ -9,16 +9,16 @@ import warnings
 
 import pytest
 
+from stickslip.engine.solver.compile import object_code, programs
+from stickslip.engine.solver.compile.object_code import _linked
+from stickslip.engine.solver.compile.programs import EquationsCode
 from stickslip.errors import CompilationError
-from stickslip.solver.compile import object_code, programs
-from stickslip.solver.compile.object_code import _linked
-from stickslip.solver.compile.programs import EquationsCode
 
 TEXT = "def f(mode, flags, t, w, at, to):\n    w[to] = w[at] + math.exp(t)\n    return\n"
 CODE = EquationsCode("a test", TEXT, (("f", 0),))
 AT_ONCE = """
 import sys
-from stickslip.solver.compile.programs import EquationsCode
+from stickslip.engine.solver.compile.programs import EquationsCode
 sys.stdin.readline()
 for i in range(20):
     text = f"def f(mode, flags, t, w, at, to):\\n    w[to] = t + {i}.0\\n    return\\n"

@@ -5,9 +5,9 @@ import traceback
 import pytest
 
 from stickslip import Coulomb, SpringBlock
-from stickslip.formulation import formulate
-from stickslip.kernels.equations import FIELD
-from stickslip.solver.compile.modules import load, plain_equations, plain_text
+from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels.equations import FIELD
+from stickslip.engine.solver.compile.modules import load, plain_equations, plain_text
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, EventDriven, Stribeck, TowedBlock, ensemble, simulate
-from stickslip.kernels.driver import events_are_full, log_is_full
-from stickslip.kernels.state_layout import EVENT_COLUMNS, FULL, ROW_COLUMNS, RUNNING, STATUS, STEPS
-from stickslip.solver import Final, Sensitivity, ensembles, run
+from stickslip.engine.kernels.driver import events_are_full, log_is_full
+from stickslip.engine.kernels.state_layout import (
+    EVENT_COLUMNS,
+    FULL,
+    ROW_COLUMNS,
+    RUNNING,
+    STATUS,
+    STEPS,
+)
+from stickslip.engine.solver import Final, Sensitivity, ensembles, run
 
 BLOCK = TowedBlock(mass=1.0, stiffness=1.0, speed=0.1)
 LAW = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.05)
@@ -50,8 +57,8 @@ def test_rows_of_an_ensemble_go_on_where_there_was_no_room(room, usual, solver):
 
 
 def test_a_kernel_without_room_says_so_and_changes_nothing_else():
-    from stickslip.formulation import formulate
-    from stickslip.solver.backend import runner_of
+    from stickslip.engine.formulation import formulate
+    from stickslip.engine.solver.backend import runner_of
 
     model = formulate(BLOCK, Coulomb(kinetic_coefficient=0.2))
     for compiled in (False, True):

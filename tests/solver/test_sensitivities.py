@@ -24,10 +24,10 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
 from stickslip.quantities import fields_of
 
 PULSE = Pulse(level=6.0, duration=0.4, start=0.1)

@@ -8,13 +8,13 @@ import pytest
 from tests.contact_cases import Clutches, Plain, clutches, coulomb, plates
 
 from stickslip import EventDriven, ensemble, simulate
-from stickslip.drives import Sampled
+from stickslip.engine import Final, Max, Samples
+from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError
 from stickslip.maths import sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Guide, MatrixMechanism, Stop
-from stickslip.outputs import Final, Max, Samples
+from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
-from stickslip.trajectory import Status
 
 PLAIN = EventDriven(tier="python")
 

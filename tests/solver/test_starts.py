@@ -18,11 +18,11 @@ from stickslip import (
     TwoMassAxis,
     simulate,
 )
-from stickslip.drives import Pulse
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import BristleLaw
 from stickslip.maths import sign, sin, where
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms.drives import Pulse
 from stickslip.quantities import Quantity
 
 LAW = Coulomb(kinetic_coefficient=0.2)

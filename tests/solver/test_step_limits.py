@@ -20,17 +20,17 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import Sine
+from stickslip.engine import Status
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver.event_driven import fastest_motion
+from stickslip.engine.solver.run import execute
+from stickslip.engine.solver.starts import gather, within_stops
 from stickslip.errors import InputError, SimulationError
-from stickslip.formatting import quantity
-from stickslip.formulation import formulate
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms.drives import Sine
 from stickslip.quantities import Quantity
-from stickslip.results import Status
-from stickslip.solver.event_driven import fastest_motion
-from stickslip.solver.run import execute
-from stickslip.solver.starts import gather, within_stops
+from stickslip.show.formatting import quantity
 
 FEW = EventDriven(max_steps=20, tier="python")
 LAYER = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)

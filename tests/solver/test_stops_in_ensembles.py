@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, EventDriven, SpringBlock, ensemble, simulate
-from stickslip.drives import Sine
+from stickslip.engine import EventCount, EventTimes, Max, Status
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver.reducers import reasons
 from stickslip.errors import InputError, ParameterError
-from stickslip.formulation import formulate
-from stickslip.outputs import EventCount, EventTimes, Max
-from stickslip.results import Status
-from stickslip.solver.reducers import reasons
+from stickslip.mechanisms.drives import Sine
 
 PYTHON = EventDriven(tier="python")
 LAW = Coulomb(kinetic_coefficient=0.5, static_coefficient=0.7)

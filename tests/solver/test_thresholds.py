@@ -9,11 +9,11 @@ from tests.contact_cases import Plain, coulomb
 from tests.support import quick
 
 from stickslip import Dahl, EventDriven, Stribeck, simulate
-from stickslip.drives import Drive, Pulse, Sine, Square
+from stickslip.engine import Status
 from stickslip.maths import sin, where
 from stickslip.mechanisms import Contact
+from stickslip.mechanisms.drives import Drive, Pulse, Sine, Square
 from stickslip.quantities import Quantity
-from stickslip.results import Status
 
 PUSH, PULL = 1.3, -0.7
 

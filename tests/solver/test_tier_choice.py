@@ -10,10 +10,10 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
-from stickslip.formulation import formulate
-from stickslip.solver import certify, run
-from stickslip.solver.compile import modules
-from stickslip.solver.compile.programs import EquationsCode, KernelsCode, code_of
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver import certify, run
+from stickslip.engine.solver.compile import modules
+from stickslip.engine.solver.compile.programs import EquationsCode, KernelsCode, code_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

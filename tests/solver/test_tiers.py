@@ -5,11 +5,11 @@ import pytest
 from tests.contact_cases import Arm, coulomb
 
 from stickslip import Axis, Coulomb, Dahl, EventDriven, SpringBlock, Stribeck, TowedBlock, simulate
-from stickslip.drives import PiecewiseLinear, Pulse, Sine
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver import run
+from stickslip.engine.solver.run import prepare, work_of
 from stickslip.errors import ParameterError
-from stickslip.formulation import formulate
-from stickslip.solver import run
-from stickslip.solver.run import prepare, work_of
+from stickslip.mechanisms.drives import PiecewiseLinear, Pulse, Sine
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 # one case for each stepper and each kind of drive; more would cost seconds of compiling apiece

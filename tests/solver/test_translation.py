@@ -18,13 +18,12 @@ import numpy as np
 import pytest
 import symengine as se
 
-from stickslip.errors import CompilationError
-from stickslip.formulation.infix import function
-from stickslip.kernels.backend import rare
-from stickslip.kernels.state_layout import NUMBERS
-from stickslip.solver.compile.object_code import _compiled, _linked
-from stickslip.solver.compile.programs import EquationsCode
-from stickslip.solver.compile.translation import (
+from stickslip.engine.formulation.infix import function
+from stickslip.engine.kernels.backend import rare
+from stickslip.engine.kernels.state_layout import NUMBERS
+from stickslip.engine.solver.compile.object_code import _compiled, _linked
+from stickslip.engine.solver.compile.programs import EquationsCode
+from stickslip.engine.solver.compile.translation import (
     FUNCTIONS,
     REAL,
     TRUTH,
@@ -35,6 +34,7 @@ from stickslip.solver.compile.translation import (
     exported,
     translated,
 )
+from stickslip.errors import CompilationError
 
 HEAD = "def f(mode, flags, t, w, at, to):\n"
 STRANGE = [0.0, -0.0, math.inf, -math.inf, math.nan, 1.0, -1.0, 5e-324, -2.5e-310, 1e308, -1e308]

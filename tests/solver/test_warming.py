@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, CoulombViscous, SpringBlock
+from stickslip.engine.formulation import formulate
+from stickslip.engine.solver import prepare, warm_up
+from stickslip.engine.solver.compile import modules, object_code
+from stickslip.engine.solver.compile.modules import load_compiled
+from stickslip.engine.solver.compile.programs import KERNELS, KernelsCode
 from stickslip.errors import CompilationError, InputError
-from stickslip.formulation import formulate
-from stickslip.solver import prepare, warm_up
-from stickslip.solver.compile import modules, object_code
-from stickslip.solver.compile.modules import load_compiled
-from stickslip.solver.compile.programs import KERNELS, KernelsCode
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
@@ -27,7 +27,7 @@ PAIRS = [(RIG, LAW), (RIG, OTHER), (SpringBlock(mass=2.0), LAW)]
 """Two laws, and a mechanism that differs from the first in numbers only."""
 WARM = """
 from stickslip import Coulomb, SpringBlock
-from stickslip.solver import warm_up
+from stickslip.engine.solver import warm_up
 rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))])
 print(done.kernels_compiled)
@@ -214,7 +214,7 @@ def test_a_message_is_shown_where_somebody_watches_and_no_log_takes_it(
 
 def test_files_and_pipes_are_nobody_who_watches():
     with tempfile.TemporaryFile() as file:
-        code = "from stickslip.solver.compile.modules import notice; notice('Compiling ...')"
+        code = "from stickslip.engine.solver.compile.modules import notice; notice('Compiling ...')"
         subprocess.run([sys.executable, "-c", code], stderr=file, check=True)
         file.seek(0)
         assert file.read() == b""

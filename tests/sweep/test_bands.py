@@ -5,12 +5,12 @@ import dataclasses
 import pytest
 
 from stickslip import Coulomb, EventDriven, PendulumCart, SpringBlock
-from stickslip.drives import Rotation
+from stickslip.data import LawEstimates
 from stickslip.errors import InputError, SimulationError
-from stickslip.experiments import LawEstimates
 from stickslip.mechanisms import Prescribed
-from stickslip.report.runs import explained
-from stickslip.sweep import band_of
+from stickslip.mechanisms.drives import Rotation
+from stickslip.show.report.runs import explained
+from stickslip.study.sweep import band_of
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

@@ -19,12 +19,11 @@ import pytest
 from scipy import stats
 
 from stickslip import Axis, Coulomb, SpringBlock, ensemble
+from stickslip.engine import EventTimes, Final, Max, Status
+from stickslip.engine.executors import Inline
 from stickslip.errors import InputError
-from stickslip.executors import Inline
-from stickslip.outputs import EventTimes, Final, Max
-from stickslip.results import Status
-from stickslip.sweep import Campaign, Case, Design, Levels, Normal, Uniform, campaign
-from stickslip.sweep.design import indices_of
+from stickslip.study.sweep import Campaign, Case, Design, Levels, Normal, Uniform, campaign
+from stickslip.study.sweep.design import indices_of
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

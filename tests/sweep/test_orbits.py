@@ -18,12 +18,12 @@ from stickslip import (
     Viscous,
     simulate,
 )
-from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
-from stickslip.sweep import continue_orbit, orbit_diagram, periodic_orbit
-from stickslip.sweep.bifurcation import period_of
-from stickslip.sweep.orbits import return_map
+from stickslip.mechanisms.drives import Sine, Square, ThreePhase
+from stickslip.study.sweep import continue_orbit, orbit_diagram, periodic_orbit
+from stickslip.study.sweep.bifurcation import period_of
+from stickslip.study.sweep.orbits import return_map
 
 FREQUENCY = "mechanism.drive.drive.frequency"
 CAPSULE = Capsule(

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from tests.pair_cases import LAW, LAWS, PUSH, Pair, axis
 
-from stickslip import EventDriven, TwoFeet, plots
-from stickslip.drives import Sine
+from stickslip import EventDriven, TwoFeet
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.sweep import average_velocity, basins, bifurcation
+from stickslip.mechanisms.drives import Sine
+from stickslip.show import plots
+from stickslip.study.sweep import average_velocity, basins, bifurcation
 
 PLAIN = EventDriven(tier="python")
 PAIR = Pair(left_drive=PUSH, right_drive=PUSH)

@@ -19,12 +19,12 @@ from stickslip import (
     ensemble,
     simulate,
 )
-from stickslip.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
+from stickslip.engine import Status
 from stickslip.errors import InputError
+from stickslip.identify.candidates import criteria_of
 from stickslip.mechanisms import Prescribed, Torque
-from stickslip.results import Status
-from stickslip.selection import criteria_of
-from stickslip.sweep import (
+from stickslip.mechanisms.drives import Pulse, Sine, SineSwing, ThreePhase, TimedThreePhase
+from stickslip.study.sweep import (
     VelocityMap,
     average_velocity,
     basins,
@@ -32,8 +32,8 @@ from stickslip.sweep import (
     cycle_of,
     velocity_band,
 )
-from stickslip.sweep.bifurcation import cycles_in, period_of
-from stickslip.sweep.parameter_grid import early_ends
+from stickslip.study.sweep.bifurcation import cycles_in, period_of
+from stickslip.study.sweep.parameter_grid import early_ends
 
 PLAIN = EventDriven(tier="python")
 """Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""
@@ -479,7 +479,7 @@ def test_a_thrown_pendulum_comes_to_hang_after_whole_turns():
 
 
 def test_a_motion_is_the_same_whatever_cycle_a_run_falls_into_it():
-    from stickslip.sweep.bifurcation import Attractor, _same
+    from stickslip.study.sweep.bifurcation import Attractor, _same
 
     points = np.array([[1.0], [2.0], [1.0], [2.0]])
     one = Attractor(points=points, period=2, velocity=0.0, share=1.0)
@@ -513,7 +513,9 @@ def test_wrong_counts_are_refused():
     ],
 )
 def test_cycles_that_cannot_be_run_are_refused_before_anything_is(settings, words, monkeypatch):
-    monkeypatch.setattr("stickslip.sweep.mean_velocity.ensemble", None)  # would be no InputError
+    monkeypatch.setattr(
+        "stickslip.study.sweep.mean_velocity.ensemble", None
+    )  # would be no InputError
     with pytest.raises(InputError, match=words):
         average_velocity(
             swinging_cart(0.7), Coulomb(kinetic_coefficient=0.2), {"fast": [120.0]}, **settings

@@ -17,12 +17,12 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.drives import SampledSwing, SineSwing, ThreePhase
+from stickslip.data import LawEstimates
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates
-from stickslip.identification import RecordSettings
+from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Prescribed
-from stickslip.sweep import Refit, band_of, compare_estimates, validate
+from stickslip.mechanisms.drives import SampledSwing, SineSwing, ThreePhase
+from stickslip.study.sweep import Refit, band_of, compare_estimates, validate
 
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))

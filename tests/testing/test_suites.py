@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, Dahl, DirectionDependent, MatrixMechanism, Mechanism
-from stickslip.drives import Pulse
+from stickslip.engine import Trajectory
 from stickslip.errors import ConformanceError
 from stickslip.friction import BristleLaw, SetValuedLaw
 from stickslip.maths import sqrt
 from stickslip.mechanisms import Contact
+from stickslip.mechanisms.drives import Pulse
 from stickslip.quantities import Quantity
-from stickslip.results import Trajectory
-from stickslip.testing import check_friction, check_mechanism, friction, mechanisms
-from stickslip.testing import mechanisms as generated_equations
+from stickslip.study.testing import check_friction, check_mechanism, friction, mechanisms
+from stickslip.study.testing import mechanisms as generated_equations
 
 Mass = Annotated[float, Quantity("m", "kg", above=0)]
 

@@ -16,8 +16,8 @@ import gymnasium
 import numpy as np
 
 from stickslip import Axis, Measurement, Stribeck, select
-from stickslip.adapters import CAPSULE, MotorEnvironment, MotorVectorEnvironment
-from stickslip.drives import ThreePhase
+from stickslip.exports.adapters import CAPSULE, MotorEnvironment, MotorVectorEnvironment
+from stickslip.mechanisms.drives import ThreePhase
 
 TASK = dataclasses.replace(CAPSULE, work_weight=0.5 * CAPSULE.work_weight)
 """Half the weight, so that going up and over rough ground is worth more than staying."""

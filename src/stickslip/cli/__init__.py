@@ -67,7 +67,7 @@ class _Stderr(logging.Handler):
     @override
     def emit(self, record: logging.LogRecord) -> None:
         from stickslip.cli.console import is_quiet
-        from stickslip.formatting import printable
+        from stickslip.show.formatting import printable
 
         if not is_quiet():
             print(printable(self.format(record), lines=True), file=sys.stderr, flush=True)
@@ -96,7 +96,7 @@ def _abandon_stdout() -> None:
 
 
 def _leave(message: str, code: int) -> int:
-    from stickslip.formatting import printable
+    from stickslip.show.formatting import printable
 
     text = message if len(message) <= LONGEST_MESSAGE else f"{message[:LONGEST_MESSAGE]} ..."
     print(f"stickslip: {printable(text, lines=code != BAD_INPUT)}", file=sys.stderr)

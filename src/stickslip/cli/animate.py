@@ -18,11 +18,11 @@ from stickslip.cli.inputs import (
 )
 from stickslip.cli.options import AnimationOptions, LawOptions
 from stickslip.cli.progress import Drawing
-from stickslip.documents import document
+from stickslip.data import Rig
+from stickslip.engine.simulation import simulate
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
-from stickslip.experiments import Rig
-from stickslip.simulation import simulate
-from stickslip.trajectory import Trajectory
+from stickslip.show.documents import document
 
 SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
@@ -40,7 +40,7 @@ def run(
     as_json: bool,
 ) -> None:
     """Simulate, draw, show; a run that ends early is shown up to its end."""
-    from stickslip.plots import animate, encoder_of, frame_times
+    from stickslip.show.plots import animate, encoder_of, frame_times
 
     size = _size(look.size)
     encoder_of(output)

@@ -730,8 +730,8 @@ def warmup(
 def schema() -> None:
     """Print the JSON schema of rig files."""
     from stickslip.cli.console import print_json
-    from stickslip.documents import document
-    from stickslip.experiments import rig_schema
+    from stickslip.data import rig_schema
+    from stickslip.show.documents import document
 
     print_json(document("rig-schema", rig_schema()))
 

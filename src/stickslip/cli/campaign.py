@@ -13,13 +13,9 @@ from stickslip.cli.console import note, print_json, show_table, stdout
 from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import LawOptions
 from stickslip.cli.progress import Drawing, Interrupts, workers
-from stickslip.documents import document, write_files
-from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.executors import Inline
-from stickslip.experiments import parse, read_bytes, read_number
-from stickslip.formatting import count, number, printable, quantity
-from stickslip.quantities import Quantity, all_paths, full_path, parameters
-from stickslip.solver import (
+from stickslip.data import parse, read_bytes, read_number
+from stickslip.engine.executors import Inline
+from stickslip.engine.solver import (
     EventCount,
     EventTimes,
     Max,
@@ -30,8 +26,13 @@ from stickslip.solver import (
     Sensitivity,
     path_units,
 )
-from stickslip.solver import Final as Last
-from stickslip.sweep import (
+from stickslip.engine.solver import Final as Last
+from stickslip.engine.trajectory import Status
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.quantities import Quantity, all_paths, full_path, parameters
+from stickslip.show.documents import document, write_files
+from stickslip.show.formatting import count, number, printable, quantity
+from stickslip.study.sweep import (
     Campaign,
     CampaignRuns,
     Case,
@@ -42,7 +43,6 @@ from stickslip.sweep import (
     SensitivityIndices,
     Uniform,
 )
-from stickslip.trajectory import Status
 
 CANCELLED: Final = 130
 KEYS: Final = ("rigs", "laws", "t_end", "design", "runs", "seed", "part", "factors", "outputs")
@@ -135,7 +135,7 @@ def _indices(
         return []
     import pandas as pd
 
-    from stickslip.plots import draw_sensitivity, standalone_svg
+    from stickslip.show.plots import draw_sensitivity, standalone_svg
 
     indices = []
     for name in asked.outputs or found.units:

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from stickslip.characterization import TESTS, Characterization, characterize
 from stickslip.cli.console import (
     command_line,
     number_of,
@@ -14,12 +13,13 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.progress import Drawing
-from stickslip.documents import document, write_files
+from stickslip.data import load_rig
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import load_rig
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
+from stickslip.show.documents import document, write_files
+from stickslip.study.characterization import TESTS, Characterization, characterize
 
 
 def run(
@@ -107,7 +107,7 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
 
 
 def _write(found: Characterization, report: Path) -> None:
-    from stickslip.report import characterization_page, render, versions
+    from stickslip.show.report import characterization_page, render, versions
 
     page = characterization_page(found, reproduce=[command_line()], versions=versions())
     write_files({report: render(page)})

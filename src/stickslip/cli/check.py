@@ -9,9 +9,7 @@ from pathlib import Path
 import typer
 
 from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
-from stickslip.documents import document, json_text, write_folder
-from stickslip.errors import InputError
-from stickslip.experiments import (
+from stickslip.data import (
     SEVERITIES,
     Checks,
     Finding,
@@ -22,7 +20,9 @@ from stickslip.experiments import (
     load_rig,
     read_data,
 )
-from stickslip.formatting import joined
+from stickslip.errors import InputError
+from stickslip.show.documents import document, json_text, write_folder
+from stickslip.show.formatting import joined
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
@@ -111,7 +111,7 @@ def _used(measurement: Measurement) -> Collection[str]:
     """Return the conditions that the kind uses; kinds take seconds to load."""
     if not any(one.conditions for one in measurement.records()):
         return ()
-    from stickslip.kinds import kind_of
+    from stickslip.identify.kinds import kind_of
 
     return kind_of(measurement).conditions
 
@@ -200,7 +200,7 @@ def _name(measurement: Measurement, index: int, ending: str) -> str:
 
 def _pictures(measurement: Measurement) -> dict[str, str | bytes]:
     """Return an overview of each record in both formats."""
-    from stickslip.plots import draw_overview, overview_size, save
+    from stickslip.show.plots import draw_overview, overview_size, save
 
     files: dict[str, str | bytes] = {}
     if measurement.kind == "scalars":

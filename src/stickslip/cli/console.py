@@ -16,11 +16,11 @@ from rich.text import Text
 from typing_extensions import override
 
 from stickslip.cli import CANCELLED, ToldExit
-from stickslip.documents import check_replaceable, json_text, unwritable
+from stickslip.data import read_number
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import read_number
-from stickslip.formatting import NO_VALUE, printable
 from stickslip.quantities import Quantity
+from stickslip.show.documents import check_replaceable, json_text, unwritable
+from stickslip.show.formatting import NO_VALUE, printable
 
 # What commands share: consoles, JSON documents, folders that are written whole or not at all.
 
@@ -274,7 +274,7 @@ def draw_page(
     if failed:
         note(f"{failed} {kept}")
     elif not quiet:
-        from stickslip.kinds import PAGE
+        from stickslip.identify.kinds import PAGE
 
         stdout().print(f"\nReport: {folder / PAGE}", markup=False)
     return code

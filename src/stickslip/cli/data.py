@@ -6,9 +6,9 @@ from typing import Any
 
 from rich.console import Console
 
-from stickslip.catalogue import Column, DataFile, Dataset, dataset, names
 from stickslip.cli.console import note, print_json, show_table, stdout
-from stickslip.documents import document
+from stickslip.data.catalogue import Column, DataFile, Dataset, dataset, names
+from stickslip.show.documents import document
 
 
 def run_list(*, as_json: bool) -> None:

@@ -9,9 +9,8 @@ from typing import Any
 from stickslip.cli.console import print_json, refuse_overwriting, show_table, stdout
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOptions
-from stickslip.documents import document, regular_bytes
+from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data, read_number
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import LOAD, Measurement, Reading, Rig, load_rig, read_data, read_number
 from stickslip.exports import (
     TARGETS,
     Applied,
@@ -22,9 +21,10 @@ from stickslip.exports import (
     export_fmu,
     identifier,
 )
-from stickslip.formatting import NO_VALUE, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, Quantity, named, turned
+from stickslip.show.documents import document, regular_bytes
+from stickslip.show.formatting import NO_VALUE, quantity
 
 # ``stickslip export``.
 

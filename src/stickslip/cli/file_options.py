@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.cli.options import ReadingOptions
+from stickslip.data import Column, Reading, column_of, motor_constants, read_gain
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Column, Reading, column_of, motor_constants, read_gain
 
 
 def reading_of(asked: ReadingOptions) -> Reading:

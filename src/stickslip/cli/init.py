@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import check_rig_file, print_json, refuse_overwriting, stdout
-from stickslip.documents import document, write_file
-from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import (
+from stickslip.data import (
     Guess,
     Reading,
     data_file,
@@ -22,6 +20,8 @@ from stickslip.experiments import (
     inertia_of,
     read_data,
 )
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.show.documents import document, write_file
 
 
 def run(

@@ -12,8 +12,7 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar
 from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
 from stickslip.cli.options import EstimationOptions, LawOptions, ParameterOptions
 from stickslip.cli.progress import Interrupts, Searching, Watching
-from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
-from stickslip.experiments import (
+from stickslip.data import (
     LOAD,
     CarriedLaw,
     CarriedLaws,
@@ -30,7 +29,7 @@ from stickslip.experiments import (
     read_data,
     read_number,
 )
-from stickslip.formatting import joined, number, significant, unit_text, within
+from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
 from stickslip.friction import (
     PRINTED_FORMS,
     FrictionLaw,
@@ -41,7 +40,8 @@ from stickslip.friction import (
     listed,
     specification,
 )
-from stickslip.identification import (
+from stickslip.identify.candidates import Wording
+from stickslip.identify.fits import (
     LAW,
     AnyLaw,
     Estimate,
@@ -52,10 +52,10 @@ from stickslip.identification import (
     refuse_of_laws,
     starting_law,
 )
-from stickslip.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
+from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
 from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
-from stickslip.selection import Wording
+from stickslip.show.formatting import joined, number, significant, unit_text, within
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
@@ -613,7 +613,7 @@ def _hashed(given: Sequence[Path]) -> list[Path]:
     """Return the files that hold the data of options."""
     if not given:
         return []
-    from stickslip.experiments import log_files  # with pandas, which other rigs do without
+    from stickslip.data import log_files  # with pandas, which other rigs do without
 
     return [one for path in given for one in log_files(path)]
 

@@ -41,19 +41,12 @@ from stickslip.cli.inputs import (
     watching,
 )
 from stickslip.cli.progress import workers
-from stickslip.documents import (
-    document,
-    of_files,
-    regular_bytes,
-    with_files,
-    write_file,
-    write_files,
-)
+from stickslip.data import Checks, Rig, check, refusal, refuse_same
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Checks, Rig, check, refusal, refuse_same
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Fit, far_above_dry
-from stickslip.kinds import (
+from stickslip.identify.candidates import Verdict
+from stickslip.identify.fits import Fit, far_above_dry
+from stickslip.identify.kinds import (
     DOCUMENT,
     TRAVEL_COLUMN,
     VERDICT_FILES,
@@ -76,11 +69,18 @@ from stickslip.kinds import (
     write_verdict,
 )
 from stickslip.quantities import Quantity, parameters
-from stickslip.report import Origin, Page, render
-from stickslip.selection import Verdict
+from stickslip.show.documents import (
+    document,
+    of_files,
+    regular_bytes,
+    with_files,
+    write_file,
+    write_files,
+)
+from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
-    from stickslip.kinds import TravelCandidate, TravelVerdict
+    from stickslip.identify.kinds import TravelCandidate, TravelVerdict
 
 
 # ``stickslip select``.
@@ -447,8 +447,8 @@ def _uncertainty(text: str | None) -> float | None:
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
-    from stickslip.kinds import plan_page
-    from stickslip.report import render, versions
+    from stickslip.identify.kinds import plan_page
+    from stickslip.show.report import render, versions
 
     sheet, table = files
     name = "" if path is None else f" {path}"

@@ -8,11 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import plain, print_json, show_table, stdout
-from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.described import texts_below
-from stickslip.documents import document
 from stickslip.errors import UnknownNameError
-from stickslip.formatting import capital, number
 from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
@@ -28,9 +24,13 @@ from stickslip.friction import (
     said_of,
 )
 from stickslip.mechanisms import Mechanism, mechanisms
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity, fields_of
-from stickslip.report import formula_text, published_dict
-from stickslip.report import plain as plain_text
+from stickslip.show.described import texts_below
+from stickslip.show.documents import document
+from stickslip.show.formatting import capital, number
+from stickslip.show.report import formula_text, published_dict
+from stickslip.show.report import plain as plain_text
 
 INDENT = "    "
 """Before a formula and its notes."""

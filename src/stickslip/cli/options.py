@@ -15,7 +15,7 @@ DEMO = Path("demo")
 
 def _rig(context: typer.Context, given: Path | None) -> Path | None:
     """Return a rig file, None for the bundled rig; say what is missing or is no rig file."""
-    from stickslip.experiments import is_data_file
+    from stickslip.data import is_data_file
 
     if context.resilient_parsing or given == DEMO:
         return None

@@ -27,8 +27,8 @@ from rich.progress import (
 from typing_extensions import override
 
 from stickslip.cli.console import is_quiet, note, stderr
-from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
+from stickslip.show.display import require_library
 
 # Progress of work on several laws, and of compiling ahead of time, on stderr.
 

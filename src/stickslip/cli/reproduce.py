@@ -9,7 +9,6 @@ from typing import Final
 
 import typer
 
-from stickslip.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 from stickslip.cli.console import (
     command_line,
     draw_page,
@@ -26,11 +25,9 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
-from stickslip.documents import document, json_text, write_files, write_folder
+from stickslip.data import load_rig
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments import load_rig
-from stickslip.formatting import fixed, number, significant
-from stickslip.kinds import PAGE
+from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.rigs import CART, CYCLES, check_form
@@ -38,7 +35,10 @@ from stickslip.paper.sections.claims import step_cells
 from stickslip.paper.sections.common import values_of
 from stickslip.paper.sections.table import RULES
 from stickslip.quantities import full_path, parameters, vary
-from stickslip.report import render
+from stickslip.show.documents import document, json_text, write_files, write_folder
+from stickslip.show.formatting import fixed, number, significant
+from stickslip.show.report import render
+from stickslip.study.benchmark import PEERS, Task, benchmark_page, run, summary_rows, tasks
 
 # ``stickslip paper``.
 

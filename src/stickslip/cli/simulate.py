@@ -36,22 +36,15 @@ from stickslip.cli.inputs import (
 )
 from stickslip.cli.options import LawOptions, RunOptions
 from stickslip.cli.progress import Drawing
-from stickslip.documents import document, write_file, write_folder
+from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
+from stickslip.engine.simulation import refuse, simulate
+from stickslip.engine.solver import FixedStep, Solver
+from stickslip.engine.trajectory import Event, Status, Trajectory
 from stickslip.errors import InputError, ParameterError, StickslipError
-from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
-from stickslip.formatting import (
-    Scale,
-    fixed,
-    number,
-    printable,
-    quantity,
-    residue,
-    scale_of,
-    within,
-)
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
-from stickslip.identification import RecordSettings, inside, with_inputs
-from stickslip.kinds import PAGE, fit
+from stickslip.identify.candidates import criteria_of
+from stickslip.identify.fits import RecordSettings, inside, with_inputs
+from stickslip.identify.kinds import PAGE, fit
 from stickslip.mechanisms import (
     Mechanism,
     cycle_or_none,
@@ -61,10 +54,18 @@ from stickslip.mechanisms import (
     slipping,
 )
 from stickslip.quantities import fields_of, named
-from stickslip.selection import criteria_of
-from stickslip.simulation import refuse, simulate
-from stickslip.solver import FixedStep, Solver
-from stickslip.sweep import (
+from stickslip.show.documents import document, write_file, write_folder
+from stickslip.show.formatting import (
+    Scale,
+    fixed,
+    number,
+    printable,
+    quantity,
+    residue,
+    scale_of,
+    within,
+)
+from stickslip.study.sweep import (
     Band,
     DrivenCycle,
     Refit,
@@ -75,7 +76,6 @@ from stickslip.sweep import (
     cycles_in,
     validate,
 )
-from stickslip.trajectory import Event, Status, Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -473,7 +473,7 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
 
 def _page(ran: Ran, settings: RunOptions) -> str:
     """Return the page of a run."""
-    from stickslip.report import ContactsReport, RunReport, contacts_page, run_page, versions
+    from stickslip.show.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
     assert not isinstance(ran.chosen, ChosenForm)  # refused before the run
     source = ran.chosen.source

@@ -28,14 +28,15 @@ from stickslip.cli.inputs import (
 from stickslip.cli.options import LawOptions, ProfileOptions
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
-from stickslip.documents import document, json_text, write_files, write_folder
+from stickslip.data import Rig, read_number, settled_speed
+from stickslip.engine.executors import Inline
 from stickslip.errors import InputError, ParameterError, check_size
-from stickslip.executors import Inline
-from stickslip.experiments import Rig, read_number, settled_speed
-from stickslip.formatting import joined, number, printable, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation import (
+from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+from stickslip.show.documents import document, json_text, write_files, write_folder
+from stickslip.show.formatting import joined, number, printable, quantity
+from stickslip.study.optimisation import (
     GOALS,
     Limits,
     Margin,
@@ -44,8 +45,7 @@ from stickslip.optimisation import (
     optimise_profile,
     units_of_limits,
 )
-from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
-from stickslip.sweep import (
+from stickslip.study.sweep import (
     OrbitDiagram,
     VelocityBand,
     VelocityMap,
@@ -55,7 +55,7 @@ from stickslip.sweep import (
 )
 
 if TYPE_CHECKING:
-    from stickslip.optimisation import GoalName, KindName
+    from stickslip.study.optimisation import GoalName, KindName
 
 
 # ``stickslip sweep``.
@@ -189,7 +189,7 @@ def _write_map(
     output: Path,
     figure: Path,
 ) -> None:
-    from stickslip.plots import draw_velocity_band, draw_velocity_map, standalone_svg
+    from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
 
     if isinstance(found, VelocityBand):
         drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
@@ -336,7 +336,7 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
 
 
 def _write_diagram(found: OrbitDiagram, output: Path, figure: Path) -> None:
-    from stickslip.plots import draw_orbits, standalone_svg
+    from stickslip.show.plots import draw_orbits, standalone_svg
 
     svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
     units = {**found.units, found.path: found.unit, "period": "s"}
@@ -528,7 +528,7 @@ def _interval(
 
 
 def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
-    from stickslip.plots import PROFILE_SIZES, draw_profile, standalone_svg
+    from stickslip.show.plots import PROFILE_SIZES, draw_profile, standalone_svg
 
     figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
     return {

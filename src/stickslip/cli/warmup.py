@@ -8,17 +8,17 @@ from typing import Any
 
 from stickslip.cli.console import note, print_json, stdout
 from stickslip.cli.progress import Compiling
-from stickslip.documents import document
-from stickslip.drives import Drive, Pulse, ThreePhase
+from stickslip.data import Rig, load_rig
+from stickslip.engine.solver import WarmUp, warm_up
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type, listed
 from stickslip.friction import laws as known_laws
-from stickslip.identification import starting_law
+from stickslip.identify.fits import starting_law
 from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
 from stickslip.mechanisms import mechanisms as known_mechanisms
+from stickslip.mechanisms.drives import Drive, Pulse, ThreePhase
 from stickslip.quantities import fields_of, named
-from stickslip.solver import WarmUp, warm_up
+from stickslip.show.documents import document
 
 PULSE = Pulse(level=1.0, duration=1.0)
 SWING = ThreePhase(amplitude=1.0, fast=2.0, slow=1.0)

@@ -1,4 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.exports import adapters as adapters
 from stickslip.exports.applying.replay import JointReplay as JointReplay
 from stickslip.exports.applying.replay import Replayed as Replayed
 from stickslip.exports.applying.running import JointMotion as JointMotion
@@ -39,6 +40,7 @@ __all__ = [
     "TARGETS",
     "Target",
     "Twin",
+    "adapters",
     "apply",
     "export",
     "export_fmu",

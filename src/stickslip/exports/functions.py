@@ -22,7 +22,7 @@ from typing import Final, TypeAlias, TypeVar
 
 import symengine as se
 
-from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.engine.formulation import collapsed
 from stickslip.exports.program import (
     LOAD,
     PERIOD,
@@ -41,7 +41,7 @@ from stickslip.exports.program import (
     renamed,
     used,
 )
-from stickslip.formulation import collapsed
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import turned
 
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)

@@ -18,17 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.data import Rig
+from stickslip.engine.simulation import simulate
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import Rig
 from stickslip.exports.languages import commented
 from stickslip.exports.program import Export, Subject, Target
-from stickslip.formatting import quantity
 from stickslip.friction import Dahl, FrictionLaw, LuGre, SetValuedLaw
 from stickslip.maths import Scalar, tanh
 from stickslip.mechanisms import slip_names
 from stickslip.quantities import Quantity, turned, vary
-from stickslip.simulation import simulate
-from stickslip.trajectory import Trajectory
+from stickslip.show.formatting import quantity
 
 # Dry and viscous friction of a joint in place of a law, what that leaves, and what it changes.
 

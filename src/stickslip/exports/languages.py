@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
+from stickslip.engine.formulation import Block, Syntax
 from stickslip.exports.functions import functions_of
 from stickslip.exports.program import (
     Assign,
@@ -21,7 +22,6 @@ from stickslip.exports.program import (
     assigned,
     called,
 )
-from stickslip.formulation import Block, Syntax
 
 WIDTH: Final = 96
 SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}

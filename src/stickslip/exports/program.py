@@ -20,16 +20,16 @@ from typing import Any, ClassVar, Final, TypeAlias
 import symengine as se
 from typing_extensions import override
 
-from stickslip.documents import unwritable, write_files
+from stickslip.data import LawEstimates, Levels, Rig
+from stickslip.engine.formulation import Switchboard, Traced, collapsed, expression
 from stickslip.errors import InputError, TracingError
-from stickslip.experiments import LawEstimates, Levels, Rig
-from stickslip.formatting import parameter_words, printable
-from stickslip.formulation import Switchboard, Traced, collapsed, expression
 from stickslip.friction import FrictionLaw, bound
-from stickslip.identification import inputs_text
+from stickslip.identify.fits import inputs_text
 from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, shadow, turned
+from stickslip.show.documents import unwritable, write_files
+from stickslip.show.formatting import parameter_words, printable
 
 # Names that programs of other languages accept, from symbols and titles of any spelling.
 

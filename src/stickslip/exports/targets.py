@@ -7,13 +7,13 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.documents import document, json_text
 from stickslip.errors import InputError
 from stickslip.exports.functions import input_variables, rotary_code, turned_variable
 from stickslip.exports.joints import steady_force
 from stickslip.exports.languages import MATLAB, MODELICA, C, Source, commented, contains
 from stickslip.exports.program import Export, Function, Subject, Target, Variable, identifier
 from stickslip.quantities import fields_of, turned
+from stickslip.show.documents import document, json_text
 
 # C99: a header and a source without memory, state or libraries but ``math.h``.
 

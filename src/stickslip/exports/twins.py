@@ -10,9 +10,11 @@ from typing import Annotated, Any, ClassVar, Final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.described import Described
+from stickslip.data import levels_at
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import BreakAway, FixedStep, SoftConstraint, Solver
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, SimulationError
-from stickslip.experiments import levels_at
 from stickslip.exports.joints import (
     HARD,
     SOFT,
@@ -24,7 +26,6 @@ from stickslip.exports.joints import (
     simplified,
 )
 from stickslip.exports.program import Subject
-from stickslip.formatting import number, percent, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.friction import law as composed
 from stickslip.mechanisms import (
@@ -35,9 +36,8 @@ from stickslip.mechanisms import (
     static_normal_force,
 )
 from stickslip.quantities import Parametrised, Quantity, named, turned
-from stickslip.simulation import simulate
-from stickslip.solver import BreakAway, FixedStep, SoftConstraint, Solver
-from stickslip.trajectory import Trajectory
+from stickslip.show.described import Described
+from stickslip.show.formatting import number, percent, quantity
 
 SHARE: Final = 0.6
 """Share of break-away of the force under which creep is told, if none is given."""
@@ -608,7 +608,7 @@ def twin(
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
-    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms.drives import Sine
     >>> axis = Axis(inertia=2.0, drive=Sine(amplitude=4.0, frequency=0.5), load=1.0)
     >>> found = twin(axis, Coulomb(kinetic_coefficient=5.0), "mujoco", t_end=2.0)
     >>> print(found.sentences[1])

@@ -9,10 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
-from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.drives import Drive
-from stickslip.errors import InputError, StickslipError, UnknownNameError
-from stickslip.experiments import (
+from stickslip.data import (
     LOAD,
     CarriedLaw,
     LawEstimates,
@@ -22,11 +19,14 @@ from stickslip.experiments import (
     levels_at,
     unit_of_input,
 )
+from stickslip.engine.simulation import simulate
+from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.exports.joints import Mjcf, Urdf
 from stickslip.exports.program import Export, Subject, Target, identifier
 from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab, Modelica
 from stickslip.friction import FrictionLaw, Laws, bound
-from stickslip.identification import Fit
+from stickslip.identify.candidates import Verdict
+from stickslip.identify.fits import Fit
 from stickslip.mechanisms import (
     Mechanism,
     input_field,
@@ -34,9 +34,9 @@ from stickslip.mechanisms import (
     slips_by_angle,
     static_normal_force,
 )
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Given, Quantity, named, turned
-from stickslip.selection import Verdict
-from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
     Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | Rig

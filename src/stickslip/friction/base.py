@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar, Self, TypeAlias, TypeVar, final
 
 from typing_extensions import Doc, override
 
-from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, UndeclaredError, UnknownNameError
 from stickslip.maths import Scalar, sign
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Group, Parametrised, Quantity, fields_of
 
 # Parameters that several laws share: symbol, unit, range, where fits look for them, meaning.

@@ -11,8 +11,6 @@ from typing import Any, NoReturn, TypeAlias, cast
 
 from typing_extensions import override
 
-from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
     BOTH_WAYS,
@@ -35,7 +33,9 @@ from stickslip.friction.parts.base import (
     Slip,
     SmoothLevel,
 )
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity
+from stickslip.show.described import with_marks
 
 # A composition made ready: its parts in their places, and the parameters of its law.
 

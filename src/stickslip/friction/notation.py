@@ -23,13 +23,13 @@ from dataclasses import dataclass, replace
 
 from typing_extensions import override
 
-from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
-from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Memory, Parameter, Part
 from stickslip.friction.parts.levels import Surplus, curve_text
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.quantities import Quantity
+from stickslip.show.described import with_marks
 
 OPTIONAL = ("step", "peak")
 """Parts that a law of a name may lack: without values for them, it is the law that lacks them."""

@@ -4,11 +4,23 @@ from stickslip.lazy import attach
 
 HOMES = {
     "BandVerdict": "verdict",
+    "Estimate": "fits",
+    "FeatureFit": "kinds",
+    "FeatureVerdict": "kinds",
+    "Fit": "fits",
     "Interval": "judge",
     "JointVerdict": "joints",
     "LawCandidate": "verdict",
     "LawFit": "verdict",
+    "Plan": "kinds",
     "PredictionBand": "ensemble",
+    "RateStateFit": "kinds",
+    "RateStateVerdict": "kinds",
+    "RecordFit": "fits",
+    "TravelFit": "kinds",
+    "TravelVerdict": "kinds",
+    "TrialComparison": "fits",
+    "Verdict": "candidates",
 }
 
 INSIDE = {
@@ -40,6 +52,9 @@ INSIDE = {
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 
-__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+NAMESPACES = ("candidates", "fits", "kinds")
+"""Public modules, which are attributes without an import of their own."""
 
-__getattr__, __dir__ = attach(__name__, HOMES, inside=INSIDE)
+__all__ = sorted([*HOMES, *NAMESPACES])  # noqa: PLE0605  # read off the tables above
+
+__getattr__, __dir__ = attach(__name__, HOMES, NAMESPACES, inside=INSIDE)

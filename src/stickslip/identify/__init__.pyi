@@ -1,13 +1,28 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify import candidates as candidates
+from stickslip.identify import fits as fits
+from stickslip.identify import kinds as kinds
+from stickslip.identify.candidates import Verdict as Verdict
 from stickslip.identify.ensemble import PredictionBand as PredictionBand
 from stickslip.identify.ensemble import band_of as band_of
 from stickslip.identify.figures import BandDrawing as BandDrawing
 from stickslip.identify.figures import draw_band as draw_band
 from stickslip.identify.figures import plot_band as plot_band
+from stickslip.identify.fits import Estimate as Estimate
+from stickslip.identify.fits import Fit as Fit
+from stickslip.identify.fits import RecordFit as RecordFit
+from stickslip.identify.fits import TrialComparison as TrialComparison
 from stickslip.identify.joints import JointVerdict as JointVerdict
 from stickslip.identify.joints import joint_sections as joint_sections
 from stickslip.identify.joints import select_joints as select_joints
 from stickslip.identify.judge import Interval as Interval
+from stickslip.identify.kinds import FeatureFit as FeatureFit
+from stickslip.identify.kinds import FeatureVerdict as FeatureVerdict
+from stickslip.identify.kinds import Plan as Plan
+from stickslip.identify.kinds import RateStateFit as RateStateFit
+from stickslip.identify.kinds import RateStateVerdict as RateStateVerdict
+from stickslip.identify.kinds import TravelFit as TravelFit
+from stickslip.identify.kinds import TravelVerdict as TravelVerdict
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
 from stickslip.identify.laws import TITLES as TITLES
@@ -33,9 +48,24 @@ from stickslip.identify.wording import parameter_sentence as parameter_sentence
 
 __all__ = [
     "BandVerdict",
+    "Estimate",
+    "FeatureFit",
+    "FeatureVerdict",
+    "Fit",
     "Interval",
     "JointVerdict",
     "LawCandidate",
     "LawFit",
+    "Plan",
     "PredictionBand",
+    "RateStateFit",
+    "RateStateVerdict",
+    "RecordFit",
+    "TravelFit",
+    "TravelVerdict",
+    "TrialComparison",
+    "Verdict",
+    "candidates",
+    "fits",
+    "kinds",
 ]

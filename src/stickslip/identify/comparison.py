@@ -20,11 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import softmax
 
+from stickslip.identify.candidates import DIGITS
 from stickslip.identify.evidence import evidence_of, price_of, priors_of
 from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.selection import DIGITS
 
 LEAST = float(np.finfo(float).eps)
 """Stands for the share of a structure that has none beside the others."""

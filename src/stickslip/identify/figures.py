@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.formatting import number, scale_of
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.problem import ALIKE, Array
-from stickslip.plots import C1, C3, DATA, MAP_SIZES, on_axes
+from stickslip.show.formatting import number, scale_of
+from stickslip.show.plots import C1, C3, DATA, MAP_SIZES, on_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from stickslip.display import Drawing, Target
-    from stickslip.plots import Draw
+    from stickslip.show.display import Drawing, Target
+    from stickslip.show.plots import Draw
 
 LETTERS = 36
 """Letters of a line of the legend."""

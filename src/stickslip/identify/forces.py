@@ -17,11 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.contact_inputs import DRIVES
+from stickslip.data import Measurement, command_of
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Measurement, command_of
-from stickslip.formatting import joined
-from stickslip.identification import (
+from stickslip.identify.fits import (
     applied_force,
     drives_itself,
     known_forces,
@@ -33,7 +31,9 @@ from stickslip.identification import (
 from stickslip.identify.inner import pushed
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.mechanisms.contact_inputs import DRIVES
 from stickslip.quantities import all_paths, parameters, vary
+from stickslip.show.formatting import joined
 
 Array = NDArray[np.float64]
 

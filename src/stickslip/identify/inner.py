@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.formatting import number
-from stickslip.identification import applied_force, drives_itself
+from stickslip.identify.fits import applied_force, drives_itself
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
+from stickslip.show.formatting import number
 
 Array = NDArray[np.float64]
 

@@ -17,11 +17,12 @@ import numpy as np
 from scipy.linalg import block_diag
 from typing_extensions import override
 
+from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Checks, Finding, LawEstimates, Measurement, levels_at
-from stickslip.formatting import capital
 from stickslip.friction import FrictionLaw, Laws, assigned
-from stickslip.identification import (
+from stickslip.identify.candidates import Candidate, Verdict, Wording, checked, in_sentence
+from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.fits import (
     JOINTS,
     Estimate,
     Fit,
@@ -30,7 +31,6 @@ from stickslip.identification import (
     estimates_for,
     joint_record,
 )
-from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.judge import Judgement
 from stickslip.identify.page import figure_section, laws_section, parameters_section
 from stickslip.identify.problem import Array
@@ -41,7 +41,8 @@ from stickslip.identify.selection import record_verdict, refined, restrict
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary
-from stickslip.report import (
+from stickslip.show.formatting import capital
+from stickslip.show.report import (
     KeyValue,
     KeyValues,
     Origin,
@@ -51,10 +52,9 @@ from stickslip.report import (
     record_and_checks,
     reproduce,
 )
-from stickslip.selection import Candidate, Verdict, Wording, checked, in_sentence
 
 if TYPE_CHECKING:
-    from stickslip.display import Drawing, Target
+    from stickslip.show.display import Drawing, Target
 
 WHOLE = ("inertia_error",)
 """Terms of a single inertia, which a joint of several does not have."""

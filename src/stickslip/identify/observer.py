@@ -2,7 +2,7 @@ r"""Laws of a record refined by simulation: each runs as an observer of the reco
 
 The force balance of a record is biased where its law is not linear in the motion, and its shapes
 stand on a grid. Here each law of a small set runs along the record: the force goes in, between
-samples the law moves the inertia (`stickslip.kernels.observer`), and at each sample place and speed
+samples the law moves the inertia (`stickslip.engine.kernels.observer`), and at each sample place and speed
 are corrected by fixed gains,
 
 .. math:: e_k = q_k - \hat x_k, \qquad \hat x_k \mathrel{+}= \alpha e_k, \qquad
@@ -30,6 +30,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.engine.kernels import observer
+from stickslip.engine.solver import observe
 from stickslip.identify.comparison import Comparison, stacked_shares, with_curve
 from stickslip.identify.ensemble import Ensemble, root_of, stream_of
 from stickslip.identify.problem import Array, Column, Fitted, Mask, Shape, Structure
@@ -37,8 +39,6 @@ from stickslip.identify.problems.record_signals import Record, noise_of
 from stickslip.identify.problems.records import RecordsProblem
 from stickslip.identify.search import block_scores
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.kernels import observer
-from stickslip.solver import observe
 
 BANDWIDTHS = (0.4, 0.65, 1.0, 1.4, 2.0)
 """Bandwidths of the observer that are tried, over the largest at which a law holds ..."""

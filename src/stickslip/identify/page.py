@@ -3,14 +3,14 @@
 import math
 from functools import partial
 
-from stickslip.formatting import NO_VALUE, capital, interval, number, percent, with_unit
-from stickslip.identification import Estimate
 from stickslip.identify.figures import draw_band
+from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, importance
-from stickslip.plots import MAP_SIZES, inline_svg
-from stickslip.report import (
+from stickslip.show.formatting import NO_VALUE, capital, interval, number, percent, with_unit
+from stickslip.show.plots import MAP_SIZES, inline_svg
+from stickslip.show.report import (
     MOST,
     Column,
     Fact,

@@ -3,9 +3,9 @@
 from collections.abc import Collection, Iterable, Mapping
 
 from stickslip.errors import InputError
-from stickslip.formatting import joined
 from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.problem import Family
+from stickslip.show.formatting import joined
 
 IGNORED = ("peak", "step")
 """Optional parts: without a value for them, a law lacks them."""

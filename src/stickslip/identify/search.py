@@ -18,12 +18,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.formatting import joined
+from stickslip.identify.candidates import DIGITS
 from stickslip.identify.evidence import evidence_of
 from stickslip.identify.problem import Array, Column, Family, Problem, Shape, Structure
 from stickslip.identify.regression import TOGETHER, BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.selection import DIGITS
+from stickslip.show.formatting import joined
 
 
 def block_scores(losses: Array) -> Array:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from scipy.special import fdtri
 
-from stickslip.experiments import Checks, Measurement, speeds_in_order
-from stickslip.formatting import quantity
-from stickslip.identification import goes_straight, load_of, outlying, without_outliers
+from stickslip.data import Checks, Measurement, speeds_in_order
 from stickslip.identify.advice import Proposal, propose
+from stickslip.identify.candidates import checked
 from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.fits import goes_straight, load_of, outlying, without_outliers
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement
 from stickslip.identify.observer import Observer
@@ -37,7 +37,7 @@ from stickslip.identify.wording import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
-from stickslip.selection import checked
+from stickslip.show.formatting import quantity
 
 
 def select_table(

@@ -10,10 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from typing_extensions import override
 
-from stickslip.experiments import Checks, LawEstimates, Measurement, levels_at
-from stickslip.formatting import Scale
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at
 from stickslip.friction import FrictionLaw, laws
-from stickslip.identification import (
+from stickslip.identify.advice import Proposal
+from stickslip.identify.candidates import (
+    NOT_DISTINGUISHED,
+    UNMEASURED,
+    Candidate,
+    Verdict,
+    Wording,
+    score_scale,
+)
+from stickslip.identify.ensemble import PredictionBand, band_of
+from stickslip.identify.explorer import Pattern
+from stickslip.identify.fits import (
     Estimate,
     Fit,
     as_informed,
@@ -21,9 +31,6 @@ from stickslip.identification import (
     estimates_for,
     reads_as_forces,
 )
-from stickslip.identify.advice import Proposal
-from stickslip.identify.ensemble import PredictionBand, band_of
-from stickslip.identify.explorer import Pattern
 from stickslip.identify.judge import Cause, Interval, Judgement
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
@@ -50,18 +57,11 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.selection import (
-    NOT_DISTINGUISHED,
-    UNMEASURED,
-    Candidate,
-    Verdict,
-    Wording,
-    score_scale,
-)
+from stickslip.show.formatting import Scale
 
 if TYPE_CHECKING:
-    from stickslip.display import Drawing, Target
     from stickslip.identify.figures import BandDrawing
+    from stickslip.show.display import Drawing, Target
 
 WORTH = 0.9
 """Expected width of the band, over today's, from which a proposal is worth a sentence."""
@@ -451,7 +451,7 @@ class BandVerdict(Verdict[LawCandidate]):
 
         Examples
         --------
-        >>> from stickslip.results import BandVerdict
+        >>> from stickslip.identify import BandVerdict
         >>> BandVerdict.schema()["properties"]["units"]["oneOf"][0]["required"]
         ['velocity', 'friction']
         """

@@ -13,7 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.formatting import (
+from stickslip.friction import law as law_class
+from stickslip.identify.advice import Proposal
+from stickslip.identify.candidates import MOST, friction_of, in_sentence
+from stickslip.identify.ensemble import PredictionBand
+from stickslip.identify.explorer import Pattern
+from stickslip.identify.fits import Estimate
+from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.problem import Array, Structure, family_of
+from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.show.formatting import (
     capital,
     interval,
     joined,
@@ -23,15 +32,6 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
-from stickslip.friction import law as law_class
-from stickslip.identification import Estimate
-from stickslip.identify.advice import Proposal
-from stickslip.identify.ensemble import PredictionBand
-from stickslip.identify.explorer import Pattern
-from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.problem import Array, Structure, family_of
-from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.selection import MOST, friction_of, in_sentence
 
 BESIDE = ("rig", "run", "fault")
 """Roles of terms beside a law."""

@@ -100,6 +100,9 @@ INSIDE = {
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 
-__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+NAMESPACES = ("contact_inputs", "drives")
+"""Public modules, which are attributes without an import of their own."""
 
-__getattr__, __dir__ = attach(__name__, HOMES, inside=INSIDE)
+__all__ = sorted([*HOMES, *NAMESPACES])  # noqa: PLE0605  # read off the tables above
+
+__getattr__, __dir__ = attach(__name__, HOMES, NAMESPACES, inside=INSIDE)

@@ -2,8 +2,8 @@
 from dataclasses import dataclass
 
 from collections.abc import Mapping as _Mapping
-from stickslip.drives import Drive as _Drive
-from stickslip.drives import Profile as _Profile
+from stickslip.mechanisms import contact_inputs as contact_inputs
+from stickslip.mechanisms import drives as drives
 from stickslip.mechanisms.axes import Axis as _Axis
 from stickslip.mechanisms.axes import Pendulum as _Pendulum
 from stickslip.mechanisms.axes import TwoMassAxis as _TwoMassAxis
@@ -64,6 +64,8 @@ from stickslip.mechanisms.capsules import Prescribed as _Prescribed
 from stickslip.mechanisms.capsules import SoftStop as _SoftStop
 from stickslip.mechanisms.capsules import Torque as _Torque
 from stickslip.mechanisms.capsules import TwoMassCapsule as _TwoMassCapsule
+from stickslip.mechanisms.drives import Drive as _Drive
+from stickslip.mechanisms.drives import Profile as _Profile
 from stickslip.mechanisms.electric_motor import CurrentLoop as CurrentLoop
 from stickslip.mechanisms.electric_motor import DCMotor as _DCMotor
 from stickslip.mechanisms.electric_motor import LOOPS as LOOPS
@@ -535,6 +537,8 @@ __all__ = [
     "TwoMassAxis",
     "TwoMassCapsule",
     "VelocityLoop",
+    "contact_inputs",
+    "drives",
     "gear_inputs",
     "given_inputs",
     "mechanisms",

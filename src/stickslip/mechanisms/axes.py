@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import (
@@ -19,6 +18,7 @@ from stickslip.mechanisms.base import (
     gear_inputs,
     stops_between,
 )
+from stickslip.mechanisms.drives import Drive
 from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Quantity
 
@@ -34,7 +34,7 @@ class Axis(LinearOrRotary, BoundedMechanism):
     Examples
     --------
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.drives import Pulse
+    >>> from stickslip.mechanisms.drives import Pulse
     >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0)
     >>> round(float(run["x"][-1]), 9)
@@ -125,7 +125,7 @@ class TwoMassAxis(LinearOrRotary):
     Examples
     --------
     >>> from stickslip import Coulomb, TwoMassAxis, simulate
-    >>> from stickslip.drives import Pulse
+    >>> from stickslip.mechanisms.drives import Pulse
     >>> axis = TwoMassAxis(
     ...     motor_inertia=0.5,
     ...     load_inertia=1.5,

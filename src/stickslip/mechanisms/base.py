@@ -12,12 +12,10 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
 from typing_extensions import override
 
-from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
-from stickslip.described import Described
-from stickslip.drives import Drive, parts_of
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
+from stickslip.mechanisms.drives import Drive, parts_of
 from stickslip.quantities import (
     Parametrised,
     Quantity,
@@ -27,6 +25,8 @@ from stickslip.quantities import (
     motion_kinds,
     vary,
 )
+from stickslip.show.described import Described
+from stickslip.show.formatting import number
 
 Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
 """Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
@@ -863,7 +863,7 @@ def cycle_of(mechanism: Mechanism) -> float:
     Examples
     --------
     >>> from stickslip import Axis
-    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms.drives import Sine
     >>> cycle_of(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0)))
     0.25
     """
@@ -908,7 +908,7 @@ def repeats(mechanism: Mechanism) -> bool:
     Examples
     --------
     >>> from stickslip import Axis
-    >>> from stickslip.drives import Pulse, Sine
+    >>> from stickslip.mechanisms.drives import Pulse, Sine
     >>> push, shake = Pulse(level=2.0, duration=0.1), Sine(amplitude=2.0, frequency=4.0)
     >>> repeats(Axis(inertia=1.0, drive=push)), repeats(Axis(inertia=1.0, drive=push + shake))
     (False, True)

@@ -7,9 +7,7 @@ from typing import Annotated, ClassVar
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import ParameterError
-from stickslip.formatting import number
 from stickslip.maths import Scalar, sin, where
 from stickslip.mechanisms.base import (
     BoundedMechanism,
@@ -22,7 +20,9 @@ from stickslip.mechanisms.base import (
     height,
     stops_between,
 )
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Quantity
+from stickslip.show.formatting import number
 
 # A block on rough ground, shot off by a spring or pushed by a force.
 

@@ -6,10 +6,10 @@ from typing import Annotated, ClassVar, TypeVar
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Parametrised, Quantity
 
 # Friction linings: what brakes and clutches press on each other.
@@ -26,7 +26,7 @@ class Lining(Parametrised):
 
     Examples
     --------
-    >>> from stickslip.drives import Ramp
+    >>> from stickslip.mechanisms.drives import Ramp
     >>> pad = Lining(radius=0.12, press=Ramp(rate=50.0))
     >>> pad.press.value(2.0)
     100.0
@@ -194,7 +194,7 @@ class Rotor(Parametrised):
 
     Examples
     --------
-    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms.drives import Sine
     >>> Rotor(inertia=0.2, torque=Sine(amplitude=10.0, frequency=5.0)).inertia
     0.2
     """
@@ -221,7 +221,7 @@ class ClutchTrain(Mechanism):
     ``100 * 0.2 / (0.2 + 0.3)``.
 
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.drives import Ramp
+    >>> from stickslip.mechanisms.drives import Ramp
     >>> from stickslip.mechanisms import Lining, Rotor
     >>> train = ClutchTrain(
     ...     rotors=(Rotor(inertia=0.2), Rotor(inertia=0.3)),

@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
-from stickslip.drives import Drive, Profile, Sine
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, cos, sin, where
 from stickslip.mechanisms.base import (
@@ -23,6 +22,7 @@ from stickslip.mechanisms.base import (
     height,
     stops_between,
 )
+from stickslip.mechanisms.drives import Drive, Profile, Sine
 from stickslip.quantities import Parametrised, Quantity
 
 # What moves an inner body: a motion it is told, or a force or torque.
@@ -101,7 +101,7 @@ class Prescribed(Motor):
 
     Examples
     --------
-    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms.drives import ThreePhase
     >>> motor = Prescribed(profile=ThreePhase(amplitude=0.8, fast=120.0, slow=30.0))
     >>> float(motor.start("theta", "omega")["theta"])
     -0.8
@@ -144,7 +144,7 @@ class Torque(Motor):
 
     Examples
     --------
-    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms.drives import Sine
     >>> Torque(drive=Sine(amplitude=0.4, frequency=1.0), limit=0.3).name
     'torque'
     """
@@ -262,7 +262,7 @@ class Capsule(BoundedMechanism):
     Examples
     --------
     >>> from stickslip import Capsule, Coulomb, simulate
-    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms.drives import ThreePhase
     >>> from stickslip.mechanisms import Prescribed
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
@@ -538,7 +538,7 @@ class TwoMassCapsule(BoundedMechanism):
     Two masses that are one do what the inner mass of a `Capsule` does:
 
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms.drives import ThreePhase
     >>> from stickslip.mechanisms import InnerMass, Prescribed
     >>> stroke = Prescribed(profile=ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow"))
     >>> half = InnerMass(mass=0.1, drive=stroke)
@@ -693,7 +693,7 @@ class PendulumCart(Mechanism):
     --------
     >>> import math
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms.drives import ThreePhase
     >>> from stickslip.mechanisms import Prescribed
     >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     >>> cart = PendulumCart(

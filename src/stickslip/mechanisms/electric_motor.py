@@ -8,9 +8,9 @@ from typing import Annotated, Any, ClassVar, TypeAlias
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import InputError, ParameterError
 from stickslip.maths import Scalar, where
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Parametrised, Quantity
 
 
@@ -84,7 +84,7 @@ class SampledLoop(MotorLoop):
 
     Fits take it: they simulate motor and loop under the recorded goal, or balance torques under the
     voltage that it makes of the recorded goal and position. A run of its own is one of
-    `stickslip.control.closed_loop` with a `PID` of the same gains.
+    `stickslip.study.control.closed_loop` with a `PID` of the same gains.
 
     Examples
     --------
@@ -236,7 +236,7 @@ class DCMotor(Parametrised):
     A servo with an arm goes to 0.5 rad, and rests where the torque left is below the friction:
 
     >>> from stickslip import CoulombViscous, Pendulum, simulate
-    >>> from stickslip.drives import Sampled
+    >>> from stickslip.mechanisms.drives import Sampled
     >>> motor = DCMotor(
     ...     resistance=3.0, torque_constant=0.4, rotor_inertia=2e-3, supply=7.4,
     ...     loop=PositionLoop(gain=40.0), drive=Sampled(times=[0.0], values=[0.5]),

@@ -8,11 +8,11 @@ from typing import Annotated, ClassVar, Literal
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.mechanisms.brakes import checked_parts
+from stickslip.mechanisms.drives import Drive
 from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.mechanisms.rigid_bodies import (
     BASE,
@@ -43,7 +43,7 @@ class Link(Parametrised):
 
     Examples
     --------
-    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms.drives import Sine
     >>> Link(
     ...     mass=0.5,
     ...     length=0.3,

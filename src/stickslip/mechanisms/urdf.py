@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.documents import check_xml, read_bytes
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms.rigid_bodies import (
     UNIT,
@@ -24,6 +23,7 @@ from stickslip.mechanisms.rigid_bodies import (
     turned,
 )
 from stickslip.quantities import Quantity
+from stickslip.show.documents import check_xml, read_bytes
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

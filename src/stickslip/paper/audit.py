@@ -5,9 +5,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stickslip.experiments import Published, Rig, load_rig
+from stickslip.data import Published, Rig, load_rig
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import BreakAway, FixedStep
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
-from stickslip.kinds import TravelVerdict, select_travels
+from stickslip.identify.candidates import FixedStepRow, compare_fixed_steps, largest_step
+from stickslip.identify.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
 from stickslip.paper.printed import (
     BREAK_AWAY_RULES,
@@ -44,10 +47,7 @@ from stickslip.paper.rigs import (
     study_cart,
 )
 from stickslip.quantities import fields_of, parameters, vary
-from stickslip.report import published_dict
-from stickslip.selection import FixedStepRow, compare_fixed_steps, largest_step
-from stickslip.simulation import simulate
-from stickslip.solver import BreakAway, FixedStep
+from stickslip.show.report import published_dict
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,10 +5,9 @@ from functools import partial
 from importlib.metadata import version
 from typing import NamedTuple
 
-from stickslip.experiments import Rig, load_rig
-from stickslip.formatting import fixed, joined, percent, quantity
+from stickslip.data import Rig, load_rig
 from stickslip.friction import SOURCES
-from stickslip.kinds import TravelVerdict
+from stickslip.identify.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.rigs import PUSH_DURATION
 from stickslip.paper.sections import (
@@ -29,7 +28,8 @@ from stickslip.paper.sections import (
     trial_section,
     unpublished_section,
 )
-from stickslip.report import (
+from stickslip.show.formatting import fixed, joined, percent, quantity
+from stickslip.show.report import (
     Code,
     Fact,
     Opening,

@@ -12,7 +12,9 @@ from typing import Any
 
 import scipy
 
-from stickslip.drives import Pulse
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import BreakAway, FixedStep
+from stickslip.engine.trajectory import Status, Trajectory
 from stickslip.errors import SimulationError
 from stickslip.friction import (
     PRINTED_FORMS,
@@ -26,12 +28,10 @@ from stickslip.friction import (
     Stribeck,
     Viscous,
 )
+from stickslip.identify.candidates import Criteria, criteria_of
 from stickslip.mechanisms import SpringBlock
+from stickslip.mechanisms.drives import Pulse
 from stickslip.paper.rigs import PUSH_DURATION, PaperValues, rigs
-from stickslip.selection import Criteria, criteria_of
-from stickslip.simulation import simulate
-from stickslip.solver import BreakAway, FixedStep
-from stickslip.trajectory import Status, Trajectory
 
 # What each printed equation does in four tests, beside the corrected law.
 

@@ -10,9 +10,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from stickslip.drives import Pulse, ThreePhase
+from stickslip.data import Measurement, Rig, load_rig
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import EventDriven, FixedStep
+from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, Rig, load_rig
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -22,15 +24,13 @@ from stickslip.friction import (
     PrintedCoulomb,
     PrintedForm,
 )
-from stickslip.identification import Estimate
-from stickslip.kinds import TravelVerdict
+from stickslip.identify.candidates import Criteria, criteria_of
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds import TravelVerdict
 from stickslip.mechanisms import PendulumCart, Prescribed, SpringBlock, TowedBlock
+from stickslip.mechanisms.drives import Pulse, ThreePhase
 from stickslip.quantities import vary
-from stickslip.selection import Criteria, criteria_of
-from stickslip.simulation import simulate
-from stickslip.solver import EventDriven, FixedStep
-from stickslip.sweep import DrivenCycle, cycles_in
-from stickslip.trajectory import Trajectory
+from stickslip.study.sweep import DrivenCycle, cycles_in
 
 # The numbers of the paper's rig: Table I, and what is assumed where it prints nothing.
 

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Quantity
 
 

@@ -3,9 +3,9 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.axes import Target, on_axes
-from stickslip.plots.svg import Draw
-from stickslip.trajectory import Trajectory
+from stickslip.engine.trajectory import Trajectory
+from stickslip.show.plots.axes import Target, on_axes
+from stickslip.show.plots.svg import Draw
 
 
 def draw_toy(run: Trajectory) -> Draw:

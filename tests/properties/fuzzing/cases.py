@@ -17,13 +17,13 @@ from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from tests.support import UNAIDED
 
 from stickslip import EventDriven, simulate
-from stickslip.drives import Drive
-from stickslip.drives.registry import DRIVES
+from stickslip.engine import Trajectory
 from stickslip.friction import FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, InnerMass, Mechanism, Motor
+from stickslip.mechanisms.drives import Drive
+from stickslip.mechanisms.drives.registry import DRIVES
 from stickslip.quantities import fields_of
-from stickslip.results import Trajectory
 
 Kinds = tuple[type[Drive], ...]
 

@@ -13,11 +13,11 @@ from tests.properties.fuzzing.rigs import PendulumCart
 
 import stickslip.mechanisms
 from stickslip import EventDriven, Stribeck, TwoLinkArm
-from stickslip.drives import Drive
+from stickslip.engine import Status, Trajectory
+from stickslip.engine.kernels.state_layout import UNLOADED
 from stickslip.friction import FrictionLaw
-from stickslip.kernels.state_layout import UNLOADED
 from stickslip.mechanisms import MatrixMechanism
-from stickslip.results import Status, Trajectory
+from stickslip.mechanisms.drives import Drive
 
 ROUNDED = 1e-11
 """What a force or an energy may be off while a mode lasts, relative to its size in the run."""

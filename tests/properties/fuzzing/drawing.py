@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
 
-from stickslip.drives import (
+from stickslip.mechanisms.drives import (
     Drive,
     HalfSine,
     PiecewiseLinear,
@@ -16,7 +16,7 @@ from stickslip.drives import (
     Square,
     Sum,
 )
-from stickslip.drives.registry import DRIVES
+from stickslip.mechanisms.drives.registry import DRIVES
 
 WIDEST: Mapping[str, tuple[float, float]] = {
     "kg": (1e-6, 1e4),

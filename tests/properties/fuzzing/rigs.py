@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Quantity
 
 Mass = Annotated[float, Quantity("m", "kg", above=0)]

@@ -20,8 +20,6 @@ from tests.properties.fuzzing.cases import (
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
 from tests.support import UNAIDED
 
-from stickslip.drives import Drive
-from stickslip.drives.registry import DRIVES
 from stickslip.friction import FrictionLaw, Laws, assigned, bristle_names
 from stickslip.mechanisms import (
     BlockChain,
@@ -36,6 +34,8 @@ from stickslip.mechanisms import (
     TwoFeet,
     TwoLinkArm,
 )
+from stickslip.mechanisms.drives import Drive
+from stickslip.mechanisms.drives.registry import DRIVES
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 from tests.properties.fuzzing.cases import Case
 
-from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
+from stickslip.mechanisms.drives import Drive, Sum
 from stickslip.quantities import Parametrised, fields_of
 
 DIGITS = (1, 2, 4)

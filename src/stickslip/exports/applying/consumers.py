@@ -14,7 +14,6 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.documents import check_xml, read_bytes
 from stickslip.errors import InputError
 from stickslip.exports.applying.markup import Edit, root_of
 from stickslip.exports.applying.models import (
@@ -34,9 +33,10 @@ from stickslip.exports.applying.models import (
 )
 from stickslip.exports.joints import JointFriction, SmoothFriction, compared, steady_of
 from stickslip.exports.program import Subject
-from stickslip.formatting import quantity
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.quantities import named
+from stickslip.show.documents import check_xml, read_bytes
+from stickslip.show.formatting import quantity
 
 # Parameter files of ROS 2, in YAML: controllers that make up for friction.
 

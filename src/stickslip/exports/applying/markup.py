@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Final
 from xml.parsers import expat
 
-from stickslip.documents import NOT_XML, check_xml
 from stickslip.errors import InputError
+from stickslip.show.documents import NOT_XML, check_xml
 
 # Single values of a file are changed, and every other byte stays.
 

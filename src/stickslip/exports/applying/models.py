@@ -16,7 +16,6 @@ from typing import Any, ClassVar, Final
 
 from typing_extensions import override
 
-from stickslip.documents import read_bytes
 from stickslip.errors import InputError, nearest
 from stickslip.exports.applying.markup import (
     Edit,
@@ -31,10 +30,11 @@ from stickslip.exports.applying.markup import (
 )
 from stickslip.exports.joints import SOFT, Compared, PolynomialFriction, Simplified, simplified
 from stickslip.exports.program import Subject
-from stickslip.formatting import percent, quantity
 from stickslip.friction import SetValuedLaw
 from stickslip.mechanisms import DCMotor, has_macros
 from stickslip.quantities import turned
+from stickslip.show.documents import read_bytes
+from stickslip.show.formatting import percent, quantity
 
 # What a model file is: joints that can be given friction, and what its format has of a law.
 

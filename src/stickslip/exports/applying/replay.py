@@ -10,21 +10,19 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.described import Described
-from stickslip.drives import Drive, Sampled
-from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import (
+from stickslip.data import (
     Measurement,
     as_recorded,
     between_gaps,
     command_of,
     with_voltage,
 )
+from stickslip.engine.formulation import JointTorques
+from stickslip.engine.simulation import simulate
+from stickslip.errors import InputError, StickslipError
 from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone, not_run, timed
-from stickslip.formatting import quantity
-from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw
-from stickslip.identification import (
+from stickslip.identify.fits import (
     JointPiece,
     applied_force,
     contacts_along,
@@ -46,8 +44,10 @@ from stickslip.mechanisms import (
     motor_of,
     slip_of,
 )
+from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import turned
-from stickslip.simulation import simulate
+from stickslip.show.described import Described
+from stickslip.show.formatting import quantity
 
 Array = NDArray[np.float64]
 

@@ -21,18 +21,18 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.described import Described
-from stickslip.drives import Drive, PiecewiseLinear, Sine
+from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, StickslipError, check_size
 from stickslip.exports.applying.markup import Markup, Tag, markup_of
 from stickslip.exports.applying.models import HARD, SHARE, Mjcf, Model, Urdf
 from stickslip.exports.joints import SOFT, TIMESTEP, steady_force
 from stickslip.exports.program import Subject
-from stickslip.formatting import percent, quantity
 from stickslip.friction import FrictionLaw, bound
 from stickslip.mechanisms import Axis, gear_inputs, given_inputs, input_names
+from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Sine
 from stickslip.quantities import turned
-from stickslip.simulation import simulate
+from stickslip.show.described import Described
+from stickslip.show.formatting import percent, quantity
 
 # What a model asks of MuJoCo, refused before any of it is done.
 #

@@ -9,19 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 from typing_extensions import override
 
-from stickslip.described import Described
-from stickslip.documents import write_file
+from stickslip.data import Measurement, Rig
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement, Rig
 from stickslip.exports.applying.consumers import read_model
 from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint, Wishes
 from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
 from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.program import Subject
 from stickslip.exports.verb import Asked, evaluated, subject_of
-from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.identification import Fit
+from stickslip.identify.candidates import Verdict
+from stickslip.identify.fits import Fit
 from stickslip.mechanisms import (
     Axis,
     DCMotor,
@@ -33,7 +31,9 @@ from stickslip.mechanisms import (
     driving_inertia,
 )
 from stickslip.quantities import Given, turned
-from stickslip.selection import Verdict
+from stickslip.show.described import Described
+from stickslip.show.documents import write_file
+from stickslip.show.formatting import joined, quantity
 
 if TYPE_CHECKING:
     from stickslip.exports.verb import Source

@@ -13,12 +13,12 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from typing_extensions import override
 
-from stickslip.drives import Drive, Piece, Profile, Sampled, Straight, parts_of
+from stickslip.data import unit_of_input, unit_on
+from stickslip.engine.formulation import Model
+from stickslip.engine.kernels import state_layout
+from stickslip.engine.solver import column_units, path_units
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import unit_of_input, unit_on
-from stickslip.formulation import Model
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm, assigned, law_of
-from stickslip.kernels import state_layout
 from stickslip.mechanisms import (
     Mechanism,
     given_inputs,
@@ -28,8 +28,8 @@ from stickslip.mechanisms import (
     input_names,
     told_fields,
 )
+from stickslip.mechanisms.drives import Drive, Piece, Profile, Sampled, Straight, parts_of
 from stickslip.quantities import Parametrised, Quantity, parameters, shadow
-from stickslip.solver import column_units, path_units
 
 # A mechanism of which some drives are inputs.
 

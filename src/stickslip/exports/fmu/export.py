@@ -18,8 +18,22 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.documents import write_file
-from stickslip.drives import Sum
+from stickslip.engine.formulation import PAINLEVE, Model, formulate
+from stickslip.engine.kernels import exchange, state_layout
+from stickslip.engine.kernels import state_layout as enums
+from stickslip.engine.kernels.batch import happened
+from stickslip.engine.kernels.contacts.motion import first_contact_guard
+from stickslip.engine.kernels.equations import CONSTANTS_OF, WALLS_OF
+from stickslip.engine.simulation import check_pair, initial_state
+from stickslip.engine.solver import (
+    EventDriven,
+    gather,
+    object_files,
+    reasons,
+    status_of,
+    within_stops,
+)
+from stickslip.engine.trajectory import Status
 from stickslip.errors import CompilationError, InputError
 from stickslip.exports.fmu.description import (
     Fmi,
@@ -32,19 +46,12 @@ from stickslip.exports.fmu.description import (
     with_inputs,
 )
 from stickslip.exports.program import identifier
-from stickslip.formatting import printable
-from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
-from stickslip.kernels import exchange, state_layout
-from stickslip.kernels import state_layout as enums
-from stickslip.kernels.batch import happened
-from stickslip.kernels.contacts.motion import first_contact_guard
-from stickslip.kernels.equations import CONSTANTS_OF, WALLS_OF
 from stickslip.mechanisms import Mechanism, told_fields
+from stickslip.mechanisms.drives import Sum
 from stickslip.quantities import Quantity
-from stickslip.simulation import check_pair, initial_state
-from stickslip.solver import EventDriven, gather, object_files, reasons, status_of, within_stops
-from stickslip.trajectory import Status
+from stickslip.show.documents import write_file
+from stickslip.show.formatting import printable
 
 SLOTS = (
     "ADDRESS", "BOOKS", "CONSTANTS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL",

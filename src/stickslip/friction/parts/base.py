@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any, ClassVar, TypeAlias
 
-from stickslip.described import marks
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
+from stickslip.show.described import marks
 
 Values: TypeAlias = Any
 """The parameters of a law as one of its parts names them, read as attributes."""

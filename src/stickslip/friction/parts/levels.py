@@ -11,7 +11,6 @@ from typing import Annotated
 
 from typing_extensions import Doc, override
 
-from stickslip.documents import open_regular
 from stickslip.errors import InputError, StickslipError
 from stickslip.friction.base import (
     FadingExponent,
@@ -22,6 +21,7 @@ from stickslip.friction.base import (
 from stickslip.friction.parts.base import Becomes, Extra, Level, Part, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
+from stickslip.show.documents import open_regular
 from stickslip.units import factor, is_of
 
 AT_LARGEST = Doc("Speed at which friction peaks, if the static level is above the kinetic one.")

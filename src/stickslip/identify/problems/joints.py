@@ -1,7 +1,7 @@
 r"""Records of several joints: the balance of each is a record of one coordinate.
 
 1. **Balance of a joint.** Along the measured motion of all joints, the equations of the mechanism
-   (:class:`~stickslip.formulation.JointTorques`) give the force :math:`T_i(q, \dot q, \ddot q)`
+   (:class:`~stickslip.engine.formulation.JointTorques`) give the force :math:`T_i(q, \dot q, \ddot q)`
    that joint :math:`i` takes without friction, which is affine in the parameters :math:`p` of links
    that are looked for. With the inertia :math:`J_i` that it moves where all others rest,
 
@@ -34,9 +34,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Measurement, between_gaps
-from stickslip.formulation import JointTorques
-from stickslip.identification import (
+from stickslip.data import Measurement, between_gaps
+from stickslip.engine.formulation import JointTorques
+from stickslip.identify.fits import (
     FilteredMotion,
     check_joints,
     contacts_along,

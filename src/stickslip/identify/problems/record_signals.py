@@ -16,8 +16,8 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import lfilter
 
+from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.identify.forces import Unknown, forces_along, transmitted_of, with_transmitted
 from stickslip.identify.problem import STRETCHES, Array, Mask
 from stickslip.mechanisms import Mechanism

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.data import Measurement
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.identification import stretches_of
+from stickslip.identify.fits import stretches_of
 from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, bounds_of, compose
 from stickslip.identify.problem import (
     ALIKE,

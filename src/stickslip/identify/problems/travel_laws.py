@@ -25,13 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from stickslip.engine.simulation import simulate
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelModel, Trial, is_rig, required_of, under_cycles
+from stickslip.identify.fits import TravelModel, Trial, is_rig, required_of, under_cycles
 from stickslip.identify.problem import Array
 from stickslip.identify.problems.travel_descent import descended, slopes_of
 from stickslip.mechanisms import slip_of
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.simulation import simulate
 
 LEVELS = np.geomspace(1e-5, 1e5, 61)
 """Leading coefficients at which it is first looked whether anything moves."""

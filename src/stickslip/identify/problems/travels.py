@@ -37,11 +37,12 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import logsumexp, softmax, stdtrit
 
+from stickslip.data import whole_cycles
 from stickslip.errors import ConvergenceError, InputError, StickslipError
-from stickslip.experiments import whole_cycles
-from stickslip.formatting import joined, number, quantity
 from stickslip.friction import DirectionDependent, FrictionLaw, law_type, listed
-from stickslip.identification import (
+from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
+from stickslip.identify.ensemble import allotted
+from stickslip.identify.fits import (
     READINGS,
     TravelModel,
     Trial,
@@ -51,8 +52,6 @@ from stickslip.identification import (
     starting_law,
     under_cycles,
 )
-from stickslip.identify.comparison import LEAST, stacked_shares, with_curve
-from stickslip.identify.ensemble import allotted
 from stickslip.identify.problem import Array
 from stickslip.identify.problems.travel_descent import STEP
 from stickslip.identify.problems.travel_laws import (
@@ -67,6 +66,7 @@ from stickslip.identify.search import block_scores
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
+from stickslip.show.formatting import joined, number, quantity
 
 USUAL_LAWS = (
     "coulomb", "viscous", "coulomb-viscous", "stribeck", "power-viscous", "dahl", "lugre",

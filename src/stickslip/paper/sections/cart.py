@@ -5,17 +5,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.formatting import (
-    fixed,
-    in_words,
-    interval,
-    joined,
-    number,
-    percent,
-    quantity,
-    significant,
-    with_unit,
-)
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
 from stickslip.paper.sections.common import (
@@ -27,7 +16,18 @@ from stickslip.paper.sections.common import (
     levels_from,
     values_of,
 )
-from stickslip.plots import (
+from stickslip.show.formatting import (
+    fixed,
+    in_words,
+    interval,
+    joined,
+    number,
+    percent,
+    quantity,
+    significant,
+    with_unit,
+)
+from stickslip.show.plots import (
     CYCLE_SIZES,
     MotionView,
     animation_html,
@@ -35,7 +35,7 @@ from stickslip.plots import (
     draw_motion,
     inline_svg,
 )
-from stickslip.report import (
+from stickslip.show.report import (
     Animation,
     Caption,
     Column,

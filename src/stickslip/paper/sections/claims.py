@@ -4,7 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stickslip.formatting import (
+from stickslip.engine.trajectory import Trajectory
+from stickslip.friction import LuGre
+from stickslip.paper.audit import PaperAudit
+from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
+from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
+from stickslip.paper.sections.cart import largest_pull
+from stickslip.paper.sections.common import values_of
+from stickslip.show.formatting import (
     fixed,
     in_words,
     interval,
@@ -14,14 +21,7 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
-from stickslip.friction import LuGre
-from stickslip.paper.audit import PaperAudit
-from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
-from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
-from stickslip.paper.sections.cart import largest_pull
-from stickslip.paper.sections.common import values_of
-from stickslip.report import Column, Name, Paragraph, Row, Section, Subheading, Table
-from stickslip.trajectory import Trajectory
+from stickslip.show.report import Column, Name, Paragraph, Row, Section, Subheading, Table
 
 # What the parameters that the paper does not print would have to be.
 

@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterable
 from typing import Literal
 
-from stickslip.formatting import quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
-from stickslip.report import Axis, Column
+from stickslip.show.formatting import quantity, significant
+from stickslip.show.report import Axis, Column
 
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""

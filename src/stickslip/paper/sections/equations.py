@@ -3,18 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from stickslip.formatting import (
-    fixed,
-    in_words,
-    interval,
-    joined,
-    number,
-    quantity,
-    residue,
-    signed_percent,
-    significant,
-    with_unit,
-)
 from stickslip.friction import PRINTED_EQUATIONS, LuGre, PrintedForm, RightEquation
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.printed import (
@@ -40,9 +28,21 @@ from stickslip.paper.sections.common import (
     travel_axis,
     values_of,
 )
-from stickslip.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
 from stickslip.quantities import fields_of
-from stickslip.report import (
+from stickslip.show.formatting import (
+    fixed,
+    in_words,
+    interval,
+    joined,
+    number,
+    quantity,
+    residue,
+    signed_percent,
+    significant,
+    with_unit,
+)
+from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
+from stickslip.show.report import (
     Block,
     Caption,
     Column,

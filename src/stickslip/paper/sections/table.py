@@ -2,7 +2,13 @@
 
 from collections.abc import Mapping
 
-from stickslip.formatting import (
+from stickslip.engine.solver import BreakAway
+from stickslip.friction import Stribeck
+from stickslip.paper.audit import PaperAudit, TableRow
+from stickslip.paper.printed import Requirement
+from stickslip.paper.rigs import PUSH_DURATION, SPEED
+from stickslip.paper.sections.common import fitted_text, travel_axis
+from stickslip.show.formatting import (
     fixed,
     joined,
     number,
@@ -14,12 +20,7 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
-from stickslip.friction import Stribeck
-from stickslip.paper.audit import PaperAudit, TableRow
-from stickslip.paper.printed import Requirement
-from stickslip.paper.rigs import PUSH_DURATION, SPEED
-from stickslip.paper.sections.common import fitted_text, travel_axis
-from stickslip.plots import (
+from stickslip.show.plots import (
     RUN_SIZES,
     Sizes,
     characteristic_sizes,
@@ -33,7 +34,7 @@ from stickslip.plots import (
     schematic,
     symbol_label,
 )
-from stickslip.report import (
+from stickslip.show.report import (
     Caption,
     Column,
     Columns,
@@ -47,7 +48,6 @@ from stickslip.report import (
     Section,
     Table,
 )
-from stickslip.solver import BreakAway
 
 # The paper's Table II beside ours, and its criteria applied again.
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.data import LawEstimates, Measurement
+from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates, Measurement
-from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification import (
+from stickslip.identify.fits import (
     Fit,
     FreeParameters,
     Inference,
@@ -33,10 +33,10 @@ from stickslip.identification import (
 )
 from stickslip.mechanisms import Mechanism, SpringBlock
 from stickslip.quantities import vary
-from stickslip.simulation import simulate
+from stickslip.show.formatting import quantity
 
 if TYPE_CHECKING:
-    from stickslip.display import Drawing, Target
+    from stickslip.show.display import Drawing, Target
 
 Array = NDArray[np.float64]
 
@@ -156,7 +156,7 @@ class SlideFit(Fit[FrictionLaw]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        from stickslip.plots import on_axes
+        from stickslip.show.plots import on_axes
 
         def draw(figure: Any, _narrow: bool) -> None:
             axes = figure.add_subplot(xlabel="fitted way, m", ylabel="residual, mm")

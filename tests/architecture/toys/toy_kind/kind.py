@@ -7,14 +7,10 @@ from typing import final
 import numpy as np
 from typing_extensions import override
 
+from stickslip.data import Measurement
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.experiments import Measurement
-from stickslip.formatting import joined, quantity, with_unit
 from stickslip.friction import CandidateSpec, Coulomb
-from stickslip.identification import Estimate
-from stickslip.kinds import Kind, Request
-from stickslip.kinds.kind import SeveralLaws
-from stickslip.selection import (
+from stickslip.identify.candidates import (
     UNMEASURED,
     CrossValidation,
     Wording,
@@ -28,6 +24,10 @@ from stickslip.selection import (
     outcome_beside,
     specifications,
 )
+from stickslip.identify.fits import Estimate
+from stickslip.identify.kinds import Kind, Request
+from stickslip.identify.kinds.kind import SeveralLaws
+from stickslip.show.formatting import joined, quantity, with_unit
 
 from .fit import DURATION, SlideFit, fit_slides, problem_of
 from .verdict import COLUMNS, MILLIMETRES, ROUTE, SlideCandidate, SlideVerdict

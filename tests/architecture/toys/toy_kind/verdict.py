@@ -6,9 +6,9 @@ from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.formatting import Scale
-from stickslip.kinds import Column, data_row
-from stickslip.selection import CrossValidated, CrossValidatedVerdict, score_text
+from stickslip.identify.candidates import CrossValidated, CrossValidatedVerdict, score_text
+from stickslip.identify.kinds import Column, data_row
+from stickslip.show.formatting import Scale
 
 from .fit import SlideFit
 

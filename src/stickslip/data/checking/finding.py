@@ -1,0 +1,88 @@
+"""One remark about a measurement, or about what was found from it."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final, Literal
+
+from typing_extensions import override
+
+from stickslip.show.described import Described
+
+OTHER_SPEEDS: Final = "Measure at further velocities"
+"""What answers a motion at too few speeds."""
+OTHER_WAY: Final = "Measure in the other direction, too"
+"""What answers a motion in one direction."""
+Severity = Literal["info", "warning", "error"]
+TURN: Final = "set its gain to −1, or reverse the sign of its present gain"
+"""Cure of a force that counts the other way; a gain that is given takes the place of another."""
+SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding(metaclass=Described):
+    """One remark about a measurement, as a sentence with its numbers.
+
+    Examples
+    --------
+    >>> one = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", severity="warning")
+    >>> str(one)
+    'Gap of 0.3 s after 12.5 s.'
+    """
+
+    kind: str
+    """What it is about, such as ``"sampling"`` or ``"drift"``."""
+    sentence: str
+    """The remark, with numbers and units."""
+    severity: Severity = "info"
+    """``"error"`` where no fit should be made from the record as it is."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """The numbers of the sentence, SI."""
+    measure: str = ""
+    """What to measure, without a full stop, where a further measurement answers it; else empty."""
+    record: str = ""
+    """Name of the trial it is about, where there are several."""
+
+    def __post_init__(self) -> None:
+        """Keep the numbers as plain floats that nobody changes."""
+        numbers = {str(name): float(value) for name, value in self.numbers.items()}
+        object.__setattr__(self, "numbers", MappingProxyType(numbers))
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: a view of the numbers does not."""
+        return {**self.__dict__, "numbers": dict(self.numbers)}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """Keep what came from another process as it was made there."""
+        self.__dict__.update(state, numbers=MappingProxyType(state["numbers"]))
+
+    @override
+    def __str__(self) -> str:
+        """Return the sentence, after the name of its trial."""
+        return f"{self.record}: {self.sentence}" if self.record else self.sentence
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain texts and numbers."""
+        return {
+            "kind": self.kind,
+            "severity": self.severity,
+            "sentence": self.sentence,
+            "numbers": dict(self.numbers),
+            "record": self.record,
+        }
+
+
+def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
+    """Return findings in words, those of some kinds alone if any are named.
+
+    Examples
+    --------
+    >>> found = [
+    ...     Finding(kind="drift", sentence="It drifts."),
+    ...     Finding(kind="gap", sentence="A gap."),
+    ... ]
+    >>> sentences_of(found, "drift")
+    ('It drifts.',)
+    """
+    return tuple(str(one) for one in findings if not kinds or one.kind in kinds)

@@ -1,0 +1,743 @@
+"""Motion and the forces that go with it: whether signals of a record fit each other.
+
+1. Motion: its directions, rests and slow parts.
+2. Signals of one quantity: velocity and position, friction and load.
+3. Dynamics: the force that the inertia needs beside those that are known, energy that comes from
+   nowhere, and factors that look like units.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
+from stickslip.data.differentiation import (
+    CUTOFF,
+    acceleration_of,
+    are_steady_readings,
+    between_gaps,
+    interval_of,
+    noise_of,
+    smooth,
+    step_of,
+    velocity_of,
+)
+from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
+from stickslip.data.rig import COMMANDS
+from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, load_stated, stops_of
+from stickslip.quantities import turned, vary
+from stickslip.show.formatting import count, number, percent, quantities, quantity
+
+SLOW: Final = 0.05
+BENT: Final = 0.01
+"""Distance from the line of motion over its length up to which a motion counts as straight."""
+HYSTERESIS: Final = 0.01
+"""Speed over the largest below which a direction is not believed, where there is no noise."""
+RESTING: Final = 1e-3
+SWING: Final = 0.005
+"""Way over the whole stroke that a direction must last to be believed."""
+SURE: Final = 5.0
+"""Standard deviations of its noise that a speed must have to be one."""
+SHORTEST: Final = 10
+"""Samples that a rest has at least."""
+MOSTLY: Final = 0.9
+"""Share of a record at rest from which it shows little of friction in motion."""
+LITTLE: Final = "the record shows little of friction in motion"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """The velocity of a record and what of it is noise."""
+
+    time: Array
+    """Times (n,) [s]."""
+    velocity: Array
+    """Filtered [m/s]."""
+    noise: float
+    """Standard deviation of its noise [m/s]."""
+    unit: str = "m/s"
+    """``"rad/s"`` about an axis."""
+    measured: Array | None = None
+    """As it was measured [m/s], if it was."""
+
+    @property
+    def fastest(self) -> float:
+        """The largest speed [m/s], single samples left out in long records."""
+        speed = np.abs(self.velocity)
+        return float(np.quantile(speed, 0.999)) if speed.size > 5000 else float(speed.max())
+
+    @property
+    def sure(self) -> float:
+        """Speed above which a direction is believed [m/s]."""
+        return max(HYSTERESIS * self.fastest, SURE * self.noise)
+
+    @cached_property
+    def directions(self) -> NDArray[np.int64]:
+        """1, -1, or 0 where the speed is too low or the way too short to tell."""
+        found = np.sign(np.where(np.abs(self.velocity) > self.sure, self.velocity, 0.0)).astype(int)
+        first = np.flatnonzero(np.diff(found, prepend=2))
+        steps = np.diff(self.time, append=self.time[-1]) * self.velocity
+        ways = np.add.reduceat(steps, first)
+        path = np.cumsum(steps)
+        # A filter swings about a velocity that jumps, by a little way.
+        short = np.abs(ways) < SWING * float(np.ptp(path))
+        return np.where(np.repeat(short, np.diff(first, append=found.size)), 0, found)
+
+    @cached_property
+    def rests(self) -> Array:
+        """Durations (k,) [s] of the periods in which nothing moves."""
+        still = np.abs(self.velocity) <= max(RESTING * self.fastest, SURE * self.noise)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+        first, last = edges[::2], edges[1::2] - 1
+        long = last - first + 1 >= SHORTEST
+        durations: Array = (self.time[last] - self.time[first])[long]
+        return durations
+
+    @property
+    def hardly_moves(self) -> bool:
+        """Whether the body rests for most of the record: friction is what is applied to it then."""
+        return bool(np.sum(self.rests) > MOSTLY * (self.time[-1] - self.time[0]))
+
+
+def motion_of(record: Measurement) -> Motion | None:
+    """Return how a record moves, or None if it says nothing about that."""
+    time = record.time
+    if time is None or (record.position is None and record.velocity is None):
+        return None
+    dt, unit = interval_of(time), record.unit("velocity")
+    if record.velocity is not None:
+        raw = velocity_of(record)
+        # A low pass at a share of the sampling leaves that share of both sides of white noise.
+        noise = noise_of(raw, step_of(raw)) * np.sqrt(2 * CUTOFF)
+        return Motion(
+            time=time, velocity=smooth(time, raw), noise=float(noise), unit=unit, measured=raw
+        )
+    position = np.asarray(record.values("position"))
+    # The same for the derivative, whose spectrum grows with the frequency squared.
+    share = 2 * np.pi * np.sqrt(2 * CUTOFF**3 / 3)
+    noise = noise_of(position, step_of(position)) * share / dt
+    return Motion(time=time, velocity=velocity_of(record), noise=float(noise), unit=unit)
+
+
+def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
+    """Count the changes of direction, and say what follows from there being none.
+
+    Motion one way tells no friction level from a constant force: one that a fit looks for, or that
+    a sensor of force may add. Where there is no such `offset`, nothing is lost.
+    """
+    seen = motion.directions[motion.directions != 0]
+    if not seen.size:
+        noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
+        yield Finding(
+            kind="reversals",
+            severity="warning",
+            sentence=(
+                f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
+                " directions cannot be determined. Filter the position, or measure it with a finer"
+                " resolution."
+            ),
+            measure="Measure faster or larger motions",
+            numbers={"noise": motion.noise, "fastest": motion.fastest},
+        )
+        return
+    changes = int(np.count_nonzero(np.diff(seen)))
+    numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
+    if changes:
+        yield Finding(
+            kind="reversals",
+            sentence=(
+                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
+                f" {percent(numbers['forward_share'])} of the moving samples go forward."
+            ),
+            numbers=numbers,
+        )
+        return
+    way = "forward" if seen[0] > 0 else "backward"
+    one_number = ", so that friction level and offset cannot be separated" if offset else ""
+    yield Finding(
+        kind="reversals",
+        severity="warning" if offset else "info",
+        sentence=f"No reversals: the motion goes {way} only{one_number}.",
+        measure=OTHER_WAY if offset else "",
+        numbers=numbers,
+    )
+
+
+def beside_other_way(one: Finding) -> Finding:
+    """Return that a trial goes one way, as no fault where another goes the other way."""
+    way = "forward" if one.numbers["forward_share"] else "backward"
+    sentence = f"No reversals: the motion goes {way} only, and that of other trials the other way."
+    return replace(one, severity="info", sentence=sentence, measure="")
+
+
+def straight(record: Measurement) -> Iterator[Finding]:
+    """Say on which line positions in a plane were projected, and whether they lie along it."""
+    line = record.line
+    if line is None:
+        return
+    bent = line.wander > max(BENT * line.length, line.jitter)
+    tilt, across = f"{number(float(np.degrees(line.tilt)))}°", quantity(line.across, "m")
+    way = (
+        f"Position is the coordinate along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
+    )
+    ahead = travels(np.asarray(record.values("position")))
+    text = f"{way}; the samples deviate from it by {across} (root mean square). Positive is"
+    text += " the direction of " + (
+        "the net travel." if ahead else "its first move; a gain of −1 reverses it."
+    )
+    if bent:
+        text = (
+            f"The motion is not straight: it deviates by {quantity(line.wander, 'm')} (root mean"
+            f" square) from its line of {quantity(line.length, 'm')}, tilted by {tilt}. The body"
+            " rotated, its track is curved, or the camera was not perpendicular to the plane of"
+            " motion."
+        )
+    yield Finding(
+        kind="line",
+        severity="warning" if bent else "info",
+        sentence=text,
+        measure="Record a straight motion, with the camera perpendicular to it" if bent else "",
+        numbers={
+            "tilt": line.tilt,
+            "length": line.length,
+            "across": line.across,
+            "jitter": line.jitter,
+        },
+    )
+
+
+def rests(motion: Motion) -> Iterator[Finding]:
+    """Say for how long nothing moves."""
+    durations, span = motion.rests, float(motion.time[-1] - motion.time[0])
+    if not durations.size:
+        text = f"No periods of rest of {SHORTEST} samples or more."
+        yield Finding(kind="rests", sentence=text, numbers={"duration": 0.0})
+        return
+    total, still = float(np.sum(durations)), motion.hardly_moves
+    text = f"At rest for {quantity(total, 's')} of {quantity(span, 's')} ({percent(total / span)}),"
+    text += f" in {count(int(durations.size), 'period')}"
+    yield Finding(
+        kind="rests",
+        severity="warning" if still else "info",
+        sentence=f"{text}: {LITTLE}." if still else f"{text}.",
+        measure="Record more of the motion" if still else "",
+        numbers={"duration": total, "share": total / span, "stretches": durations.size},
+    )
+
+
+def readings(record: Measurement) -> Iterator[Finding]:
+    """Say that rows seem to be steady readings, and no samples of a motion."""
+    friction, velocity, time = record.friction, record.velocity, record.time
+    if time is None or not (isinstance(friction, np.ndarray) and isinstance(velocity, np.ndarray)):
+        return
+    if {*record.quantities()} & {"position", "force", "pull", "spring_force"}:
+        return
+    if not are_steady_readings(time, velocity, friction):
+        return
+    yield Finding(
+        kind="steady readings",
+        severity="warning",
+        sentence=(
+            f"The rows, one every {quantity(interval_of(time), 's')} and each at another speed,"
+            " seem to be steady readings of friction, not samples of one motion: filters then mix"
+            " what was measured at different speeds. Leave the time out, as in a rig file with"
+            ' columns = { time = "" }.'
+        ),
+        measure="Sample a motion more often, or leave the times of steady readings out",
+        numbers={"interval": interval_of(time)},
+    )
+
+
+def slow(motion: Motion) -> Iterator[Finding]:
+    """Say how much of the record is slow, where laws differ most."""
+    # the filter leaves nothing of single slow samples
+    speed = np.abs(motion.velocity if motion.measured is None else motion.measured)
+    fastest = motion.fastest
+    if fastest == 0.0:
+        return
+    share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit
+    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, unit)},"
+    text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
+    text += "." if share else ": this record does not determine friction near zero velocity."
+    yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})
+
+
+# Signals that must fit each other: velocity and position, forces and motion, friction and load.
+
+ALIKE: Final = 0.9
+"""Correlation from which two velocities are one and the same but for a factor."""
+OFF: Final = 0.1
+OPPOSITE: Final = 0.8
+"""Share of the moving samples with friction against the sign rule from which the sign is wrong."""
+HALF: Final = 0.5
+"""Energy given out over all that changes hands, from which the sign is wrong as well."""
+KNOWN: Final = (
+    (1e3, "velocity looks like mm/s"),
+    (1e6, "velocity looks like µm/s"),
+    (1e2, "velocity looks like cm/s"),
+    (60.0, "velocity looks like m/min"),
+    (3.6, "velocity looks like km/h"),
+    (1e-3, "position looks like mm"),
+    (1e-6, "position looks like µm"),
+    (1e-2, "position looks like cm"),
+)
+
+
+def velocity_and_position(record: Measurement) -> Iterator[Finding]:
+    """Compare a measured velocity with the derivative of the measured position."""
+    time = record.time
+    if time is None or record.position is None or record.velocity is None or time.size < 20:
+        return
+    derived = np.gradient(smooth(time, np.asarray(record.values("position"))), time)
+    measured = smooth(time, np.asarray(record.values("velocity")))
+    power = float(derived @ derived)
+    if power == 0.0 or not measured.any():
+        return
+    factor = float(derived @ measured) / power
+    alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
+    numbers = {"factor": factor, "correlation": alike}
+    severity: Severity = "info"
+    if abs(alike) < ALIKE:
+        sentence = (
+            "Velocity does not follow the derivative of position (correlation"
+            f" {number(alike, 2)}): the two belong to different bodies, are delayed, or have"
+            " different time bases."
+        )
+        severity = "warning"
+    elif abs(factor - 1.0) <= OFF:
+        sentence = "Velocity agrees with the derivative of position"
+        sentence += f" (factor {number(factor)}, correlation {number(alike)})."
+    else:
+        sentence = f"Velocity is {number(factor)} times the derivative of position"
+        sentence += f"{_guess(factor)}: state its unit or a gain."
+        severity = "error"
+    yield Finding(kind="velocity", severity=severity, sentence=sentence, numbers=numbers)
+
+
+def _guess(factor: float) -> str:
+    """Return what a factor between the two suggests."""
+    for known, words in KNOWN:
+        if abs(abs(factor) / known - 1.0) < OFF:
+            return f" ({words}{', with the opposite sign' if factor < 0 else ''})"
+    return " (the signs are opposite)" if abs(factor + 1.0) <= OFF else ""
+
+
+def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+    """Compare the sign of friction with that of the velocity."""
+    if motion is None or not isinstance(record.friction, np.ndarray):
+        return
+    direction = motion.directions
+    moving = direction != 0
+    if not moving.any():
+        return
+    friction = np.asarray(record.values("friction"))
+    product = friction[moving] * direction[moving]
+    against, along = float(np.mean(product < 0)), float(np.mean(product > 0))
+    power = friction * motion.velocity
+    # Springs of the surface give back what they took, so that only the sum tells.
+    taken = float(np.sum(power) / np.sum(np.abs(power))) if power.any() else 0.0
+    numbers = {"opposite_share": against, "same_share": along, "work": taken}
+    severity: Severity = "info"
+    sentence = f"Friction has the sign of the velocity on {percent(along)} of the moving samples."
+    if against > OPPOSITE or (against > 0.5 and taken < -HALF):
+        severity = "error"
+        sentence = (
+            f"Friction is opposite in sign to the velocity on {percent(against)} of the"
+            " moving samples"
+        )
+        sentence += " and would supply energy. Sign convention: friction has the sign of the"
+        sentence += f" slip velocity; {TURN}."
+    elif along < 0.5:
+        severity = "warning"
+        sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
+        sentence += " samples: check for an offset, a delay, or opposite sign conventions."
+    yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)
+
+
+EXPLAINED_FOR_SIGN: Final = 0.5
+"""Share of a force that the motion must explain, for its sign to be told."""
+GIVEN_OUT: Final = 0.1
+"""Energy that friction would give out, over all that the force exchanges, from which it is told."""
+BOTH_WAYS: Final = 0.05
+"""Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
+ONE_SINE: Final = 0.95
+"""Correlation from which acceleration and displacement are one, as those of a single sine."""
+LARGEST: Final = 2.0
+"""Coefficients of friction hardly exceed this."""
+LEAST_LOAD: Final = 10.0
+"""Load [N] above which forces and coefficients are of different sizes."""
+SMALL: Final = 0.1
+"""Friction over load below which a coefficient is the likelier reading."""
+
+
+def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+    """Doubt the sign of a force that seems to move a negative inertia against negative friction.
+
+    Springs and a constant are left aside; no passive mechanism has both.
+    """
+    known = {*record.quantities()}
+    if motion is None or "force" not in known or known & {"friction", "spring_force", "pull"}:
+        return
+    ways = motion.directions
+    if min(float(np.mean(ways > 0)), float(np.mean(ways < 0))) < BOTH_WAYS:
+        return
+    force, v, a = np.asarray(record.values("force")), motion.velocity, acceleration_of(record)
+    steps = np.diff(motion.time, prepend=motion.time[0])
+    columns = np.stack([a, ways, v, np.ones(v.size), np.cumsum(v * steps)], axis=1)
+    if abs(float(np.corrcoef(a, columns[:, -1])[0, 1])) > ONE_SINE:
+        columns = columns[:, :-1]
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    if not (size > 0.0).all() or not np.ptp(force):
+        return
+    found = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
+    left = force - columns @ found
+    explained = 1.0 - float(np.var(left) / np.var(force))
+    rubbed = found[1] * ways + found[2] * v
+    work = float(np.sum(rubbed * v) / np.sum(np.abs(force * v)))
+    if found[0] >= 0.0 or work > -GIVEN_OUT or explained < EXPLAINED_FOR_SIGN:
+        return
+    inertia = f"{number(float(found[0]), 2)} {turned('kg', record.turning)}"
+    yield Finding(
+        kind="force sign",
+        severity="warning",
+        sentence=(
+            f"Force acts against the motion: {percent(explained)} of it corresponds to an inertia"
+            f" of {inertia} and to friction that supplies energy. Check its sign (if it is wrong,"
+            f" {TURN}), and which quantity each column holds."
+        ),
+        numbers={"inertia": float(found[0]), "work": work, "explained": explained},
+    )
+
+
+def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Doubt friction that is a small share of its load and of the size of a coefficient."""
+    if record.friction is None:
+        return
+    if record.load is None:
+        load = load_stated(mechanism, record.overrides)
+    else:
+        load = float(np.median(np.atleast_1d(record.values("load"))))
+    largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
+    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
+        return
+    most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
+    yield Finding(
+        kind="units",
+        severity="warning",
+        sentence=(
+            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
+            " the values are friction coefficients, state their unit as 1: they are then"
+            " multiplied by the load."
+        ),
+        numbers={"friction": largest, "load": load},
+    )
+
+
+# Forces that must fit the motion: one that is missing, energy from nowhere, factors of units.
+
+OTHERS: Final = ("friction", "spring_force", "pull")
+"""With one of these a record says by itself what acts; friction needs no drive."""
+LEVELS: Final = 31
+"""Positions at which speeds are compared."""
+FEWEST_PASSES: Final = 3
+"""... of which so many must be passed twice."""
+GAINED: Final = 0.1
+"""Energy gained at one position, over the largest there is, that neither noise nor filters make."""
+CLEAR: Final = 20.0
+"""The largest speed over its noise, from which speeds are compared at all."""
+LASTING: Final = 10
+"""Passages of one position in which a motion should lose energy."""
+KEPT: Final = 0.9
+"""Share of the energy left after these that is doubted."""
+FLAT: Final = 0.01
+"""Work of a mechanism's own forces over the kinetic energy, below which it has none."""
+EXPLAINED_FOR_FACTOR: Final = 0.5
+"""Share of a force that the motion must explain; noise then hides at most half of a factor."""
+DOUBTED: Final = 10.0
+IMPOSSIBLE: Final = 300.0
+"""Factor between a force and the motion it causes that units make, and no mass known badly."""
+
+
+def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Say that nothing was recorded that could drive a motion, nor does the mechanism."""
+    known = record.quantities()
+    moved = "position" in known or "velocity" in known
+    if record.time is None or not moved or {*known} & {*COMMANDS, *OTHERS}:
+        return
+    if mechanism is not None and mechanism.drives():
+        return
+    yield Finding(
+        kind="drive",
+        sentence=(
+            "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
+            " free decay."
+        ),
+    )
+
+
+def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
+    """Whether a constant force may stand beside friction in a record.
+
+    A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
+    position alone was recorded, has the forces that its parameters say.
+    """
+    measured = {*record.quantities()} & {*COMMANDS, *OTHERS}
+    return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
+
+
+def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Doubt a motion that gains energy, or keeps it, where nothing drives it.
+
+    At one position springs hold the same energy every time, so that without a drive no later
+    passage can be faster; without a spring no speed can rise and fall again.
+    """
+    if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
+        return
+    gained, kept, turned = _sizes(record, mechanism)
+    forced = "force" in record.quantities()
+    which = "its force is constant" if forced else "no drive is recorded"
+    severity: Severity = "warning" if mechanism is None else "error"
+    if gained > GAINED:
+        sentence = (
+            f"The motion gains energy although {which}: it passes the same positions at a higher"
+            f" speed than before and gains {percent(gained)} of its largest energy. Check whether"
+            " the force is missing, or whether the record begins before the release."
+        )
+    elif turned > GAINED:
+        sentence = (
+            f"The speed rises and falls, by {percent(turned)} of the largest, although {which} and"
+            " the mechanism has no spring. Check whether the force is missing, or the stiffness of"
+            " the mechanism."
+        )
+    elif kept > KEPT:
+        severity = "warning"
+        sentence = (
+            f"The motion keeps {percent(kept)} of its energy over {LASTING} passages or more"
+            f" although {which}: check whether the force is missing."
+        )
+    else:
+        return
+    yield Finding(
+        kind="drive",
+        severity=severity,
+        sentence=sentence,
+        numbers={"gained": gained, "turned": turned, "kept": kept},
+    )
+
+
+def _sizes(record: Measurement, mechanism: Mechanism | None) -> tuple[float, float, float]:
+    """Return what energy is gained and kept, and what speed goes both ways, as shares."""
+    gained, kept, turned = 0.0, 0.0, 0.0
+    for part in between_gaps(record):
+        moving = motion_of(part) if np.asarray(part.time).size >= LEVELS else None
+        if moving is None or moving.fastest <= CLEAR * moving.noise:
+            continue
+        position = _positions(part)
+        if part.position is not None:
+            rise, left = _passages(position, moving)
+            gained, kept = max(gained, rise), max(kept, left)
+        if mechanism is not None and _is_flat(mechanism, record, position, moving):
+            turned = max(turned, _turned(moving))
+    return gained, kept, turned
+
+
+def _undriven(record: Measurement) -> bool:
+    known = {*record.quantities()}
+    if (
+        record.time is None
+        or known & {"reference", *ELECTRIC, *OTHERS}
+        or not known & {"position", "velocity"}
+    ):
+        return False
+    return "force" not in known or float(np.ptp(record.values("force"))) == 0.0
+
+
+def _passive(mechanism: Mechanism, record: Measurement) -> bool:
+    """Whether a mechanism is one body that nothing but a drive moves, and has none.
+
+    A recorded force takes the place of a drive of its own.
+    """
+    if len(mechanism.coordinates) != 1 or "drive" not in mechanism.__dataclass_fields__:
+        return False
+    if mechanism.drives() and "force" not in record.quantities():
+        return False
+    return bool(_at_rest(mechanism, 0.0) == _at_rest(mechanism, 1.0))  # nor does time
+
+
+def _at_rest(mechanism: Mechanism, time: float) -> tuple[Any, Any]:
+    """Return energy and force at rest at 0."""
+    (name,) = mechanism.coordinates
+    none: Any = defaultdict(float)
+    forces = mechanism.forces(time, none, none, {"drive": 0.0})
+    return mechanism.potential_energy(time, none), forces.get(name, 0.0)
+
+
+def _positions(record: Measurement) -> Array:
+    """Return positions (n,) [m], from the velocity where only that was measured."""
+    if record.position is not None:
+        return np.asarray(record.values("position"))
+    v, t = np.asarray(record.values("velocity")), np.asarray(record.time)
+    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+
+
+def _passages(position: Array, moving: Motion) -> tuple[float, float]:
+    """Return what energy is gained at one position, and what is left, over the largest energy.
+
+    Both are medians over positions; what is left counts where a position is passed often. What
+    noise makes of as many passages is no gain. Ends of the filter, a period of its corner, are
+    left out: it knows no speed before a release.
+    """
+    ends = slice(round(1 / CUTOFF), -round(1 / CUTOFF))
+    position, v, most = position[ends], moving.velocity[ends], moving.fastest**2
+    rises, left = [], []
+    for level in np.linspace(position.min(), position.max(), LEVELS + 2)[1:-1]:
+        apart = position - level
+        at = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
+        if at.size < 2:
+            continue
+        share = apart[at] / (apart[at] - apart[at + 1])
+        squares = (v[at] + share * (v[at + 1] - v[at])) ** 2
+        rise = float(np.max(squares - np.minimum.accumulate(squares)))
+        noise = 2.0 * float(np.sqrt(np.mean(squares))) * _range_of_noise(moving, at.size)
+        rises.append(max(rise - noise, 0.0) / most)
+        if at.size >= LASTING and squares[0] > GAINED * most:
+            left.append(float(squares[-1] / squares[0]))
+    gained, kept = (float(np.median(x)) if len(x) >= FEWEST_PASSES else 0.0 for x in (rises, left))
+    return gained, kept
+
+
+def _turned(moving: Motion) -> float:
+    """Return by how much a velocity goes both ways, over the largest.
+
+    With nothing but friction and a constant force its rate depends on itself alone: it can only
+    fall, or only rise. What noise makes, the range of as many samples of it, is left out.
+    """
+    v = moving.velocity
+    up = float(np.max(v - np.minimum.accumulate(v)))
+    down = float(np.max(np.maximum.accumulate(v) - v))
+    return max(min(up, down) - _range_of_noise(moving, v.size), 0.0) / moving.fastest
+
+
+def _range_of_noise(moving: Motion, count: int) -> float:
+    """Return between which velocities [m/s] the noise of as many samples lies."""
+    return 2.0 * math.sqrt(2.0 * math.log(count)) * moving.noise
+
+
+def _is_flat(mechanism: Mechanism, record: Measurement, x: Array, moving: Motion) -> bool:
+    """Whether no force of a mechanism depends on its position, as far as the motion goes."""
+    mechanism = vary(mechanism, "mechanism", record.overrides)
+    if stops_of(mechanism):
+        return False
+    pull = _pull(mechanism, np.linspace(x.min(), x.max(), LEVELS))
+    work = float(np.ptp(pull)) * float(np.ptp(x))
+    return work < FLAT * 0.5 * _mass(mechanism) * moving.fastest**2
+
+
+def _mass(mechanism: Mechanism) -> float:
+    (name,) = mechanism.coordinates
+    none: Any = defaultdict(float)
+    return 2.0 * float(mechanism.kinetic_energy(none, defaultdict(float, {name: 1.0})))
+
+
+def _pull(mechanism: Mechanism, x: Array) -> Array:
+    """Return the force (n,) of a mechanism at rest at positions, without a drive."""
+    (name,) = mechanism.coordinates
+    at: Any = defaultdict(float, {name: x})
+    own: Any = mechanism.forces(0.0, at, defaultdict(float), {"drive": 0.0}).get(name, 0.0)
+    if isinstance(mechanism, MatrixMechanism):  # its forces are all of them
+        return np.asarray(own + 0.0 * x)
+    h = 1e-6 * max(float(np.ptp(x)), 1e-9)
+    ahead, back = (
+        mechanism.potential_energy(0.0, defaultdict(float, {name: x + side * h})) + 0.0 * x
+        for side in (1.0, -1.0)
+    )
+    return np.asarray(own - (ahead - back) / (2.0 * h) + 0.0 * x)
+
+
+def inertia_of(record: Measurement) -> float | None:
+    """Return the inertia of an axis that moves as it did under the forces of a record.
+
+    Examples
+    --------
+    >>> t = np.arange(500) / 100
+    >>> force = 10.0 * np.cos(4.0 * t) + np.sign(np.sin(4.0 * t))
+    >>> record = Measurement(time=t, velocity=1.25 * np.sin(4.0 * t), force=force)
+    >>> round(inertia_of(record), 2)
+    2.0
+    """
+    known = record.quantities()
+    if "force" not in known or record.time is None or not {"position", "velocity"} & {*known}:
+        return None
+    moving = motion_of(record)
+    if moving is None or moving.fastest <= CLEAR * moving.noise:
+        return None
+    factor, share = _factor(Axis(inertia=1.0), record, moving)
+    return factor if share >= EXPLAINED_FOR_FACTOR and factor > 0.0 else None
+
+
+def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Compare a force with what a mechanism takes to move as it did, friction left aside."""
+    known = record.quantities()
+    if mechanism is None or "force" not in known or record.time is None:
+        return
+    if len(mechanism.coordinates) != 1 or not {"position", "velocity"} & {*known}:
+        return
+    if "drive" not in mechanism.__dataclass_fields__ or stops_of(mechanism):
+        return
+    moving = motion_of(record)
+    if moving is None or moving.fastest <= CLEAR * moving.noise:
+        return
+    factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
+    if share < EXPLAINED_FOR_FACTOR or 1.0 / DOUBTED < factor < DOUBTED:
+        return
+    cure = "check that position is in m (not mm), force in N (not kN)"
+    severity: Severity = "warning"
+    if factor < 0.0:
+        cure = f"check its sign (if it is wrong, {TURN})"
+    else:
+        if factor > 1.0:
+            cure = "check that time is in s (not ms), position in m, force in N (not mN)"
+        severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
+    unit = turned("kg", record.turning)
+    yield Finding(
+        kind="units",
+        severity=severity,
+        sentence=(
+            f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
+            f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
+        ),
+        numbers={"factor": factor, "explained": share},
+    )
+
+
+def compares_mass(finding: Finding) -> bool:
+    """Whether a finding compares a force with what the mass takes to move, signs aside."""
+    return "explained" in finding.numbers and finding.numbers.get("factor", -1.0) > 0.0
+
+
+def _factor(mechanism: Mechanism, record: Measurement, moving: Motion) -> tuple[float, float]:
+    """Return a force over what inertia and springs take, and the share of it so explained.
+
+    What speed, direction and a constant explain is left out of both.
+    """
+    x, v = _positions(record), moving.velocity
+    needed = _mass(mechanism) * acceleration_of(record) - _pull(mechanism, x)
+    force = np.asarray(record.values("force"))
+    others = np.stack([v / moving.fastest, moving.directions, np.ones(x.size)], axis=1)
+    both = np.stack([needed, force], axis=1)
+    sizes = np.max(np.abs(both), axis=0)
+    if not np.all(np.isfinite(sizes)) or not np.all(sizes):
+        return 1.0, 0.0
+    both = both / sizes  # squares of numbers of any size are finite then
+    left = both - others @ np.linalg.lstsq(others, both, rcond=None)[0]
+    (a, f), cross = np.sum(left**2, axis=0), float(left[:, 0] @ left[:, 1])
+    # What the regression leaves of a force that it explains are the last digits.
+    if np.any(np.array([a, f]) <= 1e-12 * np.sum(both**2, axis=0)):
+        return 1.0, 0.0
+    return cross / float(a) * float(sizes[1] / sizes[0]), cross**2 / float(a * f)

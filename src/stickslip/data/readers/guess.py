@@ -1,0 +1,1584 @@
+"""What a file seems to hold: its layout, its columns, their units; and what speaks for it."""
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.data.differentiation import are_steady_readings
+from stickslip.data.measurement import (
+    BY_JOINT,
+    TRAVELS,
+    Array,
+    is_beside,
+)
+from stickslip.data.readers.columns import (
+    LONGEST_HEADER,
+    ROLLING,
+    STYLES,
+    SURE,
+    UNITS,
+    WANTED,
+    Column,
+    Reading,
+    is_barred,
+    is_unit_of,
+    is_wanted,
+    motor_constants,
+    parts_of,
+)
+from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
+from stickslip.data.readers.layout import (
+    Layout,
+    Repair,
+    decoded,
+    is_number,
+    is_stamp,
+    layout_of,
+    nearly_zero,
+    seconds_of,
+)
+from stickslip.data.readers.robots import (
+    RADIANS,
+    Servo,
+    are_counts,
+    are_degrees,
+    check_one_servo,
+    servo_of,
+)
+from stickslip.data.readers.table import TRIAL
+from stickslip.data.readers.table_reader import (
+    KELVINS,
+    TEXT,
+    Frame,
+    by_trial,
+    conditions_in,
+    data_file,
+    read_frame,
+)
+from stickslip.data.readers.toml import check_file, check_path
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.show.described import Described
+from stickslip.show.formatting import count, joined, number, percent
+from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
+
+COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "reibungskoeffizient")
+"""Names of coefficients of friction."""
+NAMES: Final[Mapping[str, tuple[str, ...]]] = {
+    "time": (
+        *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
+        "t",
+    ),
+    "position": (
+        *("position", "pos", "weg", "lage", "winkel", "angle", "displacement", "verschiebung"),
+        *(
+            "lvdt",
+            "wegaufnehmer",
+            "auslenkung",
+            "stroke",
+            "hub",
+            "drehwinkel",
+            "lageistwert",
+            "travel",
+            "encoder",
+        ),
+        *("x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
+    ),
+    "velocity": (
+        *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
+        *("omega", "vel", "velo", "dq", "qd", "v", "n", "ω"),
+    ),
+    "force": (
+        *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
+        *("thrust", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
+    ),
+    "current": ("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"),
+    "friction": (
+        *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
+        *("frictionforce", "fr", "ff", "traction", "tractionforce", *COEFFICIENTS),
+    ),
+    "load": (
+        *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft", "last"),
+        *("clampforce", "preload", "vorspannkraft", "fn", "fz"),
+    ),
+    "reference": (
+        *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
+        *("sollwinkel", "lagesollwert", "target"),
+    ),
+}
+"""Names of columns by quantity, in English and German, umlauts written out."""
+VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
+"""What names of channels contain that are recorded in volts."""
+VOLTS: Final = ("V", "mV", "kV")
+"""Units that end a name as no other word does: motor_V is no velocity."""
+SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
+"""Words in names of voltages that drive no axis by themselves."""
+MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
+"""Words of measured signals."""
+PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb", "sliding")
+"""Words of measured signals, beside which others are commands or derived, and of what drives."""
+TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
+"""Words in names of columns of temperatures."""
+CONDITIONS: Final = (*TEMPERATURES, "humidity", "feuchte", "luftfeuchte")
+"""Words in names of columns that hold a condition."""
+INPUTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "pressure": ("pressure", "druck"),
+    "transmitted": ("transmitted", "uebertragen"),
+    "motor": ("motor",),
+    "external": ("external", "extern"),
+    "gravity": ("gravity", "schwerkraft"),
+}
+"""Words in names of columns of what friction may depend on, beside a temperature."""
+OF_FORCES: Final = ("force", "torque", "moment", "kraft", "drehmoment")
+"""Words beside them that say no more."""
+TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
+"""Names of columns that number trials."""
+MOST_TRIALS: Final = 0.05
+"""Trials over samples up to which such a column may number them."""
+SENSITIVITY: Final = {
+    "position": ("1 mm/V", "1 rad/V"),
+    "reference": ("1 mm/V", "1 rad/V"),
+    "velocity": ("1 m/s/V", "1 rad/s/V"),
+    "force": ("1 N/V", "1 N m/V"),
+    "friction": ("1 N/V", "1 N m/V"),
+    "load": ("1 N/V", "1 N/V"),
+}
+"""Assumed sensitivities of channels in volts, of a motion along a line and about an axis."""
+TURNING: Final = (
+    *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
+    *("joint", "effort", "φ", "ϕ", "θ", "ω", "tau", "τ"),
+)
+"""What names of columns contain where an axis turns."""
+EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+"""Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
+"""
+ORDERED: Final = 0.9
+"""Share of the steps of a column of times that go one way at least."""
+RESTART: Final = 0.5
+"""Share of the time that has passed by which it goes back where a further record begins."""
+SAME_MOTION: Final = 0.99
+"""Correlation from which two positions are those of one axis."""
+EQUAL: Final = 1e-9
+"""Share of their range by which two positions may differ that are said to be equal."""
+ONE_TO_ONE: Final = 0.02
+"""Distance of the ratio of two positions from 1 up to which no gear is between them."""
+DIGITS: Final = 0.5
+"""Share of the cells of a column that are numbers from which the others are faults."""
+SIZE: Final = 0.02
+"""Share of a force by which the friction that is its size may differ, as its digits may."""
+GAP: Final = 3.0
+"""Usual steps of time from which a step is called a gap."""
+FULL: Final = 0.5
+"""Share of the rows that have all columns, below which it is said that others are lost."""
+LONG: Final = 4_000_000
+"""Bytes of a text from which its top is looked at first."""
+TOP: Final = 250_000
+"""Bytes of that top."""
+CHECKED: Final = 5_000
+"""Samples at the top that show what a column holds."""
+WHOLE, PART, INSIDE, LETTER, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 1.9, 0.5, 0.4
+"""How much speaks for a column: its name, a part of it, a word in it, a letter, its unit, its
+numbers."""
+CALENDAR: Final = ("a", "d")
+"""Units of time that are no such word: time.a is the time of a joint, not in years."""
+UPSIDE_DOWN: Final = (
+    "The last time stands first: the rows are sorted by time. If this column counts down to 0"
+    " instead, motion and time would be reversed: replace it by times that increase."
+)
+READINGS: Final = (
+    "The rows, each at another speed, are taken for steady readings of friction, not for samples of"
+    " one motion. If they are such samples, give --columns time={!r}."
+)
+BESIDE_LOAD: Final = "as the other force beside Fz"
+PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Guess(metaclass=Described):
+    """What a file seems to hold, as `guess_data` returns it.
+
+    `columns`, `units`, `gain`, `repair` and `layout` are arguments of `load_measurement`, and so is
+    `motor_constant` unless it is empty.
+    """
+
+    file: str
+    """The file."""
+    layout: Layout | None
+    """How a text file holds its table; None for other files."""
+    columns: Mapping[str, Column]
+    """Quantity -> name of its column."""
+    units: Mapping[str, str]
+    """Quantity -> unit of its column, where the header has none in brackets."""
+    gain: Mapping[str, float | str] = field(default_factory=dict)
+    """Quantity -> size of a count or of a volt, assumed where it was not given."""
+    assumed: tuple[str, ...] = ()
+    """Quantities whose gain was neither given nor documented, but assumed."""
+    motor_constant: str | Mapping[str, str] = ""
+    """Force or torque per current, where a current drives the axis; assumed unless it was given, in
+    which case `reasons` say so; by joint."""
+    repair: tuple[Repair, ...] = ()
+    """What has to be repaired: gaps, or times out of order."""
+    conditions: tuple[str, ...] = ()
+    """Columns that seem to hold a condition, such as a temperature."""
+    turning: bool = False
+    """Whether the axis turns."""
+    robot: str = ""
+    """Description in URDF of the robot whose joints were recorded; empty for a single axis."""
+    moving: tuple[str, ...] = ()
+    """Joints of the description that move in the record."""
+    locked: Mapping[str, float] = field(default_factory=dict)
+    """Joints that do not move, or whose torque is not known, and where they stand [rad] or [m]."""
+    delays: Mapping[str, float] = field(default_factory=dict)
+    """Coordinate -> how far its motion lags behind the commanded one [s]."""
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    """Layout, quantity or setting -> what was found, and why."""
+    doubts: tuple[str, ...] = ()
+    """What the file does not tell, and was assumed."""
+
+    @property
+    def reading(self) -> Reading:
+        """How the file is read."""
+        return Reading(
+            columns=self.columns,
+            units=self.units,
+            gain=self.gain,
+            motor_constant=motor_constants(self.motor_constant) if self.motor_constant else {},
+            repair=self.repair,
+            layout=self.layout,
+            conditions=self.conditions,
+            rotary=self.turning or None,
+        )
+
+    @override
+    def __str__(self) -> str:
+        width = max(map(len, self.reasons), default=0)
+        lines = [f"{name:{width}}  {why}" for name, why in self.reasons.items()]
+        return "\n".join([*lines, *(f"! {doubt}" for doubt in self.doubts)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """A column that may hold a quantity."""
+
+    score: float
+    name: str
+    """Name of the column, its unit left out."""
+    unit: str | None
+    stated: bool
+    """Whether the reader finds the unit in the header by itself."""
+    why: str
+    others: tuple[str, ...] = ()
+    """Columns for which as much speaks."""
+
+    @property
+    def unit_in_si(self) -> str:
+        """The unit of positions in SI that its unit is a part of."""
+        turns = self.unit is not None and is_of(self.unit, "rad")
+        return "rad" if turns else "m"
+
+
+def guess_data(
+    path: str | Path,
+    *,
+    columns: Mapping[str, Column] | None = None,
+    units: Mapping[str, str] | None = None,
+    gain: Mapping[str, float | str] | None = None,
+    motor_constant: float | str | None = None,
+) -> Guess:
+    r"""Find out how a file holds a record: layout, columns, units, and what has to be repaired.
+
+    Names of columns are known in English and German; a column without such a name is known by its
+    unit, if no other has one of its kind. Nothing is guessed of the mechanism but whether it turns.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file that `load_measurement` reads. Above the header of a text file there may be any
+        lines, and below it a row of units.
+    columns : mapping of str to str, optional
+        Columns of quantities that are known, as in `load_measurement`.
+    units : mapping of str to str, optional
+        Units that are known, as in `load_measurement`.
+    gain : mapping of str to float or str, optional
+        Gains that are known, as in `load_measurement`.
+    motor_constant : float or str, optional
+        Force or torque per current, if it is known, as in `load_measurement`: the column of a
+        current is then taken for what drives the axis, also beside one of a force.
+
+    Returns
+    -------
+    Guess
+        What was found, with reasons and doubts.
+
+    Raises
+    ------
+    InputError
+        If the file is no table, or seems to hold no record of a motion or of friction.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "messung.csv")
+    ...     rows = "".join(f"{t / 100:.2f};{t * t}\n".replace(".", ",") for t in range(20))
+    ...     _ = file.write_text(f"Prüfstand 3\nZeit;Weg\ns;µm\n{rows}", encoding="cp1252")
+    ...     guess = guess_data(file)
+    >>> guess.columns, guess.layout.decimal, guess.layout.units_row, guess.layout.encoding
+    ({'time': 'Zeit', 'position': 'Weg'}, ',', True, 'cp1252')
+    >>> guess.reasons["position"]
+    "column 'Weg' in µm, by its name"
+    """
+    check_path(path)
+    given_path, path = path, data_file(Path(path))
+    check_file(path)
+    look_ahead(path, columns or {}, units or {})
+    layout, reasons = layout_and_reasons(path)
+    named = [
+        n for one in (columns or {}).values() for n in ([one] if isinstance(one, str) else one)
+    ]
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
+    given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
+    found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
+    _check_enough(frame, found)
+    servo, found = _of_servo(frame, found, units or {})
+    if motor_constant is not None and "current" not in found:
+        raise InputError(
+            f"{path}: the motor constant belongs to a current, and no column seems to hold one."
+            ' Name it, as columns={"current": "..."}.'
+        )
+    times = times_of(frame, found["time"]) if "time" in found else None
+    trial, why = trial_column(frame, given, found, times)
+    steady, by_current = "", False
+    if times is not None and "time" not in given and _is_steady(frame, found, times):
+        clock, times = found.pop("time"), None
+        steady = clock.name
+        by_current = "current" in found
+        found = _as_friction(found)
+        units, gain = (_as_friction(x or {}) for x in (units, gain))
+        reasons["rows"] = (
+            f"steady readings; their times, column {steady!r}, are read as their order"
+        )
+    if trial:
+        given["trial"] = trial
+        reasons["trial"] = f"column {trial!r}, {why}"
+    assumed = reasons.pop("thousands", "")
+    turning = servo is not None or _turns(_geared(found, gain or {}), motor_constant)
+    parts = _of_trials(frame, trial)
+    conditions = _conditions(frame, found, trial)
+    if "temperature" not in found:
+        found |= changing_temperature(parts, conditions)
+    found |= contact_inputs(frame, found)
+    alone = [one.name for one in found.values()] if len(parts) == 1 else []
+    conditions = tuple(
+        name
+        for name in conditions
+        if name not in alone and all(_has_one_value(part, name) for part in parts)
+    )
+    known = {
+        q: one.unit
+        for q, one in found.items()
+        if one.unit and (not one.stated or is_of(one.unit, "count"))
+    }
+    gains: dict[str, float | str] = {
+        q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
+    }
+    assumed_gains = {*gains, *(["friction"] if by_current and motor_constant is None else [])}
+    if by_current:
+        known["friction"] = found["friction"].unit or "A"
+        found["friction"] = replace(found["friction"], unit=known["friction"])
+        gains["friction"] = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
+    registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
+    if servo is not None:
+        gains |= {q: size for q, size in servo.gains.items() if q in registers}
+    pressed = "load" in found and "load" not in (gain or {})
+    pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
+    if pressed:
+        gains.setdefault("load", -1.0)
+    reasons |= {q: column_text(one, given.get(q, one.name)) for q, one in found.items()}
+    reasons |= {"motor constant": f"{gains['friction']}, of the friction"} if by_current else {}
+    if times is not None:
+        reasons["time"] += rate_text(times)
+    constant = ""
+    if "current" in found:
+        unit = "N m/A" if turning else "N/A"
+        constant = f"1 {unit}" if motor_constant is None else _with_unit(motor_constant, unit)
+        reasons["motor constant"] = (
+            f"{constant}, {'assumed' if motor_constant is None else 'as given'}"
+        )
+    reasons["motion"] = "about an axis" if turning else "along a line"
+    repair = repairs_of(frame, found, times, trial)
+    if repair:
+        reasons["repair"] = repair_text(repair)
+    if times is not None and not trial:
+        _refuse_restarts(frame, times)
+    backwards = times is not None and bool(np.all(np.diff(times[np.isfinite(times)]) < 0.0))
+    return Guess(
+        file=str(given_path),
+        layout=layout,
+        columns={
+            **{q: given.get(q, one.name) for q, one in found.items()},
+            **({"time": ""} if _has_other_times(frame, found, given) else {}),
+            **({"trial": trial} if trial and trial != "trial" else {}),
+        },
+        units={**known, **(units or {})},
+        gain=gains | dict(gain or {}),
+        assumed=tuple(q for q in gains if q in assumed_gains - {*registers, *(gain or {})}),
+        conditions=conditions,
+        motor_constant=constant,
+        repair=repair,
+        turning=turning,
+        reasons=reasons,
+        doubts=(
+            *frame.lost,
+            *frame.remarks,
+            *rates_doubt(frame, found),
+            *([assumed] if assumed else []),
+            *([READINGS.format(steady)] if steady else []),
+            *([_scale_doubt(turning)] if by_current and motor_constant is None else []),
+            *([UPSIDE_DOWN] if backwards else []),
+            *(servo.doubts(found, gain or {}) if servo is not None else ()),
+            *([PRESSED.format(found["load"].name)] if pressed else []),
+            *_doubts(
+                frame, found, turning, {*(units or {}), *(gain or {}), *registers}, motor_constant
+            ),
+            *_offered(conditions, found),
+        ),
+    )
+
+
+def _has_other_times(frame: Frame, found: Mapping[str, Found], given: Mapping[str, Column]) -> bool:
+    """Whether a column that readers take for times of samples says when readings were taken."""
+    table = {"velocity", "friction"} <= {*found} and "position" not in found
+    return table and "time" in frame.names and not {"time"} & {*found, *given}
+
+
+def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
+    """Refuse a long text by its top, if that holds no record, before all of it is read."""
+    if path.suffix.lower() not in TEXT or path.stat().st_size <= LONG:
+        return
+    with path.open("rb") as file:
+        top = file.read(TOP)
+    text, encoding = decoded(top)
+    if encoding.startswith("utf-16") or dialect_of(text) is not None:
+        return
+    with TemporaryDirectory() as folder:
+        part = Path(folder, path.name)
+        part.write_bytes(top[: top.rfind(b"\n") + 1])
+        try:
+            layout, _ = layout_and_reasons(part)
+            frame = read_frame(part, columns={}, units={}, layout=layout).as_headed()
+            given = {quantity: frame.column(column) for quantity, column in columns.items()}
+            _check_enough(frame, assigned(frame, given, units))
+        except UnknownNameError:
+            return  # which says what the names are, once all of the file was read
+        except InputError as error:
+            raise type(error)(str(error).replace(str(part), str(path))) from None
+
+
+def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
+    """Return how a text file holds its table, and what was found in words."""
+    if path.suffix.lower() not in TEXT:
+        return None, {}
+    text, encoding = decoded(path.read_bytes())
+    dialect = dialect_of(text)
+    if dialect is not None:
+        return None, {"cells": dialect.title}
+    found = layout_of(text, encoding)
+    if found is None:
+        # The reader says what is wrong; what it reads in spite of that has its own layout.
+        read_frame(path, columns={}, units={})
+        refuse_numbers(path, text)
+        return None, {}
+    layout = found.layout
+    marks = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
+    decimal = "comma" if layout.decimal == "," else "point"
+    thousands = f", thousands parted by {layout.thousands!r}" if layout.thousands else ""
+    header = ", ".join(map(repr, (name for name in found.names if name)))
+    reasons = {
+        "code page": layout.encoding.removesuffix("-sig"),
+        "cells": f"parted by {marks[layout.separator]}, decimal {decimal}{thousands}",
+        "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
+    }
+    if found.units:
+        reasons["units"] = f"row below the header: {', '.join(found.units)}"
+    if found.assumed:
+        plain = found.assumed.replace(layout.thousands, "")
+        reasons["thousands"] = (
+            f"{found.assumed} is read as {plain}: the other numbers have a decimal {decimal}. If"
+            f" it stands for {found.assumed.replace(layout.thousands, layout.decimal)}, write all"
+            " numbers with one decimal mark."
+        )
+    return layout, reasons
+
+
+def assigned(
+    frame: Frame,
+    given: Mapping[str, Column],
+    units: Mapping[str, str],
+    *,
+    by_current: bool = False,
+) -> dict[str, Found]:
+    """Return the column of each quantity, those for which most speaks first.
+
+    A current stands for a force that has none, or for any if the axis is driven `by_current`.
+    """
+    taken: dict[str, Found] = {}
+    left = _of_one_joint(frame, given)
+    for quantity, column in given.items():
+        names = (column,) if isinstance(column, str) else column
+        left = [name for name in left if name not in names]
+        stated = frame.units.get(names[0])
+        bare, unit = _bare_and_unit(names[0], stated, quantity)
+        if not bare and unit is not None and not _may_have(unit, quantity):
+            unit = None  # m1 is the name of a channel
+        unit = units.get(quantity) or unit
+        taken[quantity] = Found(
+            score=9.0, name=names[0], unit=unit, stated=unit == stated, why="as given"
+        )
+    # Columns of a motion along a line, or of one about an axis: those for which more speaks.
+    quantities = [q for q in NAMES if not (by_current and q == "force")]
+    kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
+    taken = max(kinds, key=lambda found: sum(one.score for one in found.values()))
+    if "current" in taken and "force" in taken:
+        del taken["current" if taken["force"].score >= taken["current"].score else "force"]
+    if "time" not in taken and "force" in taken and "velocity" in taken and "friction" not in taken:
+        taken["friction"] = taken.pop("force")
+    both = {"position", "velocity"} <= taken.keys()
+    if both and _stays(frame, taken["position"]) and np.any(_numbers(frame, taken["velocity"])):
+        del taken["position"]  # of a table, above which something else moves
+    if {"force", "load", "velocity"} <= taken.keys() and _are_of_sensor(taken):
+        taken["friction"] = replace(taken.pop("force"), why=BESIDE_LOAD)
+    if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
+        size = taken["friction"]
+        taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
+    order = ("time", *(q for q in NAMES if q != "time"))
+    return {q: taken[q] for q in (*order, *taken) if q in taken}
+
+
+def _of_servo(
+    frame: Frame, found: Mapping[str, Found], units: Collection[str]
+) -> tuple[Servo | None, dict[str, Found]]:
+    """Return the family of servos whose registers were read, and these with their units."""
+    servo = servo_of(frame.names)
+    raw = {
+        quantity: replace(one, unit=servo.units[quantity], stated=False, why=servo.why)
+        for quantity, one in found.items()
+        if servo is not None
+        and quantity in servo.units
+        and quantity not in units
+        and one.unit is None
+        and are_counts(frame.data[frame.names[one.name]])
+    }
+    if servo is None or not {"position", "reference"} & found.keys():
+        return None, dict(found)
+    check_one_servo(frame.file, frame.data, frame.names)
+    return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
+
+
+def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+    """Return positions of a servo that are no counts with their unit: degrees by their steps."""
+    moving = {q: found[q] for q in ("position", "reference") if q in found}
+    first = next(iter(moving.values()))
+    known = _numbers(frame, first)
+    known = known[np.isfinite(known)]
+    most = float(np.abs(known).max(initial=0.0))
+    if first.unit is None and most <= RADIANS:
+        return {}
+    if first.unit is None and not are_degrees([known]):
+        raise InputError(
+            f"{frame.file}: the column {shown(first.name)} of a servo reaches {number(most, 3)},"
+            " and holds neither counts nor angles in rad: if it is in degrees, give --unit"
+            f" {next(iter(moving))}=deg."
+        )
+    steps = ", as its steps are 360/4096 degrees" if first.unit is None else ""
+    return {
+        q: replace(one, unit=first.unit or "deg", stated=False, why=f"{one.why}{steps}")
+        for q, one in moving.items()
+        if one.unit is None and not is_of(first.unit or "deg", "count")
+    }
+
+
+def _numbers(frame: Frame, one: Found) -> Array:
+    """Return the numbers of a column, NaN where there are none."""
+    column = frame.data[frame.names[one.name]]
+    return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+
+
+def _stays(frame: Frame, one: Found) -> bool:
+    """Whether a column that nobody named has one value throughout."""
+    numbers = _numbers(frame, one)
+    known = numbers[np.isfinite(numbers)]
+    return one.why != "as given" and bool(np.all(known == known[:1]))
+
+
+def _are_of_sensor(taken: Mapping[str, Found]) -> bool:
+    """Whether force and load are those of one sensor, Fx beside Fz, whose speed is known."""
+    ends = [parts_of(_unit_in_name(taken[q].name, q)[0])[-1:] for q in ("force", "load")]
+    named = "as given" in {taken[q].why for q in ("force", "load")}
+    return ends == [["fx"], ["fz"]] and not named and "friction" not in taken
+
+
+def _is_its_size(frame: Frame, taken: Mapping[str, Found]) -> bool:
+    """Whether the friction of a tribometer is the size of the force, or that over the load.
+
+    The force is then what the sensor shows, with its sign, and drives nothing.
+    """
+    force, friction = (np.abs(_numbers(frame, taken[name])) for name in ("force", "friction"))
+    unit = taken["friction"].unit
+    if taken["friction"].why == "as given" or taken["force"].why == "as given":
+        return False
+    if unit is not None and is_of(unit, "1"):
+        if "load" not in taken:
+            return False
+        friction = friction * np.abs(_numbers(frame, taken["load"])) * factor(unit, "1")
+    elif unit != taken["force"].unit:
+        return False
+    known = np.isfinite(force) & np.isfinite(friction)
+    apart = np.abs(force - friction)[known]
+    usual = float(np.median(force[known])) if known.any() else 0.0
+    return usual > 0.0 and bool(np.median(apart) <= SIZE * usual)
+
+
+def _by_kind(
+    frame: Frame,
+    left: Sequence[str],
+    given: Mapping[str, Found],
+    quantities: Sequence[str],
+    turning: bool,
+    units: Mapping[str, str],
+) -> dict[str, Found]:
+    """Return the column of each quantity, if all units are those of one kind of motion.
+
+    The `units` of quantities that are given are those of whatever columns these have.
+    """
+    taken = dict(given)
+    offers = [
+        (found.score, -place, quantity, found)
+        for place, name in enumerate(left)
+        for quantity in quantities
+        for offer in _offers(frame, name, quantity)
+        for found in [
+            replace(offer, unit=units[quantity], stated=False) if units.get(quantity) else offer
+        ]
+        if _is_of_kind(found, quantity, turning)
+    ]
+    for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
+        alike = quantity in taken and found.name != taken[quantity].name
+        alike = alike and not _stays(frame, found)
+        if alike and found.score == taken[quantity].score and quantity not in given:
+            taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, found.name))
+        if quantity in taken or found.name in {one.name for one in taken.values()}:
+            continue
+        if "force" in taken and quantity == "current" and taken["force"].score >= PART:
+            continue  # measured as well, but the force is what is wanted
+        taken[quantity] = found
+    return taken
+
+
+def _is_of_kind(found: Found, quantity: str, turning: bool) -> bool:
+    kinds = UNITS[quantity]
+    if found.unit is None or len(kinds) < 2 or is_of(found.unit, "count"):
+        return True
+    return not is_of(found.unit, kinds[not turning])
+
+
+def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
+    """Yield what speaks for a column as that of a quantity, if anything does."""
+    if frame.is_empty(name):
+        return
+    column = frame.data[frame.names[name]]
+    numeric = pd.api.types.is_numeric_dtype(column.dtype)
+    upside_down = quantity == "time" and _is_upside_down(column, name, frame.units.get(name))
+    if quantity == "time" and not (upside_down or _may_be_times(column)):
+        return
+    if (quantity != "time" and not numeric) or name == "V":  # volts, not a velocity
+        return
+    stated = frame.units.get(name)
+    bare, unit = _bare_and_unit(name, stated, quantity)
+    since = _since_epoch(column) if quantity == "time" and unit is None else None
+    score, why = _score(bare, unit, quantity)
+    if since:
+        unit = since
+        why = f"{why}, as its numbers count from 1970".removeprefix(", ")
+        score = score or BY_UNIT
+    if unit is None and not score and quantity == "time" and _increases(column):
+        score, why = BY_VALUES, "because it increases"
+    if score:
+        stamps = "" if numeric else "time stamps, "
+        yield Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
+
+
+def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
+    """Return the name of a column without its unit, and the unit as it is spelt, or None."""
+    bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
+    if unit is not None and unit.isupper() and not is_unit_of(unit, quantity):
+        unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
+    if unit is None and quantity == "friction" and _is_coefficient(bare):
+        return bare, "1"
+    if unit is None:
+        plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
+        return (plain, "V") if plain != bare else (bare, None)
+    return bare, unit
+
+
+def _is_coefficient(name: str) -> bool:
+    """Whether a name is that of a coefficient, which is over the load."""
+    return any(part in COEFFICIENTS or part.startswith("coeff") for part in parts_of(name))
+
+
+def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
+    """Return how well name and unit of a column fit a quantity, and that in words."""
+    fits = unit is not None and is_unit_of(unit, quantity)
+    counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
+    volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
+    if unit is not None and not _may_have(unit, quantity):
+        return 0.0, ""
+    if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
+        return 0.0, ""
+    score, why = _named_score(bare, quantity)
+    rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
+    most = max(_named_score(bare, other)[0] for other in rivals)
+    if score and score == most and not _last_says(bare, quantity):
+        told = any(part in PREFERRED for part in parts_of(bare))
+        return score + fits + 0.1 * told, why
+    if counts and not bare:
+        return BY_UNIT, "by its name"
+    by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
+    inside = any(_is_input(bare, other) for other in ("transmitted", "external", "gravity"))
+    if fits and unit != "1" and not (by_name or most or inside or _is_other(bare, quantity)):
+        return BY_UNIT, "by its unit"
+    return 0.0, ""
+
+
+def _may_have(unit: str, quantity: str) -> bool:
+    """Whether the column of a quantity may have a unit: one of its kind, counts or volts."""
+    counts = quantity in ("position", "reference") and is_of(unit, "count")
+    volts = quantity in SENSITIVITY and is_of(unit, "V")
+    return is_unit_of(unit, quantity) or counts or volts
+
+
+def _since_epoch(column: "pd.Series[Any]") -> str | None:
+    """Return the unit of times that count from 1970 in parts of a second, by their size."""
+    part = column.iloc[:CHECKED].dropna()
+    if part.empty or not pd.api.types.is_numeric_dtype(part.dtype):
+        return None
+    size = float(part.median())
+    return next((unit for unit, per in EPOCH.items() if 1e9 * per <= size < 1e10 * per), None)
+
+
+def _is_other(name: str, quantity: str) -> bool:
+    """Whether a name is that of an error, a condition or a command, which a quantity is not."""
+    parts = parts_of(name)
+    return (
+        is_barred(parts, quantity) or is_wanted(parts) or any(part in CONDITIONS for part in parts)
+    )
+
+
+def _last_says(name: str, quantity: str) -> bool:
+    """Whether the last part of a path, as in ``tau.Time``, says that a column is another one."""
+    last = re.split(r"[./:]", name)[-1]
+    if last == name or len(last) < 2 or _named_score(last, quantity)[0]:
+        return False
+    return any(_named_score(last, other)[0] >= WHOLE for other in NAMES)
+
+
+def _named_score(name: str, quantity: str) -> tuple[float, str]:
+    """Return how well a name fits a quantity, and that in words."""
+    first, joint = joint_in(name)
+    if joint:
+        return (WHOLE, "by its name") if first == quantity else (0.0, "")
+    parts = parts_of(name)
+    joined = "".join(parts)
+    if is_barred(parts, quantity):
+        return 0.0, ""
+    if quantity == "load" and any(word in joined for word in ("torque", "moment", "present")):
+        return 0.0, ""
+    if quantity == "force" and any(part in NAMES["friction"] for part in parts):
+        return 0.0, ""  # a friction torque is no torque of a drive
+    wanted = is_wanted(parts)
+    words = NAMES[quantity]
+    if quantity == "reference" and wanted:
+        bare = "".join(part for part in parts if part not in WANTED)
+        moves = any(word in joined for word in NAMES["position"] if len(word) > 2)
+        if moves or joined in words or bare in NAMES["position"]:
+            return WHOLE + 0.5, "by its name"
+        return 0.0, ""
+    if wanted and quantity not in ("force", "time"):
+        return 0.0, ""
+    rolls = quantity == "velocity" and any(part in ROLLING for part in parts)
+    less = 1.5 if wanted or rolls else 0.0  # a sliding speed beside it comes first
+    if joined in words:
+        return WHOLE - less, "by its name"
+    if any(part in words and len(part) > 1 for part in parts):
+        return PART - less, "by its name"
+    if any(word in joined for word in words if len(word) > 3):
+        return INSIDE - less, "by its name"
+    if len(parts) < 3 and any(part in words for part in parts):  # of force_x, x says less
+        return LETTER - less, "by its name"
+    return 0.0, ""
+
+
+def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
+    """Return a name without the unit that it carries, one of the quantity if there is one."""
+    if len(name) > LONGEST_HEADER:
+        return name, None
+    found = [style.fullmatch(name) for style in STYLES]
+    words = {one["unit"].strip() for one in found[SURE:] if one}
+    parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
+    parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
+    own = [part for part in parts if is_unit_of(part[1], quantity)]
+    if (
+        not parts
+        and len(name) > 1
+        and not name[-1].isdigit()  # A1, V1 and m1 are names of channels
+        and name.casefold() not in NAMES.get(quantity, ())
+        and is_unit(name)
+    ):
+        return "", name  # counts, rpm
+    others = [part for part in parts if part[1] not in words or part[1] in VOLTS]
+    return next(iter((*own, *others)), (name, None))
+
+
+def _may_be_times(column: "pd.Series[Any]") -> bool:
+    """Whether times may stand in a column: stamps, or numbers that mostly increase."""
+    part = column.iloc[:CHECKED].dropna()
+    if part.empty:
+        return False
+    if not pd.api.types.is_numeric_dtype(part.dtype):
+        if isinstance(part.iloc[0], str) and not is_stamp(part.iloc[0].strip()):
+            return False
+        seconds = seconds_of(part)
+        return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
+    return share_later(part) > ORDERED
+
+
+def _are_coarse(seconds: Array) -> bool:
+    """Whether time stamps are equal in many rows: those of whole seconds are no times of samples.
+
+    Sorting by time would average these rows.
+    """
+    return bool(np.mean(np.diff(seconds) == 0.0) > 1.0 - ORDERED)
+
+
+def share_later(column: "pd.Series[Any]") -> float:
+    """Return the share of the steps of a column of numbers that go up; 0 of a single row."""
+    steps = np.diff(column.to_numpy(dtype=float))
+    return float(np.mean(steps > 0.0)) if steps.size else 0.0
+
+
+def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> bool:
+    """Whether a column that is called time has the last time first."""
+    part = column.iloc[:CHECKED].dropna()
+    if len(part) < 2 or not pd.api.types.is_numeric_dtype(part.dtype):
+        return False
+    bare, _ = _bare_and_unit(name, stated, "time")
+    return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
+
+
+def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
+    """Return the column that says when steady readings were taken, and its times (n,) [s].
+
+    It is called time, nothing else was read from it, though it may have been said to be no times of
+    samples, and no time is twice in it.
+    """
+    keys = {header: name for name, header in frame.names.items()}
+    for header in frame.data.columns:
+        name = keys.get(header, str(header).partition("[")[0].strip())
+        if not name or name in used:
+            continue
+        bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
+        if _named_score(bare, "time")[0] < WHOLE or (unit and not is_unit_of(unit, "time")):
+            continue
+        column = frame.data[header]
+        numeric = pd.api.types.is_numeric_dtype(column.dtype)
+        times = column.to_numpy(dtype=float) if numeric else seconds_of(column)
+        if times is not None and np.isfinite(times).all() and np.unique(times).size == times.size:
+            return name, times
+    return None
+
+
+def _increases(column: "pd.Series[Any]") -> bool:
+    """Whether a column increases in steps of nearly one size, or holds time stamps."""
+    part = column.iloc[:CHECKED].dropna()
+    if not pd.api.types.is_numeric_dtype(part.dtype):
+        return True  # stamps, as was found before
+    steps = np.diff(part.to_numpy(dtype=float))
+    return bool(np.all(steps > 0.0) and np.ptp(steps) < 0.1 * np.median(steps))
+
+
+def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
+    """Refuse what is neither a motion in time nor friction at velocities."""
+    listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
+    for name in frame.names if "time" not in found else ():
+        if _named_score(_unit_in_name(name, "time")[0], "time")[0] >= PART:
+            frame.raw(name)  # says which cell is no number, if that is why it was passed over
+    for name in frame.names:
+        _refuse_faults(frame, name)
+    if any(name in frame.names for name in TRAVELS):
+        raise InputError(
+            f"{frame.file}: is a table of travels, one trial a row, not a record: name it in a rig"
+            " file of your mechanism, as [data] file, or as --data of `stickslip select`."
+        )
+    map_of = {"velocity", "friction"} <= set(found)
+    if len(frame.data) < 2 and not map_of:
+        raise InputError(f"{frame.file}: has one row of numbers: a record in time has at least 2.")
+    if "time" not in found and not map_of:
+        for name in frame.names:
+            _refuse_disorder(frame, name)
+        raise InputError(
+            f"{frame.file}: no column seems to hold times; the columns are {listed}. Name it, as"
+            ' columns={"time": "..."}.'
+        )
+    if not ({"position", "velocity"} & set(found)):
+        for name in frame.names:
+            _refuse_text(frame, name)
+            _refuse_rotation(frame, name, found)
+        raise InputError(
+            f"{frame.file}: no column seems to hold a position or a velocity; the columns are"
+            f' {listed}. Name it, as columns={{"position": "..."}}.'
+        )
+
+
+def _refuse_faults(frame: Frame, name: str) -> None:
+    """Say which cell of a quantity's column is no number, such as #DIV/0!, if most of them are."""
+    column = frame.data[frame.names[name]]
+    if pd.api.types.is_numeric_dtype(column.dtype) or not len(column):
+        return
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in NAMES if q != "time"}
+    if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
+        return
+    cells = column.iloc[:CHECKED].dropna()
+    if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
+        frame.raw(name)
+
+
+def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> None:
+    """Ask for the radius of the contact where a speed is one of rotation, and forces are none."""
+    unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
+    forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
+    turns = unit is not None and is_of(unit, "rad/s") and not is_of(unit, "count")
+    if turns and any(one is not None and is_of(one, "N") for one in forces):
+        raise InputError(
+            f"{frame.file}: the column {shown(name)} is a speed of rotation, and forces are in N:"
+            f" name it and give the radius of the contact, as --columns velocity={shown(name)}"
+            " --gain velocity='9 mm/rad'."
+        )
+
+
+def _refuse_text(frame: Frame, name: str) -> None:
+    """Say which cell of a column is no number where its name is that of a motion."""
+    column = frame.data[frame.names[name]]
+    bare = {q: _bare_and_unit(name, frame.units.get(name), q) for q in ("position", "velocity")}
+    named = any(_score(*said, q)[0] >= PART for q, said in bare.items())
+    if named and len(column) and not pd.api.types.is_numeric_dtype(column.dtype):
+        frame.raw(name)
+
+
+def _refuse_disorder(frame: Frame, name: str) -> None:
+    """Say of a column that is called time why it holds none."""
+    bare, unit = _bare_and_unit(name, frame.units.get(name), "time")
+    column = frame.data[frame.names[name]]
+    if _named_score(bare, "time")[0] < PART:
+        return
+    if not pd.api.types.is_numeric_dtype(column.dtype):
+        seconds = seconds_of(column.iloc[:CHECKED].dropna())
+        if seconds is not None and len(seconds) > 1 and _are_coarse(seconds):
+            raise InputError(
+                f"{frame.file}: the column {shown(name)} has one time stamp for several rows: give"
+                " times with parts of a second."
+            )
+        return
+    later = share_later(column.iloc[:CHECKED].dropna())
+    if later > ORDERED and unit:
+        raise InputError(
+            f"{frame.file}: the column {shown(name)} is in {unit}, which is no unit of time. Name"
+            ' the right one, as units={"time": "s"}.'
+        )
+    raise InputError(
+        f"{frame.file}: the column {shown(name)} holds no times of samples: from row to row, only"
+        f" {percent(later)} of them increase. Sort the rows by time, or name another column, as"
+        ' columns={"time": "..."}.'
+    )
+
+
+def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict[str, Found]:
+    """Return columns with the units that gains with a unit make of theirs: 9 mm/rad of rpm."""
+    units = {q: str(gain[q]).partition(" ")[2] for q in found if isinstance(gain.get(q), str)}
+    return {
+        q: replace(one, unit=f"{units[q]} * {one.unit}") if one.unit and units.get(q) else one
+        for q, one in found.items()
+    }
+
+
+def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
+    """Whether an axis turns: by units, or by names where there are none."""
+    for quantity, one in found.items():
+        kinds = UNITS.get(quantity, ())
+        if one.unit and len(kinds) > 1:
+            straight, turns = (is_of(one.unit, kind) for kind in kinds[:2])
+            if straight or turns:
+                return turns
+    unit = motor_constant.strip().partition(" ")[2] if isinstance(motor_constant, str) else ""
+    if unit:
+        return is_of(unit, "N m/A")
+    still = ("time", "load", "temperature")
+    moving = [one.name.casefold() for q, one in found.items() if q not in still]
+    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving):
+        return True  # coordinates of the joints of a robot
+    return any(word in name for name in moving for word in TURNING)
+
+
+def _with_unit(motor_constant: float | str, unit: str) -> str:
+    """Return a motor constant with a unit; a plain number is in SI."""
+    text = str(motor_constant).strip()
+    return text if " " in text else f"{text} {unit}"
+
+
+def column_text(one: Found, column: Column = "") -> str:
+    """Return where a quantity was found, in words; a position may have two columns."""
+    unit = f" in {one.unit}" if one.unit else ""
+    if column and not isinstance(column, str):
+        return f"columns {joined(list(map(repr, column)))}{unit}, {one.why}"
+    return f"column {one.name!r}{unit}, {one.why}"
+
+
+def rate_text(times: Array) -> str:
+    """Return number and rate of the samples in words, and what gaps there are."""
+    steps = np.diff(times[np.isfinite(times)])
+    if np.all(steps < 0.0):  # the last one stands first
+        steps = -steps
+    step = float(np.median(steps))
+    samples = count(len(times), "sample")
+    if not step > 0.0:
+        return f"; {samples}"
+    wide = steps[steps > GAP * step]
+    gaps = (
+        f", {count(wide.size, 'gap')} of up to {number(float(wide.max()), 3)} s"
+        if wide.size
+        else ""
+    )
+    return f"; {samples}, {number(1.0 / step, 4)} Hz{gaps}"
+
+
+def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what belongs to quantities, that of a drive to the friction at steady speeds."""
+    return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
+
+
+def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
+    """Whether rows are steady readings of friction, whose times say when they were taken."""
+    resisting = [q for q in ("friction", "force", "current") if q in found]
+    if len(resisting) != 1 or "velocity" not in found or "position" in found:
+        return False
+    columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", *resisting)]
+    rows = [times, *(pd.to_numeric(one, errors="coerce").to_numpy(float) for one in columns)]
+    full = np.isfinite(rows).all(axis=0)
+    return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
+
+
+def times_of(frame: Frame, one: Found) -> Array | None:
+    """Return the times of a record [s], NaN where there are none."""
+    key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
+    if key is None:
+        return None
+    column = frame.data[frame.names[key]]
+    if not pd.api.types.is_numeric_dtype(column.dtype):
+        return seconds_of(column)
+    values = column.to_numpy(dtype=float)
+    if one.unit and not is_unit_of(one.unit, "time"):
+        raise InputError(
+            f"{frame.file}: the column {shown(one.name)} is in {one.unit}, which is no unit of"
+            " time: give its unit, as --unit time=s, or name another column."
+        )
+    return values * (factor(one.unit, "s") if one.unit else 1.0)
+
+
+def repairs_of(
+    frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
+) -> tuple[Repair, ...]:
+    """Return what the reader would refuse, and can repair."""
+    gaps = not _full_rows(frame, found).all()
+    late = False
+    if times is not None:
+        known = np.isfinite(times)
+        there = times[known]
+        back = np.diff(there) <= (0.0 if trial else nearly_zero(np.sort(there)))
+        if trial:  # each has times of its own
+            numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
+            back &= numbers[1:] == numbers[:-1]
+        late = bool(back.any())
+    steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
+    return tuple(name for name, needed in steps.items() if needed)
+
+
+def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
+    """Return which rows have a finite number, or a text, in all columns that are read."""
+    headers = [
+        frame.names[key]
+        for one in found.values()
+        for key in frame.names
+        if one.name in (key, frame.names[key])
+    ]
+    cells = frame.data[headers]
+    return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
+
+
+def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
+    """Yield that most rows lack a cell, as where channels were sampled at other times."""
+    full = _full_rows(frame, found)
+    cure = "Interpolate channels of different rates to the times of one of them first"
+    if not full.any():
+        raise InputError(f"{frame.file}: no row has all of its columns. {cure}.")
+    if full.mean() < FULL:
+        yield (
+            f"Only {count(int(full.sum()), 'row')} of {full.size:,} have all of these columns, and"
+            f" the others are left out. {cure}, if that is too few."
+        )
+
+
+def _refuse_restarts(frame: Frame, times: Array) -> None:
+    """Refuse several records below each other, which sorting by time would mix."""
+    begins = restarts(times)
+    if begins:
+        raise InputError(
+            f"{frame.file}: times begin again at {frame.line(begins[0])}: it seems to hold"
+            f" {count(len(begins) + 1, 'record')} below each other. Number them in a column"
+            " 'trial', or give each a file of its own."
+        )
+
+
+def restarts(times: Array) -> list[int]:
+    """Return the rows at which further records begin, whose times begin again.
+
+    Examples
+    --------
+    >>> restarts(np.tile(np.arange(100.0), 3))
+    [100, 200]
+    """
+    rows = np.flatnonzero(np.isfinite(times))
+    known = times[rows]
+    back = np.flatnonzero(np.diff(known) < 0.0)
+    # the first rows span nothing, and many steps back are no records
+    least = RESTART * float(np.ptp(known)) / (back.size + 1) if known.size else 0.0
+    found, first = [], 0
+    for last in back.tolist() if back.size < MOST_TRIALS * known.size else ():
+        span = float(np.ptp(known[first : last + 1]))
+        if span > least and known[last] - known[last + 1] > RESTART * span:
+            found.append(int(rows[last + 1]))
+            first = last + 1
+    return found
+
+
+def repair_text(repair: Sequence[Repair]) -> str:
+    """Return what is repaired, in words."""
+    why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
+    return " and ".join(f"{one}: {why[one]}" for one in repair)
+
+
+def _is_raw(unit: str | None) -> bool:
+    """Whether a unit is one of a sensor, of which only its gain makes a quantity."""
+    return unit is not None and (is_of(unit, "count") or is_of(unit, "V"))
+
+
+def _gain(quantity: str, turning: bool, unit: str | None) -> str:
+    """Return an assumed gain of a column in counts or volts."""
+    if unit is not None and is_of(unit, "count"):
+        return "0.001 rad/count" if turning else "0.001 mm/count"
+    return SENSITIVITY[quantity][turning]
+
+
+def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
+    """Return the columns without those of further joints: q2 does not go with tau1."""
+    known = [one for one in given.values() if isinstance(one, str)]
+    inputs = inputs_in([*frame.names])
+    names = [name for name in frame.names if name and (name in known or name not in inputs)]
+    wanted = next((numbered(one)[1] for one in known if numbered(one)[1]), "")
+    joint = wanted or next(iter(joints_in(names)), "")
+    if not joint:
+        return names
+    numbers = {numbered(name)[1] for name in names}
+    families = {numbered(name)[0] for name in names if numbered(name)[1] == joint}
+    others = numbers - {"", joint}
+    return [
+        name
+        for name in names
+        if name in known
+        or not (
+            numbered(name)[1] in others and (joint_in(name)[1] or numbered(name)[0] in families)
+        )
+    ]
+
+
+def joint_in(name: str) -> tuple[str, str]:
+    """Return quantity and joint of a column called by both; empty texts if it is not.
+
+    Examples
+    --------
+    >>> joint_in("position.elbow"), joint_in("position.time"), joint_in("position.actual")
+    (('position', 'elbow'), ('', ''), ('', ''))
+    """
+    first, _, joint = name.partition(".")
+    known = first in ("time", *BY_JOINT, "reference", "current") and "." not in joint
+    none = ("", *NAMES["time"], *MEASURED, *WANTED)
+    return (first, joint) if known and joint.casefold() not in none else ("", "")
+
+
+def numbered(name: str) -> tuple[str, str]:
+    """Return a name without the number or name of its joint, and that."""
+    first, joint = joint_in(name)
+    if joint:
+        return f"{first}.#", joint
+    bare = _unit_in_name(name, "position")[0] or name
+    found = re.search(r"(?<!\d)(\d{1,2})(?!\d)(?=[^\d]*$)", bare)
+    if found is None:
+        return bare.casefold(), ""
+    return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
+
+
+def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return input and joint of columns such as motor.elbow, where a joint elbow moves.
+
+    Examples
+    --------
+    >>> inputs_in(["position.elbow", "motor.elbow", "motor.position"])
+    {'motor.elbow': ('motor', 'elbow')}
+    """
+    joints = _moving(names)
+    parts = {name: name.partition(".") for name in names if is_beside(name)}
+    return {name: (first, joint) for name, (first, _, joint) in parts.items() if joint in joints}
+
+
+def _moving(names: Sequence[str]) -> dict[str, None]:
+    """Return the names of joints whose positions or speeds have columns."""
+    return dict.fromkeys(
+        joint for first, joint in map(joint_in, names) if first in ("position", "velocity")
+    )
+
+
+def joints_in(names: Sequence[str]) -> dict[str, None]:
+    """Return the numbers or names of joints, if positions or speeds of several have columns."""
+    named = _moving(names)
+    if len(named) > 1:
+        return named
+    stems: dict[str, dict[str, None]] = {}
+    for name in names:
+        stem, number_ = numbered(name)
+        if number_ and not _is_other(stem, "position"):
+            stems.setdefault(stem, {})[number_] = None
+    several = [(stem, found) for stem, found in stems.items() if len(found) > 1]
+    for stem, found in several:
+        moves = any(_named_score(stem, q)[0] > 0.0 for q in ("position", "velocity"))
+        driven = any(
+            other == found and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
+            for name, other in several
+        )
+        if moves and driven:  # positions alone may be those of several sensors of one axis
+            return found
+    return {}
+
+
+def trial_column(
+    frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found], times: Array | None
+) -> tuple[str, str]:
+    """Return the column that numbers or names trials, and why; empty if none does.
+
+    Whatever it is called, it is one that has another value where times begin again, and no value
+    in two places.
+    """
+    if "trial" in given:
+        return str(given["trial"]), "as given"
+    taken = {one.name for one in found.values()}
+    begins = [] if times is None else restarts(times)
+    apart = ""
+    for name in frame.names:
+        if name in taken:
+            continue
+        cells = frame.data[frame.names[name]]
+        if cells.isna().any() or not 1 < cells.nunique() <= MOST_TRIALS * len(cells):
+            continue
+        if "".join(parts_of(name)) in TRIALS:
+            return name, "by its name"
+        changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
+        if begins and not apart and changes == begins and cells.nunique() == len(begins) + 1:
+            apart = name
+    return apart, "which changes where times begin again"
+
+
+def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
+    """Return the columns that seem to hold a condition."""
+    taken = {*(one.name for one in found.values()), trial}
+    return tuple(
+        name
+        for name in frame.names
+        if name not in taken
+        and _is_named(name, CONDITIONS)
+        and bool(frame.data[frame.names[name]].notna().any())
+    )
+
+
+def _is_named(name: str, words: Collection[str]) -> bool:
+    """Whether the name of a column has one of the words, or ends as the German one of heat."""
+    return any(part in words or part.endswith("temperatur") for part in parts_of(name))
+
+
+def _of_trials(frame: Frame, trial: str) -> list[Frame]:
+    """Return the rows of each trial; the table itself if no column numbers trials."""
+    names = {**frame.names, TRIAL: frame.names.get(trial, trial)} if trial else frame.names
+    return [part for _, part in by_trial(replace(frame, names=names))]
+
+
+def changing_temperature(
+    parts: Sequence[Frame], names: Iterable[str]
+) -> Iterator[tuple[str, Found]]:
+    """Yield the temperature that laws may contain: known at all times, and one that changes."""
+    found = [
+        Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+        for name in names
+        if _is_named(name, TEMPERATURES)
+        for cells in [[part.data[part.names[name]] for part in parts]]
+        if any(column.nunique() > 1 for column in cells)
+        and all(np.isfinite(pd.to_numeric(column, errors="coerce")).all() for column in cells)
+        for stated in [parts[0].units.get(name)]
+        for unit in [_temperature_unit(name, stated)]
+        if unit is None or unit in KELVINS
+    ]
+    if found:
+        yield "temperature", replace(found[0], others=tuple(one.name for one in found[1:]))
+
+
+def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
+    """Yield what else friction may depend on, from columns that are named so and have no holes."""
+    names = {one.name for one in taken.values()}
+    for quantity in (one for one in INPUTS if one not in taken):
+        own = [one for one in _input_offers(frame, quantity) if one.name not in names]
+        full = [one for one in own if _is_full(frame, one.name)]
+        if full:
+            yield quantity, replace(full[0], others=tuple(one.name for one in full[1:]))
+
+
+def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
+    """Yield the columns whose name and unit are those of an input of the contact."""
+    for name in filter(None, frame.names):
+        stated = frame.units.get(name)
+        bare, unit = _bare_and_unit(name, stated, quantity)
+        fits = name == quantity if unit is None else is_unit_of(unit, quantity)
+        if fits and _is_input(bare, quantity):
+            yield Found(score=PART, name=name, unit=unit, stated=unit == stated, why="by its name")
+
+
+def _is_input(bare: str, quantity: str) -> bool:
+    """Whether a name is that of an input of the contact: its word alone, or any pressure."""
+    parts = [part for part in parts_of(bare) if part not in OF_FORCES]
+    if quantity == "pressure":
+        return any(part.endswith(INPUTS[quantity]) for part in parts) and not _is_other(
+            bare, quantity
+        )
+    return len(parts) == 1 and parts[0] in INPUTS[quantity]
+
+
+def _is_full(frame: Frame, name: str) -> bool:
+    """Whether all cells of a column are finite numbers."""
+    column = frame.data[frame.names[name]]
+    return bool(np.isfinite(pd.to_numeric(column, errors="coerce")).all())
+
+
+def _temperature_unit(name: str, stated: str | None) -> str | None:
+    """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
+    spelt = [stated] if stated else [m["unit"] for one in STYLES if (m := one.fullmatch(name))]
+    return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
+
+
+def _has_one_value(part: Frame, name: str) -> bool:
+    """Whether the reader takes one value of a condition for a trial."""
+    try:
+        conditions_in(part, [name])
+    except InputError:
+        return False
+    return True
+
+
+def _may_drive(frame: Frame, name: str) -> bool:
+    """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
+    bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
+    volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
+    forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
+    forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
+    if any(part in SUPPLIES for part in parts_of(name)):
+        return False
+    return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
+
+
+def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[str]:
+    """Yield what is said of conditions and of a temperature that were found by their names."""
+    warm = found.get("temperature")
+    if warm is not None and warm.why != "as given":
+        mean = ", and its mean is a condition of each trial" if warm.name in conditions else ""
+        yield (
+            f"The column {warm.name!r} changes within a record: it is the temperature on which a"
+            f" friction law may depend, such as level + viscous * exponential[temperature]{mean}."
+        )
+    for name in (one for one in conditions if warm is None or one != warm.name):
+        yield (
+            f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"
+            " several trials say whether friction depends on it. If it is none, leave it out of"
+            " conditions."
+        )
+
+
+def _doubts(
+    frame: Frame,
+    found: Mapping[str, Found],
+    turning: bool,
+    units: Collection[str],
+    constant: float | str | None,
+) -> Iterable[str]:
+    """Yield what was assumed."""
+    joints = joints_in([name for name in frame.names if name])
+    if len(joints) > 1:
+        moving = next((one.name for q, one in found.items() if q in ("position", "velocity")), "")
+        own = numbered(moving)[1] or next(iter(joints))
+        yield (
+            f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
+            " another, name its position as --columns position=...; all of them together need the"
+            " URDF of the robot, as --urdf robot.urdf."
+        )
+    for quantity, one in found.items():
+        if quantity != "time" and one.why == "by its unit":
+            yield f"Nothing but its unit says that {one.name!r} is the {quantity}: check it."
+    for quantity, one in found.items():
+        stamps = quantity == "time" and one.unit is None and "stamp" in one.why
+        if one.unit is None and quantity not in units and not stamps:
+            kinds = UNITS.get(quantity, ("SI",))
+            yield (
+                f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
+                f" the {quantity}."
+            )
+        elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
+            yield (
+                f"The column {one.name!r} is in {one.unit}, and"
+                f" {SENSITIVITY[quantity][turning]} is assumed: give the sensitivity of the"
+                f" sensor as its gain, as --gain {quantity}='...'."
+            )
+        elif one.unit is not None and is_of(one.unit, "count") and quantity not in units:
+            yield (
+                f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
+                " angle as its gain."
+            )
+    if "velocity" in found and set(parts_of(found["velocity"].name)) & {*ROLLING}:
+        yield (
+            f"{found['velocity'].name!r} is read as the sliding velocity, as the file has no other"
+            " speed: surfaces that roll slide at a part of it."
+        )
+    positions = _second_positions(frame, found)
+    yield from positions.values()
+    for quantity, one in found.items():
+        for other in (name for name in one.others if name not in positions):
+            yield (
+                f"The column {other!r} may be the {quantity} as well as {one.name!r}, which comes"
+                " first."
+            )
+    yield from _left_out(frame, found)
+    if "current" in found and not constant:
+        yield _scale_doubt(turning)
+    yield from _driving_doubts(frame, found)
+
+
+def _scale_doubt(turning: bool) -> str:
+    """Return that a motor constant is assumed."""
+    unit = "N m/A" if turning else "N/A"
+    return (
+        f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
+        f" 1 {unit} is assumed, so that forces and the mass are in a scale of their own. Give"
+        f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
+    )
+
+
+def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str]:
+    """Return what is said of other columns that show the same motion as the position, by name."""
+    first, said = found.get("position"), {}
+    if first is None or first.name not in frame.names or first.unit is None or _is_raw(first.unit):
+        return {}
+    if not is_unit_of(first.unit, "position"):  # its gain makes a position of it
+        return {}
+    taken = {one.name for one in found.values()}
+    x = _values(frame, first)
+    for name in _of_one_joint(frame, {"position": first.name}):
+        for other in _offers(frame, name, "position") if name not in taken else ():
+            if _is_raw(other.unit) or other.unit is None or other.score < LETTER:
+                continue
+            y = _values(frame, other)
+            both = np.isfinite(x) & np.isfinite(y)
+            if both.sum() < 2 or not (np.ptp(x[both]) and np.ptp(y[both])):
+                continue
+            if abs(np.corrcoef(x[both], y[both])[0, 1]) < SAME_MOTION:
+                continue
+            ratio = float(np.polyfit(x[both], y[both], 1)[0])
+            ratio = 1.0 if abs(ratio - 1.0) < ONE_TO_ONE else ratio
+            apart = float(np.ptp((y - ratio * x)[both]) / abs(ratio))
+            size = number(apart / factor(first.unit, first.unit_in_si), 3)
+            if first.unit_in_si == other.unit_in_si and apart <= EQUAL * float(np.ptp(x[both])):
+                said[name] = (
+                    f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
+                    f" is not; they are {'equal' if ratio == 1.0 else 'in one ratio throughout'}."
+                )
+                continue
+            geared = f", which moves {number(ratio, 4)} times as far," if ratio != 1.0 else ""
+            geared = geared if other.unit_in_si == first.unit_in_si else ""
+            said[name] = (
+                f"Two columns are positions of this axis: {first.name!r} is read, and {name!r}"
+                f"{geared} is not. They differ by up to {size} {first.unit}, the lost motion"
+                " between both: if friction acts where the other was measured, give it as"
+                f" --columns position={name!r}."
+            )
+    return said
+
+
+def _values(frame: Frame, one: Found) -> Array:
+    """Return a column (n,) of positions [m] or [rad], from any zero."""
+    column = frame.data[frame.names[one.name]].to_numpy(dtype=float)
+    return column * factor(one.unit, one.unit_in_si) if one.unit else column
+
+
+def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+    """Yield which columns of inputs of the contact are left out for their holes."""
+    for quantity in INPUTS:
+        for one in _input_offers(frame, quantity):
+            if quantity not in found and not _is_full(frame, one.name):
+                yield (
+                    f"The column {one.name!r} seems to be the {quantity}, on which friction may"
+                    " depend, but has empty cells: it is left out. To read only the rows that have"
+                    f" it, name it, as --columns {quantity}={one.name!r}."
+                )
+
+
+def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
+    """Yield what is not known of the force that drives the axis."""
+    if not {"force", "current", "friction"} & set(found):
+        taken = {one.name for one in found.values()}
+        drives = [name for name in frame.names if name not in taken and _may_drive(frame, name)]
+        yield (
+            f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
+            f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m of"
+            " an axis that turns) as --gain force=..."
+            if drives
+            else "The file has no force: the body is assumed to move without a drive."
+        )
+    elif "friction" in found and found["friction"].why == BESIDE_LOAD:
+        yield (
+            f"{found['friction'].name!r} is taken for the friction that a sensor shows. If it"
+            f" drives the body, name it as --columns force={found['friction'].name!r}."
+        )
+    elif "force" in found and "load" in found:
+        yield (
+            f"{found['force'].name!r} is taken for the force that drives the body. If it is the"
+            " friction that a sensor shows, as at a tribometer, name it as --columns"
+            f" friction={found['force'].name!r}."
+        )

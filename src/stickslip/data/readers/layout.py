@@ -1,0 +1,584 @@
+"""How a text file holds its table: code page, separators, what stands above the rows, its times.
+
+Times of day and dates become seconds; they are repaired on request only.
+"""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data.measurement import Array
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.show.described import Described
+from stickslip.show.formatting import count, quantity
+from stickslip.units import is_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+# Times of samples: times of day and dates as seconds, and their repair, on request only.
+
+DAY: Final = 86_400.0
+HALF: Final = DAY / 2
+"""A time of day that falls by more than this has passed midnight."""
+_CLOCK: Final = r"\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d{1,9})?)?(?:\s*(?P<half>[AaPp][Mm]))?"
+_DATE: Final = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./-]\d{1,2}[./-]\d{2,4})"
+_STAMP: Final = re.compile(
+    rf"(?:(?P<date>{_DATE})(?:[T\s]+|\s*,\s*))?(?P<clock>{_CLOCK})\s*(?P<zone>Z|[+-]\d{{2}}:?\d{{2}})?"
+)
+
+
+def is_stamp(cell: str) -> bool:
+    """Whether a cell is a time of day, perhaps with a date, or a date alone.
+
+    Examples
+    --------
+    >>> [is_stamp(c) for c in ("12:30:00,5", "01.03.2024 12:30:00", "2024-03-01", "0,5", "12")]
+    [True, True, True, False, False]
+    """
+    return bool(_STAMP.fullmatch(cell) or re.fullmatch(_DATE, cell))
+
+
+def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
+    """Return time stamps (n,) as seconds: with dates, since the first; else, since midnight.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> seconds_of(pd.Series(["23:59:59,5", "00:00:00,25"])).tolist()
+    [86399.5, 86400.25]
+    >>> seconds_of(pd.Series(["01.03.2024 12:00:00", "01.03.2024 12:00:00,5"])).tolist()
+    [0.0, 0.5]
+    >>> seconds_of(pd.Series(["2024-03-01T23:59:59Z", "2024-03-02T00:00:01.25Z"])).tolist()
+    [0.0, 2.25]
+    >>> seconds_of(pd.Series(["3/1/24 11:59:59 PM", "3/2/24 12:00:01 AM"])).tolist()
+    [0.0, 2.0]
+    """
+    import pandas as pd
+
+    if pd.api.types.is_datetime64_any_dtype(column.dtype):
+        return _since_first(column)
+    try:
+        texts = column.astype("string").str.strip()
+    except UnicodeEncodeError:  # halves of characters
+        return None
+    there = texts.dropna()
+    found = _STAMP.fullmatch(there.iloc[0]) if len(there) else None
+    if found is None:
+        return None
+    if not found["date"]:
+        return _of_day(texts.str.replace(",", ".", regex=False))
+    # One pattern for all is parsed a hundred times faster than each by its own, and that of the
+    # first as it stands spares the time of making all alike, which is longer.
+    for alike in (False, True):
+        try:
+            pattern = _pattern(there, found, alike=alike)
+            stamps = pd.to_datetime(_alike(texts) if alike else texts, format=pattern, utc=True)
+        except (ValueError, OverflowError):
+            continue
+        return _since_first(stamps)
+    return None
+
+
+def _alike(texts: "pd.Series[Any]") -> "pd.Series[Any]":
+    """Return stamps with a point and a fraction behind their seconds, and one blank between."""
+    texts = texts.str.replace(r"(?<![T\s,])[T\s,]++(?=\d{1,2}:)", " ", regex=True)
+    texts = texts.str.replace(r"(:\d{2}),(?=\d)", r"\1.", regex=True)
+    return texts.str.replace(r"(:\d{2}:\d{2})(?![.\d:])", r"\1.0", regex=True)
+
+
+def _pattern(texts: "pd.Series[Any]", found: re.Match[str], *, alike: bool) -> str:
+    """Return the format of stamps, of which the first was found to be one, or of `_alike` ones."""
+    mark = next(mark for mark in "-/." if mark in found["date"])
+    parts = found["date"].split(mark)
+    year = "%Y" if len(max(parts, key=len)) == 4 else "%y"
+    if len(parts[0]) == 4:
+        order = [year, "%m", "%d"]
+    else:
+        day_first = mark != "/" or bool(
+            (texts.str.extract(r"^(\d+)")[0].astype(int) > 12).any()  # no month
+        )
+        order = [*(["%d", "%m"] if day_first else ["%m", "%d"]), year]
+    clock = "%I" if found["half"] else "%H"
+    fraction = re.search(r"[.,](?=\d)", found["clock"])
+    point = "." if alike else fraction[0] if fraction else ""
+    seconds = f":%S{point}{'%f' * bool(point)}" if found["clock"].count(":") > 1 else ""
+    between = " " if alike else found[0][found.end("date") : found.start("clock")]
+    before_zone = found[0][found.end("clock") : found.start("zone")] if found["zone"] else ""
+    half = f"{' ' if ' ' in found['clock'] else ''}%p" if found["half"] else ""
+    zone = f"{before_zone}%z" if found["zone"] else ""
+    return f"{mark.join(order)}{between}{clock}:%M{seconds}{half}{zone}"
+
+
+def _since_first(stamps: "pd.Series[Any]") -> NDArray[np.float64]:
+    elapsed = stamps - stamps.dropna().iloc[0]
+    return np.array(elapsed.dt.total_seconds(), dtype=float)
+
+
+def _of_day(texts: "pd.Series[Any]") -> NDArray[np.float64] | None:
+    """Return times of day as seconds since midnight, on over the next one."""
+    import pandas as pd
+
+    stamps = pd.to_timedelta(texts.where(texts.str.count(":") != 1, texts + ":00"), errors="coerce")
+    if stamps[texts.notna()].isna().any():
+        return None
+    times = np.array(stamps.dt.total_seconds(), dtype=float)
+    there = np.flatnonzero(np.isfinite(times))
+    days = np.cumsum(np.diff(times[there], prepend=times[there[0]]) < -HALF)
+    times[there] += DAY * days
+    return times
+
+
+NEAR = 1e-3
+"""Share of the usual step of time below which two samples are of one time."""
+LONG = 0.9
+"""Quantile of the steps that is taken for a usual one: not a double, and not a gap."""
+
+Repair: TypeAlias = Literal["sort", "gaps"]
+"""What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``."""
+
+
+def repairs(given: str | Sequence[str] | None) -> tuple[Repair, ...]:
+    """Return the repairs asked for, those of gaps first, since times must be there to be sorted.
+
+    Examples
+    --------
+    >>> repairs(["sort", "gaps"]), repairs(None)
+    (('gaps', 'sort'), ())
+    """
+    names = () if given is None else (given,) if isinstance(given, str) else tuple(given)
+    for name in names:
+        if name not in get_args(Repair):
+            raise UnknownNameError("repair", name, get_args(Repair))
+    return tuple(name for name in get_args(Repair)[::-1] if name in names)
+
+
+def repaired(
+    columns: Mapping[str, Array], steps: Sequence[Repair]
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Return the columns of a record after repairs, and what was done in words.
+
+    Examples
+    --------
+    >>> columns = {"time": np.array([0.0, 2.0, 1.0, 1.0]), "position": np.array([0.0, 2.0, 1, 1])}
+    >>> found, done = repaired(columns, ["sort"])
+    >>> found["time"].tolist(), done
+    ([0.0, 1.0, 2.0], ('sorted by time (2 samples out of order)', 'dropped 1 exact duplicate'))
+    """
+    found, done = dict(columns), []
+    for step in steps:
+        found, remarks = (_without_gaps if step == "gaps" else _sorted)(found)
+        done += remarks
+    return found, tuple(done)
+
+
+def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    good = np.all([np.isfinite(values) for values in columns.values()], axis=0)
+    dropped = int(good.size - np.count_nonzero(good))
+    if not dropped:
+        return columns, []
+    if dropped == good.size:
+        raise InputError(
+            'no sample is finite in all columns: repair="gaps" would remove every sample.'
+        )
+    kept = {name: values[good] for name, values in columns.items()}
+    return kept, [f"dropped {count(dropped, 'non-finite sample')}"]
+
+
+def _sorted(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    if "time" not in columns:
+        raise InputError(
+            'repair="sort" needs a column of times, and there is none: name it, as'
+            ' columns={"time": "..."}.'
+        )
+    remarks = []
+    time = columns["time"]
+    late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
+    if late:
+        order = np.argsort(time, kind="stable")
+        columns = {name: values[order] for name, values in columns.items()}
+        remarks.append(f"sorted by time ({count(late, 'sample')} out of order)")
+    columns, more = _single(columns)
+    return columns, [*remarks, *more]
+
+
+def _single(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return sorted columns with one sample a time: doubles dropped, what conflicts averaged."""
+    near = nearly_zero(columns["time"])
+    groups = np.concatenate([[0], np.cumsum(np.diff(columns["time"]) > near)])
+    if groups[-1] + 1 == groups.size:
+        return columns, []
+    table = np.stack(list(columns.values()), axis=1)
+    # Within a time, values in any order: equal samples then stand side by side.
+    order = np.lexsort((*table.T[::-1], groups))
+    table, groups = table[order], groups[order]
+    same = np.concatenate([[False], np.all(np.diff(table, axis=0) == 0, axis=1)])
+    table, groups = table[~same], groups[~same]
+    first, sizes = np.flatnonzero(np.diff(groups, prepend=-1)), np.bincount(groups)
+    # The first and the mean deviation from it, so that a single sample keeps its last digit.
+    deviation = table - table[first][groups]
+    single = table[first] + np.add.reduceat(deviation, first, axis=0) / sizes[:, None]
+    exact, several = int(np.count_nonzero(same)), np.flatnonzero(sizes > 1)
+    time = table[:, list(columns).index("time")]
+    apart = time[first[several] + sizes[several] - 1] - time[first[several]]
+    conflicts = int(np.count_nonzero(apart == 0.0))
+    remarks = [f"dropped {count(exact, 'exact duplicate')}"] if exact else []
+    if conflicts:
+        remarks.append(f"averaged the values at {count(conflicts, 'duplicate time')}")
+    if conflicts < apart.size:
+        remarks.append(
+            f"averaged {count(apart.size - conflicts, 'group')} of samples at nearly the same time"
+            f" (at most {quantity(float(apart.max()), 's', 2)} apart)"
+        )
+    return dict(zip(columns, single.T.copy(), strict=True)), remarks
+
+
+def nearly_zero(time: Array) -> float:
+    """Return the step of time that separates no samples [s]: a thousandth of the usual step.
+
+    The usual step is the median of those that are not themselves nearly zero.
+
+    Examples
+    --------
+    >>> round(nearly_zero(np.array([0.0, 1e-9, 0.001, 0.001 + 1e-9, 0.002, 5.0])), 9)
+    1e-06
+    """
+    steps = np.diff(time)
+    usual = steps[steps > NEAR * np.quantile(steps, LONG, method="lower")] if steps.size else steps
+    return NEAR * float(np.median(usual)) if usual.size else 0.0
+
+
+SEPARATORS: Final = (";", "\t", ",", "|", " ")
+"""Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
+LOOKED_AT: Final = 400
+"""Lines at the top among which header and rows are sought."""
+LONGEST_CELL: Final = 100_000
+"""Characters that are looked at of a cell that is no number."""
+ALIKE: Final = 10
+"""Rows that have to follow each other, unless the file has fewer."""
+CODE_PAGES: Final = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+MISSING: Final = ("", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false")
+"""Words of cells, in any case, that stand for a number that is missing, or for none."""
+BRACKETS: Final = ("[]", "()", "<>", "{}")
+NO_UNIT: Final = ("-", "\N{EN DASH}", "\N{MINUS SIGN}", "1")
+_NUMBER: Final = re.compile(
+    r"""[+-]?(?:\d+(?:[.'\ \u2019\u00a0\u202f]\d{3})*(?:[.,]\d*)?   # 12, 0,5, 1.592,0
+        |\d{1,3}(?:,\d{3})+(?:\.\d*)?                               # 1,592.0
+        |[.,]\d+)(?:[eE][+-]?\d+)?""",
+    re.VERBOSE,
+)
+_BLANKS: Final = "'\u2019 \u00a0\u202f"
+_THOUSANDS: Final = (
+    (",", re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d")),
+    (".", re.compile(rf"(?<![,{_BLANKS}]\d\d)\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+\.\d")),
+)
+"""By decimal mark: a number that has both this and a mark between thousands, from its first one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout(metaclass=Described):
+    """How a text file holds its table, as `guess_data` finds it and `load_measurement` takes it.
+
+    Examples
+    --------
+    >>> Layout(separator=";", decimal=",", preface=3, units_row=True).decimal
+    ','
+    """
+
+    encoding: str = "utf-8-sig"
+    """Code page, such as ``"cp1252"`` of older programs under Windows."""
+    separator: str = ","
+    """What stands between cells; a blank stands for any number of blanks and tabs."""
+    decimal: str = "."
+    """Decimal mark, a point or a comma."""
+    thousands: str = ""
+    """Mark between thousands; empty if there is none."""
+    preface: int = 0
+    """Number of lines above the header, comments and empty lines included."""
+    units_row: bool = False
+    """Whether the row below the header holds the units of the columns."""
+
+    def __post_init__(self) -> None:
+        """Check all; a wrong mark would make text of numbers."""
+        for name, allowed in (("separator", SEPARATORS), ("decimal", (".", ","))):
+            given = getattr(self, name)
+            if given not in allowed:
+                listed = ", ".join(map(repr, allowed))
+                raise InputError(f"layout.{name} must be one of {listed}, got {given!r}.")
+        if len(self.thousands) > 1 or (self.thousands and self.thousands == self.decimal):
+            raise InputError(
+                "layout.thousands must be one character other than the decimal mark, got"
+                f" {self.thousands!r}."
+            )
+        lines: object = self.preface
+        if not isinstance(lines, int) or isinstance(lines, bool) or lines < 0:
+            raise InputError(f"layout.preface must be a number of lines, got {self.preface!r}.")
+        try:
+            "".encode(self.encoding)
+        except LookupError:
+            raise InputError(
+                f"layout.encoding must be a code page such as utf-8 or cp1252, got"
+                f" {self.encoding!r}."
+            ) from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Text:
+    """The upper lines of a file as cells."""
+
+    layout: Layout
+    """How the file holds its table."""
+    names: tuple[str, ...]
+    """Names of the columns as they stand in the header."""
+    units: tuple[str, ...]
+    """Units of the columns, from a row below the header; empty where there is none."""
+    assumed: str
+    """A whole number with a mark that is only assumed to part thousands; empty if none has."""
+    rows: tuple[tuple[str, ...], ...]
+    """Cells of some of the upper rows."""
+
+
+def decoded(data: bytes) -> tuple[str, str]:
+    """Return a text and its code page.
+
+    Examples
+    --------
+    >>> decoded("µm".encode("cp1252")), decoded("µm".encode("utf-16"))
+    (('µm', 'cp1252'), ('µm', 'utf-16'))
+    """
+    encoding = next((name for mark, name in CODE_PAGES.items() if data.startswith(mark)), "")
+    if not encoding and b"\0" in data[:LOOKED_AT]:
+        even, odd = (data[start:LOOKED_AT:2].count(0) for start in (0, 1))
+        if min(even, odd) == 0 and max(even, odd) > LOOKED_AT / 8:
+            encoding = "utf-16-be" if even else "utf-16-le"
+    for name in [encoding] if encoding else ["utf-8-sig", "cp1252"]:
+        try:
+            return data.decode(name), name
+        except UnicodeDecodeError:
+            continue
+    return data.decode(encoding or "cp1252", errors="replace"), encoding or "cp1252"
+
+
+def cells_of(line: str, separator: str) -> list[str]:
+    """Return the cells of a line, quotes removed."""
+    return [cell.strip() for cell in bare_cells(line, separator, skipinitialspace=True)]
+
+
+def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> list[str]:
+    """Return the cells of a line as they stand; one beyond what `csv` takes is cut."""
+    if separator == " ":
+        return line.lstrip("#% \t").split()  # a header may be marked as a comment
+    try:
+        found = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
+        return next(found, [])
+    except csv.Error:
+        return [cell[:LONGEST_CELL] for cell in line.split(separator)]
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number, with either decimal mark and perhaps marks between thousands.
+
+    Examples
+    --------
+    >>> [is_number(cell) for cell in ("0,5", "1.592,0", "12 000", "1e-3", "Weg", "1;2")]
+    [True, True, True, True, False, False]
+    """
+    return _NUMBER.fullmatch(cell) is not None
+
+
+def layout_of(text: str, encoding: str) -> Text | None:
+    r"""Return how a text holds its table; None if it has no header above rows of numbers.
+
+    Examples
+    --------
+    >>> found = layout_of("Zeit;Weg\ns;mm\n0,0;1,5\n0,1;1,6\n", "utf-8-sig")
+    >>> found.layout.decimal, found.layout.units_row, found.names, found.units
+    (',', True, ('Zeit', 'Weg'), ('s', 'mm'))
+    """
+    lines = _upper(text)
+    # The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
+    found = sorted(
+        (
+            (*rows, -place, mark)
+            for place, mark in enumerate(SEPARATORS)
+            for rows in _rows(lines, mark)
+        ),
+        reverse=True,
+    )
+    for _, width, first, _, separator in found:
+        table = _table(text, encoding, lines, first, width, separator)
+        if table is not None:
+            return table
+    return None
+
+
+def _table(
+    text: str, encoding: str, lines: Sequence[str], first: int, width: int, separator: str
+) -> Text | None:
+    """Return the table whose rows begin at a line, if there is a header above it."""
+    above = [index for index in range(first) if lines[index].strip()]
+    heads = [index for index in above if _is_head(cells_of(lines[index], separator), width)]
+    if not heads:
+        return None
+    header, units = heads[-1], tuple[str, ...]()
+    last = cells_of(lines[header], separator)
+    if len(heads) > 1 and heads[-2] == above[-2] and are_units(last):
+        header, units = heads[-2], tuple(unit_in(cell) for cell in last)
+    rows = tuple(tuple(cells_of(line, separator)) for line in lines[first:] if line.strip())
+    names = _padded(cells_of(lines[header], separator), max(width, len(rows[0])))
+    decimal, thousands = _marks(text, rows, separator)
+    grouped = [cell for row in rows for cell in row if is_number(cell) and thousands in cell]
+    sure = thousands not in (".", ",") or any(decimal in cell for cell in grouped)
+    return Text(
+        layout=Layout(
+            encoding=encoding,
+            separator=separator,
+            decimal=decimal,
+            thousands=thousands,
+            preface=header,
+            units_row=bool(units),
+        ),
+        names=names,
+        units=_padded(units, len(names)) if units else (),
+        assumed="" if sure else next(iter(grouped), ""),
+        rows=rows,
+    )
+
+
+def _upper(text: str) -> list[str]:
+    """Return the upper lines, cut by hand: a long file has more than anybody asks for."""
+    found: list[str] = []
+    position = 0
+    while position < len(text) and len(found) < LOOKED_AT:
+        end = text.find("\n", position)
+        end = len(text) if end < 0 else end
+        found.append(text[position:end].rstrip("\r").lstrip("\ufeff"))
+        position = end + 1
+    return found
+
+
+def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
+    """Yield, if rows of numbers are parted by a mark, where they begin.
+
+    That is the number of words among them, negative; the number of cells that are not empty at the
+    end of all rows; the first line.
+    """
+    counts = [_counted(line, separator) for line in lines]
+    full = [index for index, line in enumerate(lines) if line.strip()]
+    for place, index in enumerate(full):
+        following = [counts[i] for i in full[place : place + ALIKE]]
+        sizes = {size for size, _, _ in following}
+        if len(sizes) == 1 and min(sizes) > 0:
+            words = sum(words for _, _, words in following)
+            yield -words, max(width for _, width, _ in following), index
+            return
+
+
+def _counted(line: str, separator: str) -> tuple[int, int, int]:
+    """Return the numbers of cells, of those up to the last that is not empty, and of words.
+
+    All are 0 unless most of the cells are numbers.
+    """
+    if not line.strip() or line.startswith("#"):
+        return 0, 0, 0
+    cells = cells_of(line, separator)
+    width = max((place for place, cell in enumerate(cells, 1) if cell), default=0)
+    numbers = sum(is_number(cell) or is_stamp(cell) for cell in cells)
+    words = sum(cell.casefold() not in MISSING for cell in cells) - numbers
+    return (len(cells), width, words) if numbers > words else (0, 0, 0)
+
+
+def _is_head(cells: Sequence[str], width: int) -> bool:
+    """Whether cells above rows of a width may be their names or their units."""
+    named = [cell for cell in cells if cell]
+    if not named or len(cells) < width:
+        return False
+    return not any(is_number(cell) or is_stamp(cell) for cell in named if cell not in NO_UNIT)
+
+
+def are_units(cells: Sequence[str]) -> bool:
+    """Whether cells hold units and nothing else.
+
+    Examples
+    --------
+    >>> are_units(["s", "[mm]", ""]), are_units(["t", "x"])
+    (True, False)
+    """
+    named = [cell for cell in cells if cell]
+    return bool(named) and all(
+        cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+        for cell in named
+    )
+
+
+def unit_in(cell: str) -> str:
+    """Return the unit of a cell that holds nothing else, without the brackets around it.
+
+    Examples
+    --------
+    >>> unit_in("[mm]"), unit_in("(1/min)"), unit_in("in mm"), unit_in("N")
+    ('mm', '1/min', 'mm', 'N')
+    >>> unit_in("mm (Position)")
+    'mm'
+    """
+    unit, bracket, rest = cell.strip().partition(" (")  # and what is measured in it
+    named = unit and bracket and rest.endswith(")")
+    bare = (unit if named else cell).strip().strip("[]()<>{}").strip()
+    return bare.removeprefix("in ") if bare != "in" else bare
+
+
+def _padded(cells: Sequence[str], width: int) -> tuple[str, ...]:
+    return (*cells, *[""] * (width - len(cells)))
+
+
+def _marks(
+    text: str, rows: Sequence[Sequence[str]], separator: str
+) -> tuple[Literal[".", ","], str]:
+    """Return the decimal mark and that between thousands.
+
+    Marks between thousands are sought in the whole text: a number may pass a thousand late.
+    """
+    numbers = [cell for row in rows for cell in row if is_number(cell)]
+    decimal: Literal[".", ","] = "."
+    if separator == " " and any("." in cell for cell in numbers):
+        return ".", ""
+    if separator != "," or any('"' in line for line in _upper(text)[:LOOKED_AT]):
+        last = Counter(mark for cell in numbers for mark in _last_mark(cell))
+        both = any("." in cell and "," in cell for cell in numbers)
+        if last[","] and (both or last[","] >= last["."]):
+            decimal = ","
+    for mark, pattern in _THOUSANDS:
+        if mark != decimal or (separator == "," and '"' not in text):
+            continue
+        found = pattern.search(text)
+        if found and found[1] != separator:
+            return decimal, found[1]
+    blanks = [cell for cell in numbers if any(mark in cell for mark in _BLANKS)]
+    if blanks:
+        return decimal, next(mark for mark in _BLANKS if mark in blanks[0])
+    return decimal, _other_mark(numbers, decimal)
+
+
+def _last_mark(cell: str) -> Iterator[str]:
+    marks = [mark for mark in cell if mark in ".,"]
+    # One that comes twice parts thousands.
+    if marks and marks.count(marks[-1]) == 1:
+        yield marks[-1]
+
+
+def _other_mark(numbers: Sequence[str], decimal: str) -> str:
+    """Return the mark that is no decimal one but stands in whole numbers, such as 1.592.
+
+    Where it stands elsewhere too, as in 0.15, a file has both decimal marks, and none is dropped.
+    """
+    other = "," if decimal == "." else "."
+    found = [cell for cell in numbers if other in cell]
+    whole = rf"[+-]?[1-9]\d{{0,2}}(?:\{other}\d{{3}})+"
+    return other if found and all(re.fullmatch(whole, cell) for cell in found) else ""

@@ -1,0 +1,485 @@
+"""Logs of robots and servos: data sets of LeRobot, JSON of servos, and registers as counts."""
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from stickslip.data.measurement import Array
+from stickslip.data.readers.binary import check_parquet
+from stickslip.data.readers.table import Table, read_json
+from stickslip.errors import InputError, check_size
+from stickslip.mechanisms import coordinate_of
+from stickslip.show.documents import open_regular
+from stickslip.show.formatting import count, joined, number
+from stickslip.units import shown
+
+# Registers of hobby servos that logs hold as they were read: counts, not degrees or amperes.
+#
+# Dynamixel: control tables of the series X, https://emanual.robotis.com. Feetech: series STS, on
+# which public drivers agree; no manual of the maker was found. See also the page on hobby servos.
+
+TURN: Final = "4096 counts/rev"
+"""Counts of an angle in both."""
+STEPS: Final = (360.0 / 4096.0, 360.0 / 4095.0)
+"""Steps of servos [deg] that count 12 bits a turn, by either convention."""
+FEWEST: Final = 20
+"""Steps from which they show that they are multiples of one."""
+WHOLE: Final = 0.05
+"""Distance of a step from such a multiple; 24 bits leave 1e-4."""
+MOST: Final = 0.98
+"""Share of the steps that are multiples."""
+RADIANS: Final = 13.0
+"""A joint with limits does not turn as far [rad]: two turns either way."""
+SIGNED: Final = re.compile(r"(?:present|goal)(?:position|velocity|speed|current|pwm)")
+"""Registers that have a sign."""
+ID: Final = "id"
+"""Name of the column that says which servo was read."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Servo:
+    """A family of servos."""
+
+    title: str
+    marks: frozenset[str]
+    """Registers that the other family has not."""
+    units: Mapping[str, str]
+    """Quantity -> unit of its numbers."""
+    gains: Mapping[str, float | str]
+    """Quantity -> what a count is."""
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    """Quantity -> what the model decides."""
+    sign_bit: bool = False
+    """Whether the highest bit of a register is its sign; else negative numbers are complements."""
+
+    @property
+    def why(self) -> str:
+        """What speaks for a column, in words."""
+        return f"as a register of a {self.title}"
+
+    def doubts(self, read: Collection[str], given: Collection[str]) -> list[str]:
+        """Return what the model decides of the quantities that are read and were not given."""
+        return [text for name, text in self.remarks.items() if name in read and name not in given]
+
+
+SERVOS: Final = (
+    Servo(
+        title="Dynamixel",
+        marks=frozenset({"presentpwm", "presentinputvoltage", "goalpwm", "velocitytrajectory"}),
+        units={"position": "count", "reference": "count", "velocity": "count", "current": "mA"},
+        gains={"position": TURN, "reference": TURN, "velocity": "0.229 rpm/count"},
+        remarks={
+            "current": "A count of the current is 1 mA of an XL330 or XC330, which is assumed, and"
+            " 2.69 mA of an XM430 or XH430: give it as --gain current=2.69."
+        },
+    ),
+    Servo(
+        title="Feetech STS",
+        marks=frozenset({"presentload", "presentvoltage", "presentspeed"}),
+        units={"position": "count", "reference": "count", "velocity": "count", "current": "mA"},
+        gains={
+            "position": TURN,
+            "reference": TURN,
+            "velocity": "0.0146484375 rpm/count",  # a count of the angle each second
+            "current": 6.5,
+        },
+        remarks={
+            "position": "A servo of the series SCS has 1024 counts: give --gain"
+            " position='1024 counts/rev'."
+        },
+        sign_bit=True,
+    ),
+)
+
+
+def register_name(column: str) -> str:
+    """Return the name of a column as that of a register.
+
+    Examples
+    --------
+    >>> register_name("Present_Position"), register_name("present position [raw]")
+    ('presentposition', 'presentpositionraw')
+    """
+    return re.sub(r"[\W_]+", "", column).casefold()
+
+
+def servo_of(names: Collection[str]) -> Servo | None:
+    """Return the family whose registers a table has; None if it has none of a servo.
+
+    Examples
+    --------
+    >>> servo_of(["t", "Present_Position", "Present_PWM"]).title, servo_of(["t", "position"])
+    ('Dynamixel', None)
+    """
+    registers = {register_name(name) for name in names}
+    if not registers & {"presentposition", "goalposition"}:
+        return None
+    return next((servo for servo in SERVOS if servo.marks & registers), None)
+
+
+def are_counts(column: "pd.Series[Any]") -> bool:
+    """Whether a column holds whole numbers, more than the radians of a turn.
+
+    Examples
+    --------
+    >>> are_counts(pd.Series([2048, 2060])), are_counts(pd.Series([0.5, 1.0]))
+    (True, False)
+    """
+    numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+    known = numbers[np.isfinite(numbers)]
+    return bool(known.size and np.all(known == np.round(known)) and np.abs(known).max() > 10.0)
+
+
+def are_degrees(positions: Sequence[Array]) -> bool:
+    """Whether all positions come in the steps in which servos count a turn, in degrees.
+
+    Examples
+    --------
+    >>> counts = np.arange(2048.0, 2090.0)
+    >>> are_degrees([360.0 / 4096.0 * counts]), are_degrees([0.1 * counts])
+    (True, False)
+    """
+    gaps = [np.diff(np.unique(one)) for one in positions]
+    moved = [one for one in gaps if one.size >= FEWEST]
+    return bool(moved) and any(
+        all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
+        for step in STEPS
+    )
+
+
+def with_signs(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return a table with negative numbers of registers that were read as unsigned, and remarks.
+
+    Examples
+    --------
+    >>> data = pd.DataFrame({"Present_PWM": [3, 2**16 - 2], "Present_Position": [2, 2**32 - 1]})
+    >>> with_signs(data)[0].to_dict("list")
+    {'Present_PWM': [3, -2], 'Present_Position': [2, -1]}
+    """
+    servo = servo_of(list(map(str, data.columns)))
+    signed = {}
+    for name in data.columns if servo is not None else ():
+        if SIGNED.fullmatch(register_name(str(name))) and are_counts(data[name]):
+            signed[name] = _signed(data[name], bool(servo and servo.sign_bit))
+    changed = [name for name, one in signed.items() if not one.equals(data[name])]
+    if servo is None or not changed:
+        return data, []
+    how = "bit 15 is the sign" if servo.sign_bit else "negative numbers are two's complements"
+    return data.assign(**{name: signed[name] for name in changed}), [
+        f"Registers of a {servo.title} were recorded without their sign, and are read with it, as"
+        f" {how}: {joined([shown(str(name)) for name in changed])}."
+    ]
+
+
+def _signed(column: "pd.Series[Any]", sign_bit: bool) -> "pd.Series[Any]":
+    """Return the numbers of a register with their sign; one of 16 bits jumps where it changes."""
+    least, most = column.min(), column.max()
+    if least < 0 or most >= 2**32:
+        return column
+    if sign_bit:
+        return column.where(column < 2**15, 2**15 - column) if most < 2**16 else column
+    if most >= 2**31:
+        return column.where(column < 2**31, column - 2**32)
+    jumps = bool((column.dropna().diff().abs() > 2**15).any())
+    if 2**15 <= most < 2**16 and jumps:
+        return column.where(column < 2**15, column - 2**16)
+    return column
+
+
+def check_one_servo(file: str, data: pd.DataFrame, names: Mapping[str, str]) -> None:
+    """Refuse rows of several servos in turn."""
+    column = next((name for name in names if register_name(name) == ID), None)
+    if column is None:
+        return
+    ids = data[names[column]].dropna().unique()
+    if len(ids) > 1:
+        raise InputError(
+            f"{file}: has rows of {len(ids)} servos in turn, by its column {shown(column)}: give"
+            " each a file of its own."
+        )
+
+
+# Logs of servos with a pendulum in JSON, as Rhoban/bam and K-Scale's sysid write them.
+
+COLUMNS: Final = {
+    "timestamp": "timestamp [s]",
+    "position": "position [rad]",
+    "speed": "speed [rad/s]",
+    "goal_position": "goal_position [rad]",
+    "input_volts": "supply [V]",
+    "temp": "temp [degC]",
+    "present_current": "present_current [mA]",
+    "load": "reported load [1]",
+    "torque": "reported torque [1]",
+}
+"""What is called how, with its unit; load and torque are what the firmware of a servo reports."""
+SETTINGS: Final = {
+    "mass": "kg", "arm_mass": "kg", "length": "m", "offset": "rad", "kp": "", "ki": "", "kd": "",
+    "vin": "V", "dt": "s",
+}  # fmt: skip
+"""What stands above the entries, and its unit."""
+
+
+def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
+    """Return the entries of a log as rows, what is no number left out."""
+    found = read_json(path)
+    entries = found.get("entries") if isinstance(found, dict) else None
+    if not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
+        raise InputError(
+            f"{path}: has no list of entries, as logs of servos by Rhoban/bam and K-Scale have:"
+            " save other JSON as CSV or Parquet."
+        )
+    names = [*dict.fromkeys(name for one in entries for name in one)]
+    check_size(str(path), float(len(entries) * len(names)), "split the log")
+    for name in ("timestamp", "position"):
+        if entries and name not in names:
+            listed = joined([shown(one) for one in names])
+            raise InputError(f"{path}: its entries have no {name!r}; they have {listed}.")
+    columns = {
+        COLUMNS.get(name, name): [_number(one.get(name)) for one in entries] for name in names
+    }
+    for name, values in columns.items():
+        if name.split(" ")[0] in ("timestamp", "position") and not np.isfinite(values).any():
+            raise InputError(f"{path}: no {name.split(' ')[0]!r} of its entries is a number.")
+    kept = {name: values for name, values in columns.items() if np.isfinite(values).any()}
+    return Table(data=pd.DataFrame(kept, dtype=float), remarks=_servo_remarks(found, names))
+
+
+def _number(value: Any) -> float:
+    """Return a number, 1 or 0 for true or false, and NaN for everything else."""
+    try:
+        return float(value) if isinstance(value, int | float) else np.nan
+    except OverflowError:  # an integer of JSON has any number of digits
+        return np.nan
+
+
+def _servo_remarks(found: Mapping[str, Any], names: Collection[str]) -> tuple[str, ...]:
+    """Return what the file states of the rig, and what its numbers are not."""
+    told = [
+        f"{name} {number(_number(found[name]), 4)} {unit}".rstrip()
+        for name, unit in SETTINGS.items()
+        if not isinstance(found.get(name), bool) and np.isfinite(_number(found.get(name)))
+    ]
+    words = [f"{name} {found[name]}" for name in ("motor", "trajectory") if name in found]
+    said = []
+    if told or words:
+        said.append(
+            f"The file states {joined([*words, *told])}: an axis is assumed, and a pendulum with"
+            " such a mass at the end of its arm is a mechanism of type pendulum."
+        )
+    raw = [one for one in ("load", "torque", "current") if one in names]
+    if raw:
+        said.append(
+            f"{joined(raw)} of the servo: what the firmware reports has no stated unit, and is not"
+            " taken for a torque."
+        )
+    return tuple(said)
+
+
+# Data sets of LeRobot, versions 2.0 to 3.0: episodes of a robot's states and actions.
+
+INFO: Final = "meta/info.json"
+"""File in the folder of a data set that describes it."""
+EPISODES: Final = "data/*/*.parquet"
+"""Files in that folder that hold the episodes."""
+FEATURES: Final = {
+    "observation.state": "position",
+    "observation.velocity": "velocity",
+    "observation.effort": "force",
+    "observation.torque": "force",
+    "observation.current": "current",
+    "action": "reference",
+}
+"""Features that are read, and what their numbers are unless their names say otherwise."""
+ENDS: Final = {
+    "pos": "position",
+    "position": "position",
+    "vel": "velocity",
+    "velocity": "velocity",
+    "effort": "force",
+    "torque": "force",
+    "current": "current",
+}
+"""Ends of names, as in shoulder_pan.pos."""
+ALIKE: Final = 1e-3
+"""Share of a frame by which times that are numbers of frames may differ by rounding."""
+NO_RADIANS: Final = "which is no angle in rad"
+"""What is said of positions whose unit is not known."""
+
+
+def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
+    """Return all episodes as trials, with a column for each joint."""
+    info = _info(path)
+    features = info["features"]
+    wanted = [name for name in FEATURES if name in features]
+    if "observation.state" not in wanted:
+        raise InputError(
+            f"{path}: has no observation.state; the features are {', '.join(features) or 'none'}."
+        )
+    parts = sorted(path.parent.parent.glob(EPISODES))
+    if not parts:
+        raise InputError(f"{path}: there is no file {EPISODES} beside the folder of it.")
+    tables: list[dict[str, Array]] = []
+    size = 0.0
+    for part in parts:
+        own, numbers = _part(part, ["episode_index", "frame_index", "timestamp", *wanted])
+        tables, size = [*tables, own], size + numbers
+        check_size(str(path), size, "keep fewer episodes")
+    rows = sum(one["episode_index"].shape[0] for one in tables)
+    data = {name: _joined(path, name, tables) for name in tables[0]}
+    order = np.lexsort((data["frame_index"], data["episode_index"]))
+    data = {name: values[order] for name, values in data.items()}
+    fps = float(info["fps"])
+    times, how = _times(data, fps)
+    columns: dict[str, Array] = {"trial": data["episode_index"], "time [s]": times}
+    for name in wanted:
+        for column, values in _columns(path, name, features[name], data[name]):
+            columns.setdefault(column, values)
+    remarks = (*how, *_data_set_remarks(columns))
+    if _largest(columns) > RADIANS and are_degrees(_positions(columns)):
+        angles = ("position.", "reference.")
+        columns = {f"{x} [deg]" if x.startswith(angles) else x: y for x, y in columns.items()}
+    return Table(data=pd.DataFrame(columns), remarks=remarks, lost=(*_lost(info, rows),))
+
+
+def _info(path: Path) -> Mapping[str, Any]:
+    """Return the description of a data set, what is used of it checked."""
+    found = read_json(path)
+    if not isinstance(found, dict) or not isinstance(found.get("features"), dict):
+        raise InputError(f"{path}: has no features: is it the info.json of a LeRobot data set?")
+    fps = found.get("fps")
+    if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0.0 < fps < 1e6:
+        raise InputError(f"{path}: fps must be a number of frames per second, got {fps!r}.")
+    if not all(isinstance(one, dict) for one in found["features"].values()):
+        raise InputError(f"{path}: each of the features must be a table with its names and shape.")
+    return found
+
+
+def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
+    """Return the columns of one file: (n,), and of a list in each row (n, k), and their size."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+    import pyarrow.parquet as pq
+
+    try:
+        with open_regular(path) as stream, pq.ParquetFile(stream) as file:
+            size = check_parquet(str(path), file, names)
+            missing = [one for one in names if one not in file.schema_arrow.names]
+            if missing:
+                listed = ", ".join(file.schema_arrow.names)
+                raise InputError(f"{path}: has no column {missing[0]!r}; there are {listed}.")
+            table = file.read(columns=[*names])
+        found = {}
+        for name in names:
+            column = table.column(name).combine_chunks()
+            rows = len(column)
+            if name in FEATURES and pa.types.is_nested(column.type):
+                flat = column.flatten().to_numpy(zero_copy_only=False)
+                sizes = {*pc.list_value_length(column).to_pylist()}
+                if len(sizes) != 1 or sizes & {None, 0}:
+                    raise InputError(f"{path}: the lists of {name!r} have different lengths.")
+                found[name] = flat.reshape(rows, -1).astype(float)
+            else:
+                values = column.to_numpy(zero_copy_only=False).astype(float)
+                found[name] = values[:, None] if name in FEATURES else values
+        return found, size
+    except InputError:
+        raise
+    except Exception as error:
+        # pyarrow has an exception tree of its own.
+        reason = str(error).splitlines()[0].rstrip(".")
+        raise InputError(f"{path}: is not a Parquet file, or is damaged: {reason}.") from None
+
+
+def _joined(path: Path, name: str, tables: Collection[Mapping[str, Array]]) -> Array:
+    """Return a column of all files."""
+    parts = [one[name] for one in tables]
+    if len({one.shape[1:] for one in parts}) > 1:
+        raise InputError(f"{path}: {name!r} has not as many numbers in all files of the data.")
+    return np.concatenate(parts)
+
+
+def _times(data: Mapping[str, Array], fps: float) -> tuple[Array, tuple[str, ...]]:
+    """Return times [s], and whether they are frames that were counted and not measured."""
+    counted = data["frame_index"] / fps
+    away = np.abs(data["timestamp"] - counted)
+    # Times are stored with 24 bits.
+    rounding = 2.0**-23 * np.maximum(np.abs(counted), 1.0)
+    if np.all(away <= ALIKE / fps + rounding):
+        return counted, (
+            f"Times are frame numbers over {number(fps, 4)} fps: when a sample was measured is not"
+            " in the data set, and a loop that was late looks like a jump of the motion.",
+        )
+    return data["timestamp"], ()
+
+
+def _columns(
+    path: Path, name: str, feature: Mapping[str, Any], values: Array
+) -> Iterator[tuple[str, Array]]:
+    """Yield the numbers of a feature by quantity and joint."""
+    names = _names(feature.get("names"), values.shape[1])
+    found: dict[str, Array] = {}
+    for place, one in enumerate(names):
+        stem, _, end = one.rpartition(".")
+        known = ENDS.get(end, "") if stem else ""
+        what = known or FEATURES[name]
+        if name == "action":
+            what = "reference" if known in ("", "position") else f"command.{known}"
+        joint = coordinate_of(stem if known else one)
+        column = f"{what}.{joint}"
+        if not joint or column in found:
+            raise InputError(f"{path}: the names of {name} have {one!r} twice, or empty.")
+        found[column] = values[:, place]
+    yield from found.items()
+
+
+def _names(given: Any, size: int) -> list[str]:
+    """Return the names of joints: a list, one within a table, or numbers where there are none."""
+    while isinstance(given, dict) and len(given) == 1:
+        given = next(iter(given.values()))
+    if isinstance(given, dict) and len(given) == size:
+        given = [*given]
+    named = isinstance(given, list) and len(given) == size
+    if named and all(isinstance(one, str) and one for one in given):
+        return [*given]
+    return [f"motor_{place}" for place in range(size)]
+
+
+def _lost(info: Mapping[str, Any], rows: int) -> Iterator[str]:
+    """Yield that a data set has other frames than it says."""
+    total = info.get("total_frames")
+    if isinstance(total, int) and total != rows:
+        yield f"info.json tells of {count(total, 'frame')}, and the files have {rows:,}."
+
+
+def _data_set_remarks(columns: Mapping[str, Array]) -> Iterator[str]:
+    """Yield what a data set does not say."""
+    largest = number(_largest(columns), 3)
+    if _largest(columns) <= RADIANS:
+        return
+    if are_degrees(_positions(columns)):
+        yield (
+            f"Positions reach {largest} and come in steps of 360/4096: they are taken for degrees."
+        )
+    else:
+        yield (
+            f"Positions reach {largest}, {NO_RADIANS}: arms of hobby servos are recorded in"
+            " degrees, or in percent of the range of each joint, which calibration alone makes"
+            " angles of. If it is degrees: --unit position=deg."
+        )
+
+
+def _positions(columns: Mapping[str, Array]) -> list[Array]:
+    """Return the known positions (n,) of each joint that has some."""
+    known = [x[np.isfinite(x)] for name, x in columns.items() if name.startswith("position.")]
+    return [one for one in known if one.size]
+
+
+def _largest(columns: Mapping[str, Array]) -> float:
+    """Return the largest size of a position; 0 where none is known."""
+    return max((float(np.abs(one).max()) for one in _positions(columns)), default=0.0)

@@ -1,0 +1,697 @@
+"""A rig: what moves, which friction values are known, and what was measured.
+
+Its mechanism has the values that all trials share. That of one record has what was different in
+that record, and is driven by what was recorded.
+"""
+
+import html
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.data.estimates import LawEstimates, levels_at
+from stickslip.data.measurement import ELECTRIC, Measurement
+from stickslip.data.readers.columns import Reading
+from stickslip.data.travels import scale_of
+from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
+from stickslip.friction import (
+    FrictionLaw,
+    Laws,
+    bristle_names,
+    is_composition,
+    law_type,
+    laws,
+    listed,
+)
+from stickslip.mechanisms import (
+    LINKS,
+    PREFIX,
+    CurrentLoop,
+    DCMotor,
+    LoopMemory,
+    Mechanism,
+    PositionLoop,
+    SampledLoop,
+    canonical_path,
+    motor_of,
+    quantity_at,
+)
+from stickslip.quantities import Quantity, vary
+from stickslip.show.described import Described
+
+USUAL = "coulomb"
+"""The law that is taken where the values of several are known, and none is named."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """What a publication reports for one law.
+
+    Parameters
+    ----------
+    law : str
+        Name in the registry.
+    travel : float, optional
+        Published travel [m].
+    velocity_positive, displacement_monotone : bool, optional
+        Whether the velocity never becomes negative and the displacement never decreases.
+    relative_error : float, optional
+        Published relative error of the travel [1].
+    note : str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> Published(law="coulomb", travel=0.16, relative_error=0.2).travel
+    0.16
+    """
+
+    law: str
+    travel: float | None = None
+    velocity_positive: bool | None = None
+    displacement_monotone: bool | None = None
+    relative_error: float | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that the law is known."""
+        law_type(self.law)
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownLaws:
+    """The laws whose values a file gives, for one contact or for all.
+
+    Parameters
+    ----------
+    laws : mapping of str to FrictionLaw
+        By name: the laws all of whose parameters are known.
+    named : tuple of str
+        Laws that have a table of their own in the file.
+    given : mapping of str to mapping of str to float
+        By law, the parameters that the file gives, those of laws of which it lacks some included.
+    assumed : mapping of str to tuple of str
+        By law, the fields whose values are assumed and not measured.
+    uncertainties : mapping of str to mapping of str to float
+        By law, the standard uncertainties that are stated of single parameters.
+    tables : mapping of str to str
+        Names of laws by those of their tables, where these differ.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)}).chosen("pad").name
+    'coulomb'
+    """
+
+    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    named: tuple[str, ...] = ()
+    given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tables: Mapping[str, str] = field(default_factory=dict)
+
+    def name_of(self, text: str) -> str:
+        """Return the name of a law that is called by its table, or written in other words.
+
+        Parameters
+        ----------
+        text : str
+            What a user calls the law.
+
+        Returns
+        -------
+        str
+            Its name; the text, where nothing here is called so.
+
+        Raises
+        ------
+        InputError
+            If the text is a composition that no law can be.
+
+        Examples
+        --------
+        >>> known = KnownLaws(tables={"mine": "level + power + drag"})
+        >>> known.name_of("mine"), known.name_of("level+viscous"), known.name_of("lugre")
+        ('level + power + drag', 'coulomb-viscous', 'lugre')
+        """
+        name = self.tables.get(text, text)
+        return law_type(name).name if is_composition(name) else name
+
+    def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
+        """Return the law of a contact: that of a name, the only one, or the usual one of several.
+
+        Parameters
+        ----------
+        contact : str
+            Name of the contact, for the error.
+        name : str, optional
+            Name of the law. If not given: the only one with a table of its own, the only one all of
+            whose values are known, or ``coulomb``.
+
+        Returns
+        -------
+        FrictionLaw
+            The law.
+
+        Raises
+        ------
+        InputError
+            If there is none, or one of several has to be named.
+        """
+        name = None if name is None else self.name_of(name)
+        for known in (self.named, tuple(self.laws)):
+            if name is None and len(known) == 1:
+                name = known[0]
+        if name is None and USUAL in self.laws:
+            name = USUAL
+        if name is None and self.laws:
+            raise InputError(
+                f"the contact {contact!r} has values for several laws, {', '.join(self.laws)}:"
+                f" choose one, such as {contact}={next(iter(self.laws))}."
+            )
+        if name is None or name not in self.laws:
+            what = "any law" if name is None else f"the law {name!r}"
+            raise InputError(
+                f"the contact {contact!r} has no values of {what}: give them under"
+                f' [friction.{contact}], or write {contact} = "none" under [friction] if nothing'
+                " rubs there."
+            )
+        return self.laws[name]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig(metaclass=Described):
+    """A mechanism, the friction values known for it, and its measurement.
+
+    Parameters
+    ----------
+    title, subject, source : str
+        Heading of reports, what was examined, and where it comes from.
+    mechanism : Mechanism
+        What moves.
+    laws : mapping of str to FrictionLaw
+        By name: the laws all of whose parameters are known.
+    named : tuple of str
+        Laws that have a table of their own in the file.
+    given : mapping of str to mapping of str to float
+        By law, the parameters that the file gives, those of laws of which it lacks some included.
+    assumed : mapping of str to tuple of str
+        By law, the fields whose values are assumed and not measured.
+    law_uncertainties : mapping of str to mapping of str to float
+        By law, standard uncertainties that are stated of single parameters; they come before the
+        intervals of `estimates`.
+    tables : mapping of str to str
+        Names of laws by those of their tables, where these differ.
+    contacts : mapping of str to KnownLaws or None
+        Where several contacts have tables of their own: the same for each of them, None where
+        nothing rubs. `laws` is then empty.
+    vary : tuple of str
+        Parameters of the mechanism that the file marks to be fitted too, by path or last name.
+    parameter_uncertainties : mapping of str to float
+        Standard uncertainties of parameters of the mechanism, by path or last name; of what a
+        trial sets, each trial has one of its own.
+    measurement : Measurement, optional
+        What was measured, to which the uncertainties are added.
+    validate : Measurement, optional
+        A second record, which no fit sees.
+    reading : Reading
+        How the files of the rig's measurements are read.
+    hold : {"zero", "first"}, optional
+        Whether a measured force keeps its value until the next sample, or goes straight to it;
+        estimated from the record if not given. As `RecordSettings.hold`, to which `stickslip
+        fit` and `select` hand it.
+    t_end : float
+        Last time of runs [s].
+    initial : mapping of str to float
+        Values of states from which runs begin [SI], by name; trials have their own.
+    estimates : LawEstimates, optional
+        How well one of the laws, or those of contacts, are known, if they were fitted.
+    published : tuple of Published
+        What a publication reports.
+    digest : str
+        SHA-256 of the file, overrides and the contents of its data files included.
+    path : str
+        The file.
+    files : tuple of Path
+        Other files that it names: data, second records, robots.
+    overridden : tuple of str
+        Paths that overrides set, those of a law under its name.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit each other.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> Rig(mechanism=SpringBlock(mass=1.0), measurement=Measurement(travel=0.2)).t_end
+    10.0
+    """
+
+    title: str = ""
+    subject: str = ""
+    source: str = ""
+    mechanism: Mechanism
+    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    named: tuple[str, ...] = ()
+    given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    law_uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tables: Mapping[str, str] = field(default_factory=dict)
+    contacts: Mapping[str, KnownLaws | None] = field(default_factory=dict)
+    vary: tuple[str, ...] = ()
+    parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
+    measurement: Measurement | None = None
+    validate: Measurement | None = None
+    reading: Reading = field(default_factory=Reading)
+    hold: Literal["zero", "first"] | None = None
+    t_end: float = 10.0
+    initial: Mapping[str, float] = field(default_factory=dict)
+    estimates: LawEstimates | None = None
+    published: tuple[Published, ...] = ()
+    digest: str = ""
+    path: str = ""
+    files: tuple[Path, ...] = ()
+    overridden: tuple[str, ...] = ()
+
+    @property
+    def heading(self) -> str:
+        """The title; the kind of mechanism if there is none."""
+        return self.title or self.mechanism.title
+
+    def __post_init__(self) -> None:
+        """Check that laws, trials and mechanism fit each other."""
+        if not isinstance(self.mechanism, Mechanism):
+            raise InputError(f"Rig.mechanism must be a Mechanism, got {self.mechanism!r}.")
+        t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
+        object.__setattr__(self, "t_end", t_end)
+        for name, law in self.laws.items():
+            kind = type(law) if name not in laws() and _is_called(law, name) else law_type(name)
+            if not isinstance(law, kind):
+                raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
+        if self.hold not in (None, "zero", "first"):
+            raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
+        if self.estimates is not None:
+            named = estimated_law(self.estimates.law, self.laws, self.contacts)
+            self.estimates.checked(named)
+        contacts = [contact.name for contact in self.mechanism.contacts()]
+        _check_names("contact in Rig.contacts", self.contacts, contacts)
+        _check_names("state in Rig.initial", self.initial, state_units(self.mechanism))
+        _check_names("law in Rig.assumed", self.assumed, self.laws)
+        for name in self.law_uncertainties:
+            if name in self.laws:
+                self.estimates_of(name)
+        paths = tuple(
+            name if name == LINKS else canonical_path(self.mechanism, name) for name in self.vary
+        )
+        object.__setattr__(self, "vary", paths)
+        stated = self.parameter_uncertainties.items()
+        uncertainties = {canonical_path(self.mechanism, name): one for name, one in stated}
+        object.__setattr__(self, "parameter_uncertainties", uncertainties)
+        if self.measurement is not None and uncertainties:
+            object.__setattr__(self, "measurement", self.with_uncertainties(self.measurement))
+        records = () if self.measurement is None else self.measurement.records()
+        for index, record in enumerate(records):
+            label = f"trial {record.name or index}"
+            check_record(self.mechanism, record, label)
+            where = record.provenance or label  # its line, in a table of trials
+            scale_of(self.mechanism, record, self.t_end, where)
+
+    def name_of(self, text: str) -> str:
+        """Return the name of a law, as `KnownLaws.name_of`."""
+        return KnownLaws(tables=self.tables).name_of(text)
+
+    def law_by_contact(
+        self, names: str | Mapping[str, str] | None = None
+    ) -> dict[str, FrictionLaw | None]:
+        """Return the law of each of several contacts, as `simulate` takes them.
+
+        Parameters
+        ----------
+        names : str or mapping of str to str, optional
+            Name of the law of all contacts, or names by contact. Where none is given: the only law
+            that has a table of its own, the only one all of whose values are known, or
+            ``coulomb``.
+
+        Returns
+        -------
+        dict of str to FrictionLaw or None
+            Laws by contact, None where nothing rubs.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no contact of a name.
+        InputError
+            If a contact has no such law, or no contact has a table of its own.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, TwoFeet
+        >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
+        >>> body = TwoFeet(mass=1.0, front=0.1, rear=0.1)
+        >>> laws = Rig(mechanism=body, contacts={"front": known, "rear": None}).law_by_contact()
+        >>> laws["front"].kinetic_coefficient, laws["rear"]
+        (0.2, None)
+        """
+        if not self.contacts:
+            raise InputError(f"{self.heading} has no laws by contact: see Rig.laws.")
+        asked = names if isinstance(names, Mapping) else dict.fromkeys(self.contacts, names)
+        for contact in asked:
+            if contact not in self.contacts:
+                raise UnknownNameError("contact", contact, self.contacts)
+        try:
+            return {
+                contact: None if known is None else known.chosen(contact, asked.get(contact))
+                for contact, known in self.contacts.items()
+            }
+        except InputError as error:
+            raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
+
+    def estimates_of(self, name: str, law: FrictionLaw | None = None) -> LawEstimates | None:
+        """Return how well a law is known: as it was fitted, and as single parameters are stated.
+
+        Parameters
+        ----------
+        name : str
+            Name of a law.
+        law : FrictionLaw, optional
+            The law with its values; that of `laws` if not given.
+
+        Returns
+        -------
+        LawEstimates or None
+            None where neither is known.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, SpringBlock
+        >>> rig = Rig(
+        ...     mechanism=SpringBlock(mass=1.0),
+        ...     laws={"coulomb": Coulomb(kinetic_coefficient=0.25)},
+        ...     law_uncertainties={"coulomb": {"kinetic_coefficient": 0.01}},
+        ... )
+        >>> low, high = rig.estimates_of("coulomb").intervals["kinetic_coefficient"]
+        >>> round(low, 4), round(high, 4)
+        (0.2304, 0.2696)
+        """
+        known = self.estimates if self.estimates and self.estimates.law == name else None
+        stated = self.law_uncertainties.get(name, {})
+        if not stated:
+            return known
+        known = known or LawEstimates(law=name, levels=levels_at(self.mechanism))
+        return known.stating(self.laws[name] if law is None else law, stated)
+
+    def with_uncertainties(self, measurement: Measurement) -> Measurement:
+        """Return a measurement of this rig with the uncertainties of its mechanism beside its own.
+
+        Examples
+        --------
+        >>> from stickslip import SpringBlock
+        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), parameter_uncertainties={"mass": 0.01})
+        >>> rig.with_uncertainties(Measurement(travel=0.2)).parameter_uncertainties
+        {'mechanism.mass': 0.01}
+        """
+        return replace(
+            measurement,
+            parameter_uncertainties={
+                **self.parameter_uncertainties,
+                **measurement.parameter_uncertainties,
+            },
+        )
+
+    def start(self, law: FrictionLaw | Laws) -> dict[str, float]:
+        """Return how the first trial, or else the rig, begins; bristles of other laws are left out.
+
+        Parameters
+        ----------
+        law : FrictionLaw or Laws
+            The friction law, or the laws by contact.
+
+        Returns
+        -------
+        dict of str to float
+            Initial values of states [SI] by name; the others are 0.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, SpringBlock
+        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), initial={"v": 0.5})
+        >>> rig.start(Coulomb(kinetic_coefficient=0.2))
+        {'v': 0.5}
+        """
+        initial = dict(self.initial)
+        if self.measurement is not None:
+            initial |= self.measurement.records()[0].initial
+        bristles = bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
+        known = (*self.mechanism.coordinates, *self.mechanism.rates, *bristles)
+        return {name: value for name, value in initial.items() if name in known}
+
+    def _known(self) -> str:
+        """Return the names of the laws, by contact where contacts have their own."""
+        if not self.contacts:
+            return ", ".join(self.laws) or "none"
+        return "; ".join(
+            f"{contact}: {'none' if known is None else ', '.join(known.laws) or 'none'}"
+            for contact, known in self.contacts.items()
+        )
+
+    def _lines(self) -> tuple[str, ...]:
+        """Return what moves, which laws are known and what was measured, a line each."""
+        records = () if self.measurement is None else self.measurement.records()
+        what = "" if self.measurement is None else ", ".join(self.measurement.quantities())
+        measured = f"{len(records)} with {what}" if records else "none"
+        return (
+            f"Rig {self.title!r}",
+            f"mechanism: {self.mechanism}",
+            f"laws: {self._known()}",
+            f"records: {measured}",
+        )
+
+    @override
+    def __repr__(self) -> str:
+        return "<" + "\n ".join(self._lines()) + ">"
+
+    def _repr_html_(self) -> str:
+        return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
+
+
+def estimated_law(
+    asked: str | Mapping[str, str],
+    known: Mapping[str, FrictionLaw],
+    contacts: Mapping[str, KnownLaws | None],
+) -> FrictionLaw | Laws:
+    """Return the law that estimates name, or those that they name by contact."""
+    rubbing = {name: own for name, own in contacts.items() if own is not None}
+    if rubbing:
+        names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
+        _check_names("contact in estimates.law", names, rubbing)
+        return Laws(
+            members=tuple((name, rubbing[name].chosen(name, law)) for name, law in names.items())
+        )
+    if not isinstance(asked, str):
+        raise InputError(
+            f"estimates.law names laws by contact, {', '.join(asked)}, but no contact has a table"
+            ' of its own: name one law, such as law = "coulomb".'
+        )
+    _check_names("law in estimates.law", [asked], known)
+    return known[asked]
+
+
+def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> None:
+    for name in given:
+        if name not in known:
+            raise UnknownNameError(kind, name, known)
+
+
+def _is_called(law: object, name: str) -> bool:
+    return isinstance(law, FrictionLaw) and law.name == name
+
+
+def state_units(mechanism: Mechanism) -> dict[str, str]:
+    """Return the units of all states a trial may start from, bristles of all laws included.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> [state_units(SpringBlock(mass=1.0))[name] for name in ("z", "x", "v")]
+    ['m', 'm', 'm/s']
+    """
+    units = {state: "m" for law in listed().values() for state in law.states}
+    contacts = mechanism.contacts()
+    if len(contacts) > 1:
+        units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}
+    units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    return units | {
+        rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
+    }
+
+
+def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
+    """Check that what a record overrides and starts from exists in the mechanism."""
+    for path in record.overrides:
+        quantity_at(mechanism, path)
+    try:
+        vary(mechanism, PREFIX, record.overrides)
+    except ParameterError as error:
+        raise ParameterError(f"{label}: {error}") from None
+    known = state_units(mechanism) if record.initial else {}
+    for name in record.initial:
+        if name not in known:
+            raise UnknownNameError(f"state in initial of {label}:", name, known)
+
+
+# The mechanism of a record: with what was different in it, and driven by what was recorded.
+
+Array = NDArray[np.float64]
+
+SAME = 1e-6
+"""Share of a period that counts as none: clocks of records are rounded."""
+
+COMMANDS = ("force", *ELECTRIC, "reference")
+"""What may have driven a record; the first of those that it has is what acts."""
+
+
+def command_of(record: Measurement) -> str:
+    """Return the name of what drives a record; empty if it moves by itself.
+
+    Examples
+    --------
+    >>> command_of(Measurement(time=[0, 1], position=[0, 1], voltage=[6, 6], reference=[1, 1]))
+    'voltage'
+    """
+    known = record.quantities()
+    return next((name for name in COMMANDS if name in known), "")
+
+
+def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
+    """Return a mechanism as it was in a record; its motor takes what was recorded as its command.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms import DCMotor
+    >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5, supply=7.4))
+    >>> record = Measurement(
+    ...     time=[0, 1], position=[0, 1], voltage=[6, 6], overrides={"mechanism.inertia": 2.0}
+    ... )
+    >>> one = as_recorded(servo, record)
+    >>> one.inertia, one.drive.supply
+    (2.0, None)
+    """
+    what = command_of(record)
+    if record.overrides:
+        mechanism = vary(mechanism, "mechanism", record.overrides)
+    motor: Any = motor_of(mechanism)
+    if motor is None:
+        if what in ELECTRIC:
+            raise InputError(
+                f"a record of the {what} of a motor needs that motor: give"
+                f" {type(mechanism).__name__} a DCMotor as its drive"
+                ' (in a rig file, drive = { type = "dc-motor", ... }), or the force.'
+            )
+        return mechanism
+    if what == "force":
+        raise InputError(
+            f"the record has a force, and {type(mechanism).__name__} a motor, which takes a"
+            " current, a voltage or a reference: leave out the force, or the motor, whose rotor is"
+            " then part of the inertia."
+        )
+    return replace(mechanism, drive=_taking(motor, what))  # type: ignore[call-arg]  # it has one
+
+
+def _taking(motor: DCMotor, what: str) -> DCMotor:
+    """Return a motor whose command is what was recorded."""
+    if what == "current":
+        return replace(motor, loop=CurrentLoop(), supply=None, supply_resistance=None)
+    if what == "voltage":  # limited already, but by no droop
+        limited = motor.supply_resistance is not None
+        return replace(motor, loop=None, supply=motor.supply if limited else None)
+    if what == "reference" and not isinstance(motor.loop, PositionLoop | SampledLoop):
+        raise InputError(
+            "a record with a reference, and neither voltage nor current, is one of a position loop:"
+            " give the DCMotor this loop, PositionLoop(gain=...) in V/rad or SampledLoop(...)."
+        )
+    return motor
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoopSamples:
+    """What a loop that samples saw in a record: goals and positions at its samples."""
+
+    time: Array
+    """Times (n,) [s] of the record at which it samples."""
+    goal: Array
+    """Goals (n,)."""
+    position: Array
+    """Measured positions (n,)."""
+
+    @lru_cache(maxsize=8)  # noqa: B019  # a few values of few records, which fits ask for again
+    def commands(self, loop: SampledLoop, limit: float) -> tuple[Array, tuple[LoopMemory, ...]]:
+        """Return the voltages (n,) [V] of a loop and what it remembers before each sample."""
+        memory: LoopMemory = None
+        found, memories = [], [memory]
+        for goal, position in zip(self.goal.tolist(), self.position.tolist(), strict=True):
+            voltage, memory = loop.sampled(goal, position, memory, limit=limit)
+            found.append(voltage)
+            memories.append(memory)
+        return np.array(found), tuple(memories)
+
+
+def loop_samples(mechanism: Mechanism, record: Measurement, hold: str) -> LoopSamples | None:
+    """Return what the loop of a motor saw in a record that it drives; None if none that samples.
+
+    It samples from the first time of the record on. Goals are held between rows unless `hold` says
+    ``"first"``, and positions go straight.
+    """
+    motor = motor_of(mechanism)
+    loop = None if motor is None else motor.loop
+    if not isinstance(loop, SampledLoop) or command_of(record) != "reference":
+        return None
+    if "position" not in record.quantities() or len(mechanism.coordinates) != 1:
+        raise InputError(
+            "a fit through a SampledLoop needs the recorded position, and a mechanism of one"
+            f" coordinate: {type(mechanism).__name__} has {len(mechanism.coordinates)}."
+        )
+    t, goal = np.asarray(record.time), np.asarray(record.values("reference"))
+    check_size("samples of a loop", float(np.ptp(t)) / loop.period, "give a longer period")
+    times = t[0] + loop.period * np.arange(math.floor(np.ptp(t) / loop.period + SAME) + 1)
+    last = np.maximum(np.searchsorted(t, times + SAME * loop.period, side="right") - 1, 0)
+    return LoopSamples(
+        time=times,
+        goal=np.interp(times, t, goal) if hold == "first" else goal[last],
+        position=np.interp(times, t, np.asarray(record.values("position"))),
+    )
+
+
+def with_voltage(mechanism: Mechanism, record: Measurement, hold: str) -> Measurement:
+    """Return a record with the voltage that a loop which samples made of what it measured.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms import DCMotor
+    >>> loop = SampledLoop(gain=10.0, period=0.1)
+    >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5, loop=loop))
+    >>> record = Measurement(time=[0, 0.1, 0.2], position=[0, 0.1, 0.2], reference=[0.3] * 3)
+    >>> with_voltage(servo, record, "zero").values("voltage").round(9).tolist()
+    [3.0, 2.0, 1.0]
+    """
+    set_up = as_recorded(mechanism, record)
+    seen = loop_samples(set_up, record, hold)
+    if seen is None:
+        return record
+    motor: Any = motor_of(set_up)
+    told, _ = seen.commands(motor.loop, motor.largest_voltage)
+    acts = seen.time + motor.loop.delay
+    last = np.searchsorted(acts, np.asarray(record.time) + SAME * motor.loop.period, side="right")
+    return replace(record, voltage=np.where(last > 0, told[np.maximum(last - 1, 0)], 0.0))

@@ -1,0 +1,719 @@
+"""Builds a rig from its file."""
+
+import hashlib
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from stickslip.data.estimates import LawEstimates, levels_at
+from stickslip.data.measurement import (
+    QUANTITIES,
+    TRAVELS,
+    Measurement,
+    as_turning,
+    quantity_called,
+    tells_load,
+)
+from stickslip.data.readers.columns import Reading, column_of, motor_constants
+from stickslip.data.readers.layout import Layout
+from stickslip.data.readers.toml import (
+    LARGEST,
+    apply,
+    parse,
+    paths_of,
+    read_bytes,
+    resolved,
+)
+from stickslip.data.records import read_data
+from stickslip.data.rig import (
+    KnownLaws,
+    Published,
+    Rig,
+    check_record,
+    estimated_law,
+    state_units,
+)
+from stickslip.data.rigs.laws import (
+    ContactUnits,
+    by_contact,
+    known_laws,
+    laws_of,
+    overridden_fields,
+    python_name,
+)
+from stickslip.data.rigs.plugin_imports import Imported, imported
+from stickslip.data.rigs.rig_models import (
+    Given,
+    Number,
+    Table,
+    UrdfTable,
+    complaint,
+    fill_friction,
+    place,
+    robot_of,
+)
+from stickslip.data.rigs.schema import (
+    ContactTable,
+    EstimatesTable,
+    ReadTable,
+    RigTable,
+    TrialTable,
+    flat,
+    rig_table,
+)
+from stickslip.data.travels import scale_of
+from stickslip.data.units import read_number
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import PARTS, FrictionLaw, Laws
+from stickslip.mechanisms import (
+    LINKS,
+    PREFIX,
+    DCMotor,
+    LinearOrRotary,
+    Mechanism,
+    as_rotary,
+    canonical_path,
+    checked_contacts,
+    given_inputs,
+    input_names,
+    mechanisms,
+    quantity_at,
+)
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
+from stickslip.mechanisms.drives import DRIVES, Drive, SampledSwing, Sum
+from stickslip.quantities import Quantity, fields_of, is_rotary, motion_kinds
+from stickslip.show.documents import with_files
+from stickslip.show.formatting import joined
+
+BUNDLED = "paper_rig.toml"
+SWING_FILE = ("file", "column", "unit")
+"""What a table says of the data file with a recorded motion."""
+
+
+def read_rig(
+    path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
+) -> Rig:
+    """Return the rig of a file, or the bundled one, with overrides put in."""
+    if path is None:
+        file, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
+    else:
+        file, data = str(path), read_bytes(path, largest=LARGEST)
+    raw = parse(data, file)
+    settable = [*paths_of(raw), *_settable(raw)]
+    overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
+    overrides = resolved(raw, overrides, settable)
+    apply(raw, overrides)
+    stated = _kind_of_motion(raw, file)
+    beside = None if path is None else Path(path).parent
+    friction = raw.get("friction")
+    tables = friction.items() if isinstance(friction, dict) else ()
+    of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
+    own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
+    overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
+    called = {law: given for given, law in own.tables.items()}
+    contacts = _contacts(raw, own, file, overrides)
+    for name in [one.name for one in contacts]:
+        if len(contacts) > 1 and name in of_one_law:
+            raise InputError(
+                f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
+                f" [friction.{name}.own]."
+            )
+    kinds = laws_of(friction, [one.name for one in contacts], own.laws)
+    try:
+        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
+        table = kind.model_validate(raw)
+    except ValidationError as error:
+        raise complaint(error, raw, file, overrides, called) from None
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    mechanism = _mechanism(table, file, overrides)
+    conditions = tuple(table.data.conditions)
+    reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
+    measurement = _measured(table, mechanism, reading, file)
+    measurement = measurement and as_turning(measurement, mechanism.units)
+    if measurement is not None and measurement.turning:
+        mechanism = as_rotary(mechanism)
+    if measurement is not None and tells_load(measurement):  # so that levels are over it
+        over_load = tuple(one._replace(in_forces=False) for one in contacts)
+        try:
+            rig_table(own.mechanism, tuple(kinds.values()), over_load).model_validate(raw)
+        except ValidationError as error:
+            raise complaint(error, raw, file, overrides, called) from None
+    mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
+    names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
+    of_contacts = by_contact(table.friction, names, file, overrides, kinds, called)
+    known = KnownLaws()
+    if not of_contacts:
+        known = known_laws(table.friction, file, overrides, kinds, called)
+    named = _paths(table, file)
+    return Rig(
+        title=table.title or Path(file).stem,
+        subject=table.subject,
+        source=table.source,
+        mechanism=mechanism,
+        laws=known.laws,
+        named=known.named,
+        given=known.given,
+        assumed=known.assumed,
+        law_uncertainties=known.uncertainties,
+        tables=known.tables,
+        contacts=of_contacts,
+        vary=_varied(table.mechanism),
+        parameter_uncertainties=_doubts(table.mechanism),
+        measurement=measurement,
+        validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
+        reading=reading,
+        hold=table.data.hold,
+        t_end=table.run.t_end,
+        initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
+        estimates=_estimates(table.estimates, known, of_contacts, file, overrides),
+        published=tuple(Published(**row.given()) for row in table.published),
+        digest=with_files(_digest(data, overrides), named),
+        path=file,
+        files=tuple(named),
+        overridden=tuple(overrides),
+    )
+
+
+def _of_law(path: str, tables: Mapping[str, str]) -> str:
+    """Return a path of a law's table under the name of the law."""
+    table, dot, key = path.rpartition(".")
+    return f"{tables.get(table, table)}{dot}{key}"
+
+
+def _contact_inputs(
+    table: Table, mechanism: Mechanism, file: str, overrides: Collection[str]
+) -> dict[str, Any]:
+    """Return what a file tells of the contact; what the mechanism computes is refused."""
+    names = [one.name for one in mechanism.contacts()]
+    found = _values(table, "contact", file, overrides)
+    _refuse_computed(found, "contact", names, mechanism, file, overrides)
+    for name in names:
+        own = getattr(table, python_name(name, "contact"), None)
+        if own is not None:
+            found[name] = _values(own, f"contact.{name}", file, overrides)
+            _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file, overrides)
+    return found
+
+
+def _refuse_computed(
+    given: Iterable[str],
+    key: str,
+    contacts: Sequence[str],
+    mechanism: Mechanism,
+    file: str,
+    overrides: Collection[str],
+) -> None:
+    """Refuse inputs that the mechanism computes at each of some contacts."""
+    for name in given:
+        if all(name in input_names(mechanism, contact) for contact in contacts):
+            raise InputError(
+                f"{place(f'{key}.{name}', file, overrides)}: {mechanism.name} computes"
+                f" {key}.{name} from its motion and forces: leave it out."
+            )
+
+
+def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
+    """Put in that an axis is rotary where units say so; return what the file says of it."""
+    table: Any = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    if kind is None or not issubclass(kind, LinearOrRotary):
+        return None
+    drives = table.get("drive", [])
+    parts: list[tuple[str, type, dict[str, Any]]] = [("mechanism", kind, table)]
+    for one in drives if isinstance(drives, list) else [drives]:
+        if isinstance(one, dict) and one.get("type") in DRIVES:
+            parts.append(("mechanism.drive", DRIVES[one["type"]], one))
+    kinds: dict[bool, str] = {}
+    for where, owner, part in parts:
+        given = {
+            name: value.get("value") if isinstance(value, dict) else value
+            for name, value in part.items()
+        }
+        for rotary, words in motion_kinds(owner, given).items():
+            kinds.setdefault(rotary, f"{where}.{words}")
+    said = table.get("rotary")
+    try:
+        rotary = is_rotary(kinds, said if isinstance(said, bool) else None)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+    if rotary:
+        table["rotary"] = True
+    return rotary if kinds or said is not None else None
+
+
+def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
+    """Yield paths that may be set though a file need not have them."""
+    yield from ("run.t_end", "data.hold", "data.file")
+    known = [raw.get("friction"), raw.get("contact")]  # some of their keys are contacts
+    tables = {name for one in known if isinstance(one, dict) for name in one}
+    for at in ("contact", *(f"contact.{name}" for name in sorted(tables))):
+        yield from (f"{at}.{name}" for name in CONTACT_INPUTS)
+    table = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    if kind is not None:
+        yield from (f"{PREFIX}.{one.name}" for one in fields(kind))
+
+
+def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
+    """Return a path that ends with a symbol with the name of the parameter there that has it."""
+    place, dot, symbol = str(path).rpartition(".")
+    if any(f".{full}".endswith(f".{path}") for full in known):
+        return path
+    table = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    declared = [] if kind is None else [*fields_of(kind).items()]
+    declared += [(one.name, one.quantity) for part in PARTS.values() for one in part.parameters]
+    ends = {f"{place}{dot}{name}" for name, quantity in declared if quantity.symbol == symbol}
+    there = [end for end in ends if any(f".{full}".endswith(f".{end}") for full in known)]
+    return there[0] if len(there) == 1 else path
+
+
+def _contacts(
+    raw: dict[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
+) -> tuple[ContactUnits, ...]:
+    """Return the names of the contacts, and what units their laws have.
+
+    How many there are may depend on numbers of the mechanism, which is therefore built first.
+    Friction levels that a robot description gives are put in where the file says nothing else.
+    """
+    try:
+        table = rig_table(own.mechanism).model_validate(
+            {key: value for key, value in raw.items() if key == "mechanism"}
+        )
+    except ValidationError as error:
+        friction = raw.get("friction")
+        if "mechanism" not in raw or not isinstance(friction, dict):
+            return ()
+        raise complaint(error, raw, file, overrides, {}) from None
+    mechanism = _mechanism(table, file, overrides)
+    try:
+        found = checked_contacts(mechanism)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    if isinstance(table.mechanism, UrdfTable):
+        fill_friction(raw, table.mechanism, [one.name for one in found], file)
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    in_forces = levels_at(mechanism) != "per load"
+    return tuple(
+        ContactUnits(
+            one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad", in_forces
+        )
+        for one in found
+    )
+
+
+def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of the file; with overrides, of both."""
+    digest = hashlib.sha256(data)
+    if overrides:
+        text = json.dumps({key: str(value) for key, value in overrides.items()}, sort_keys=True)
+        digest.update(b"\0" + text.encode())
+    return digest.hexdigest()
+
+
+def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mechanism:
+    built = _build(table.mechanism, "mechanism", file, overridden)
+    assert isinstance(built, Mechanism)
+    return built
+
+
+def _varied(mechanism: Table) -> tuple[str, ...]:
+    """Return the paths of the parameters that are marked to be fitted."""
+    if isinstance(mechanism, UrdfTable) and mechanism.links == "unknown":
+        return (LINKS,)
+    return tuple(path for path, value in _numbers(mechanism, PREFIX) if value.marked)
+
+
+def _doubts(mechanism: Table) -> dict[str, float]:
+    """Return the uncertainties of the mechanism's parameters by path."""
+    return {
+        path: value.uncertainty
+        for path, value in _numbers(mechanism, PREFIX)
+        if value.uncertainty is not None
+    }
+
+
+def _numbers(table: Table, key: str) -> Iterator[tuple[str, Given]]:
+    """Yield the numbers of a table, and of those below it that may be marked, by path."""
+    for name, value in table.given().items():
+        if isinstance(value, Given):
+            yield f"{key}.{name}", value
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, Table):  # of several, none may be marked
+                yield from _numbers(one, f"{key}.{name}")
+
+
+def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
+    """Return the object whose parameters stand in a table, and in the tables below it."""
+    if isinstance(table, UrdfTable):
+        joints = table.joints.items()
+        added = {name: _values(one, f"{key}.joints", file, overridden) for name, one in joints}
+        return robot_of(table, added, file)
+    values = _values(table, key, file, overridden)
+    assert table.target is not None
+    if table.target is SampledSwing:
+        values = _recorded(values, table.moved, key, file)
+    try:
+        return table.target(**values)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith(key + ".")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: {key}: {error}") from None
+
+
+def _recorded(values: Mapping[str, Any], moved: str, key: str, file: str) -> dict[str, Any]:
+    """Return the values of a recorded motion, its samples from a data file where it names one."""
+    from stickslip.data.readers.table_reader import read_frame
+
+    found = {name: one for name, one in values.items() if name not in SWING_FILE}
+    samples = [name for name in SampledSwing.data_fields if name in found]
+    given = {name: values.get(name, "") for name in SWING_FILE}
+    if bool(given["file"]) is bool(samples):
+        got = joined([*samples, *filter(given.get, SWING_FILE)]) or "neither"
+        raise InputError(
+            f"{file}: {key} must have either file, the data file of the recorded motion, or times"
+            f" and positions, got {got}."
+        )
+    if samples:
+        return found
+    columns = {"position": given["column"]} if given["column"] else {}
+    units = {"position": given["unit"]} if given["unit"] else {}
+    try:
+        frame = read_frame(Path(file).parent / given["file"], columns=columns, units=units)
+        for name in ("time", "position"):
+            if name not in frame.names:
+                cure = "name its column as column" if name == "position" else "it needs one"
+                raise InputError(f"{frame.file}: has no column {name}: {cure}.")
+        if frame.units.get("position") is None:
+            raise InputError(
+                f"{frame.file}: column {frame.names['position']!r} has no unit: add unit ="
+                f' "{"deg" if moved == "rad" else "mm"}" or another one.'
+            )
+        found["times"] = tuple(frame.numbers("time", "s").tolist())
+        found["positions"] = tuple(frame.numbers("position", moved or None).tolist())
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} in {file}: {key}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: {key}: {error}") from None
+    return found
+
+
+def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> dict[str, Any]:
+    """Return what stands in a table by Python name, with the objects of the tables below it."""
+    values = {}
+    for name, value in table.given().items():
+        path = f"{key}.{name}"
+        if isinstance(value, ContactTable):
+            continue  # of one of several contacts
+        if isinstance(value, Table):
+            values[name] = _build(value, path, file, overridden)
+        elif isinstance(value, list):
+            made = [_build(one, path, file, overridden) for one in value]
+            if any(isinstance(one, DCMotor) for one in made):
+                values[name] = _alone(made, path, file)
+                continue
+            drive = all(isinstance(one, Drive) for one in made)
+            values[name] = _sum(made) if drive else tuple(made)
+        else:
+            values[name] = value.value if isinstance(value, Given) else value
+    return values
+
+
+def _alone(made: list[Any], path: str, file: str) -> DCMotor:
+    """Return a motor; nothing can be added to it."""
+    if len(made) > 1:
+        raise InputError(
+            f"{file}: {path}: a {DCMotor.name} stands alone: add drives to the command of the"
+            " motor, its own drive."
+        )
+    (motor,) = made
+    assert isinstance(motor, DCMotor)
+    return motor
+
+
+def _sum(drives: list[Drive]) -> Drive:
+    """Return the sum of several drives, or the only one as it is."""
+    return drives[0] if len(drives) == 1 else Sum(parts=tuple(drives))
+
+
+def _measured(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return what the trials say, or what stands in files; not both."""
+    data = table.data
+    if data.file and data.files:
+        raise InputError(f"{file}: data.file and data.files are both given: leave one out.")
+    names = [data.file] if data.file else data.files
+    if names and table.trial:
+        raise InputError(f"{file}: [data] and [[trial]] both give measurements: leave one out.")
+    return _files(names, mechanism, reading, file) or _trials(table, mechanism, reading, file)
+
+
+def _estimates(
+    table: EstimatesTable | None,
+    known: KnownLaws,
+    of_contacts: Mapping[str, KnownLaws | None],
+    file: str,
+    overridden: Collection[str],
+) -> LawEstimates | None:
+    """Return how well a law, or laws by contact, are known; of what was overridden nothing is."""
+    if table is None:
+        return None
+    given = table.given()
+    for name, ends in table.intervals.items():
+        if len(ends) != 2:
+            raise ParameterError(
+                f"{file}: estimates.intervals.{name} must be a lower and an upper bound, got"
+                f" {ends}."
+            )
+    given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
+    given["covariance"] = tuple(map(tuple, table.covariance))
+    given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
+    try:
+        found = LawEstimates(**given)
+        law = estimated_law(found.law, known.laws, of_contacts)
+        return found.without(_changed(law, overridden)).checked(law)
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: {error}") from None
+
+
+def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
+    """Return the parameters of a law, or by contact of laws, that overrides set."""
+    if isinstance(law, FrictionLaw):
+        return sorted(overridden_fields(type(law), overridden))
+    return [
+        f"{contact}.{name}"
+        for contact, one in law.members
+        for name in sorted(
+            overridden_fields(type(one), overridden)
+            | overridden_fields(type(one), overridden, at=f"friction.{contact}")
+        )
+    ]
+
+
+def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
+    """Return how a table says that files are read."""
+    offset = {}
+    for name, value in table.offset.items():
+        try:
+            quantity = quantity_called(name)
+        except KeyError:
+            raise UnknownNameError(
+                f"quantity in {key}.offset of {file}:", name, QUANTITIES
+            ) from None
+        turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
+        try:
+            found = Number(quantity, alternatives=turning).read(value)
+        except ParameterError as error:
+            raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
+        offset[name] = found.value if isinstance(found, Given) else found
+    try:
+        columns = {name: column_of(name, given) for name, given in table.columns.items()}
+        constants = {} if table.motor_constant is None else motor_constants(table.motor_constant)
+        layout = None if table.layout is None else Layout(**table.layout.given())
+    except InputError as error:
+        raise ParameterError(f"{file}: {key}.{error}") from None
+    return Reading(
+        motor_constant=constants,
+        layout=layout,
+        columns=columns,
+        units=table.units,
+        gain=table.gain,
+        offset=offset,
+        repair=tuple(table.repair),
+        by="rig",
+    )
+
+
+def _paths(table: RigTable, file: str) -> list[Path]:
+    """Return the files that a rig file names, which lie beside it."""
+    data = table.data
+    own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
+    swings = (node.file for node in _tables(table.mechanism) if node.target is SampledSwing)
+    measured = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    folder = Path(file).parent
+    paths = [folder / name for name in (own, *swings) if name]
+    logs = [folder / name for name in measured if name]
+    if logs:  # imported here so that rigs without data do without pandas
+        from stickslip.data.readers.table_reader import log_files
+
+        paths += [one for log in logs for one in log_files(log)]
+    return paths
+
+
+def _tables(table: Table) -> Iterator[Any]:
+    """Yield a table and those below it."""
+    yield table
+    for value in table.given().values():
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, Table):
+                yield from _tables(one)
+
+
+def _files(
+    names: list[str], mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the measurement of files that are named as they stand beside the rig file."""
+    paths = [Path(file).parent / name for name in names if name]
+    if not paths:
+        return None
+    try:
+        return read_data(paths, reading, mechanism=mechanism)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: [data]: {error}") from None
+    except InputError as error:
+        raise InputError(f"{file}: [data]: {error}") from None
+
+
+def _trials(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the trials; files are read as `[data]` and then the trial itself say."""
+    if not table.trial:
+        return None
+    records: list[Measurement] = []
+    for index, trial in enumerate(table.trial):
+        if trial.file:
+            records += _filed(trial, mechanism, reading, file, index)
+        else:
+            records.append(_record(trial, mechanism, file, index, table.run.t_end))
+    if len(records) == 1:
+        return records[0]
+    try:
+        return Measurement(trials=tuple(records), name=table.title)
+    except InputError as error:
+        raise InputError(f"{file}: trial: {error}") from None
+
+
+TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
+"""Keys of a trial that the file of a record has no use for."""
+FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
+
+
+def _filed(
+    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: str, index: int
+) -> tuple[Measurement, ...]:
+    """Return what stands in the file of a trial, with the settings of that trial."""
+    key = f"trial.{index}"
+    label, given = f"{file}: {key}", trial.given()
+    _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} applies to a travel, but file names a record")
+    own = reading.with_changes(_reading(trial, file, key))
+    settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
+    try:
+        found = read_data(
+            [Path(file).parent / trial.file],
+            own,
+            overrides=settings,
+            initial=_initial(trial.initial, mechanism, f"{label}.initial"),
+            name=trial.name,
+            mechanism=mechanism,
+        )
+    except InputError as error:
+        kind = ParameterError if isinstance(error, ParameterError) else InputError
+        text = str(error)
+        raise kind(text if text.startswith(label) else f"{label}: {text}") from None
+    for record in found.records():
+        check_record(mechanism, record, label)
+    return tuple(
+        replace(
+            record,
+            conditions={**record.conditions, **trial.conditions},
+            parameter_uncertainties=doubts,
+        )
+        for record in found.records()
+    )
+
+
+def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -> None:
+    for name in refused:
+        if name in given:
+            raise InputError(f"{said.format(name)}: leave one of them out.")
+
+
+def _record(
+    trial: TrialTable, mechanism: Mechanism, file: str, index: int, t_end: float
+) -> Measurement:
+    label, given = f"{file}: trial.{index}", trial.given()
+    names = [name for name in TRAVELS if name in given]
+    if not names:
+        raise ParameterError(
+            f"{label} contains no measurement. Add travel under [[trial]] number {index + 1}, a"
+            ' distance such as "72 mm", or mean_velocity, travel_per_cycle, or file (a record).'
+        )
+    if len(names) > 1:
+        raise InputError(
+            f"{label}: {names[0]} and {names[1]} both give the distance travelled: give only one"
+            f" of {', '.join(TRAVELS)}."
+        )
+    _check_keys(
+        given,
+        FILE_ONLY,
+        f"{label}: {{}} applies to the file of a record, but {names[0]} is a number",
+    )
+    if "uncertainty" in given:
+        measured = QUANTITIES[names[0]]
+        quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
+        try:
+            given["uncertainty"] = read_number(given["uncertainty"], quantity)
+        except ParameterError as error:
+            raise ParameterError(f"{label}.uncertainty {error}") from None
+    overrides, initial = given.pop("set", {}), given.pop("initial", {})
+    if "uncertainty_kind" in given and "uncertainty" not in given:
+        raise ParameterError(
+            f"{label}.uncertainty is missing, but uncertainty_kind is given. Add"
+            " the uncertainty, or leave its kind out."
+        )
+    settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
+    record = Measurement(
+        **given,
+        overrides=settings,
+        parameter_uncertainties=doubts,
+        initial=_initial(initial, mechanism, f"{label}.initial"),
+    )
+    check_record(mechanism, record, label)
+    scale_of(mechanism, record, t_end, label)
+    return record
+
+
+def _overrides(
+    given: Mapping[str, Any], mechanism: Mechanism, label: str
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return what a trial sets, by path, and the uncertainties of that."""
+    found: dict[str, float] = {}
+    doubts: dict[str, float] = {}
+    for name, value in flat(given):
+        try:
+            path = canonical_path(mechanism, name)
+            number = Number(quantity_at(mechanism, path), measured=True).read(value)
+        except UnknownNameError as error:
+            raise InputError(f"{label}: {error}") from None
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+        if path in found:
+            raise InputError(f"{label}: {path} is given twice.")
+        assert isinstance(number, Given)
+        found[path] = number.value
+        if number.uncertainty is not None:
+            doubts[path] = number.uncertainty
+    return found, doubts
+
+
+def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
+    units = state_units(mechanism)
+    found = {}
+    for name, value in given.items():
+        if name not in units:
+            raise UnknownNameError(f"state in {label}:", name, units)
+        try:
+            found[name] = read_number(value, Quantity(name, units[name]))
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+    return found

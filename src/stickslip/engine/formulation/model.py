@@ -1,0 +1,742 @@
+"""A law and a mechanism joined: the text of their equations, and what its numbers mean.
+
+1. The mechanism and the law are traced with symbols in place of states and parameters.
+2. One contact: its equations are derived in each mode (rest, slip in both senses, pressed to a
+   stop), each with guards that end it. Several contacts: their equations are parts, in which no
+   mode stands, since n contacts have 3^n modes; kernels put them together.
+3. The expressions become the text of one self-contained numeric module.
+
+Models of one structure are traced once in a process, whatever their numbers are.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from threading import RLock
+
+import symengine as se
+
+from stickslip.engine.formulation.infix import Case, Cases, function, program
+from stickslip.engine.formulation.mechanics import (
+    Mechanics,
+    derive_mechanics,
+    impact_events,
+    wall_guards,
+)
+from stickslip.engine.formulation.modes import (
+    PAINLEVE,
+    ContactParts,
+    EffortSymbols,
+    LawParts,
+    Mode,
+    ModeEquations,
+    derive_parts,
+    law_parts,
+    mode_equations,
+)
+from stickslip.engine.formulation.trace import (
+    Model,
+    Switchboard,
+    Symbols,
+    Traced,
+    collapsed,
+    linear_where,
+    symbols_of,
+    waves_of,
+)
+from stickslip.engine.kernels.state_layout import (
+    LIFT_OFF,
+    SWITCH,
+    ContactSizes,
+    ModeSizes,
+    law_rows,
+)
+from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
+from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
+from stickslip.quantities import parameters, shadow, structure
+
+# The text of the parts of a mechanism's equations, and what its numbers mean.
+
+
+@dataclass(frozen=True)
+class _Own:
+    """The laws of the contacts that rub."""
+
+    contacts: tuple[str, ...]
+    """Names of these contacts."""
+    laws: tuple[FrictionLaw, ...]
+    """The law of each."""
+    shared: tuple[int, ...]
+    """Index of each one's numbers: contacts with one law have the same."""
+    distinct: tuple[tuple[str, FrictionLaw], ...]
+    """Prefix of the paths, and the law, of each set of numbers."""
+    kinds: tuple[int, ...]
+    """Index of the structure of each contact's law."""
+    structures: tuple[FrictionLaw, ...]
+    """A law of each structure."""
+
+    def shadows(self, rows: Sequence[int], board: Switchboard) -> dict[str, FrictionLaw]:
+        """Return laws by contact whose parameters are symbols, of which each row begins before."""
+        twins = []
+        for row, (prefix, one) in zip(rows, self.distinct, strict=False):
+            place = {p: row + i for i, (p, _, _) in enumerate(parameters(one, prefix), 1)}
+            symbol = partial(_symbol, place, board)
+            twins.append(shadow(one, prefix, symbol))
+        return {name: twins[index] for name, index in zip(self.contacts, self.shared, strict=True)}
+
+
+def _symbol(place: Mapping[str, int], board: Switchboard, path: str) -> Traced:
+    return Traced(se.Symbol(f"p{place[path]}"), board)
+
+
+def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
+    if isinstance(law, Laws):
+        names, laws = tuple(name for name, _ in law.members), tuple(one for _, one in law.members)
+        shared = tuple(range(len(laws)))
+        distinct = tuple((f"friction.{name}", one) for name, one in law.members)
+    else:
+        names = tuple(one.name for one in mechanism.contacts())
+        laws, shared = (law,) * len(names), (0,) * len(names)
+        distinct = (("friction", law),)
+    keys = list(dict.fromkeys(structure(one) for one in laws))
+    kinds = tuple(keys.index(structure(one)) for one in laws)
+    structures = tuple(laws[kinds.index(kind)] for kind in range(len(keys)))
+    return _Own(names, laws, shared, distinct, kinds, structures)
+
+
+def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
+    """Trace a mechanism with several contacts and their laws."""
+    own = _own_laws(mechanism, law)
+    board = Switchboard()
+    paths = [path for path, _, _ in parameters(mechanism, "mechanism")]
+    first = 4 * len(mechanism.drives()) + 1
+    index = {path: first + i for i, path in enumerate(paths)}
+    twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
+    bristles = [len(one.states) for one in own.laws]
+    constants = frozenset(f"p{i}" for i in index.values())
+    symbols = symbols_of(twin, sum(bristles), constants, board)
+    rows = law_rows(
+        first + len(paths),
+        [len(list(parameters(one, prefix))) for prefix, one in own.distinct],
+        [len(one.inputs) for one in own.laws],
+        bristles,
+    )
+    parts = derive_parts(
+        twin,
+        own.shadows(rows, board),
+        symbols.t,
+        dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
+        dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
+        symbols.drives,
+        _motion(symbols, len(own.contacts)),
+        board,
+    )
+    laws = [law_parts(one, len(one.states)) for one in own.structures]
+    equations = _Equations(symbols, parts, board)
+    quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
+    along: list[se.Symbol | None] = []
+    dampens = equations.dampens() or any(one.may_dampen for one in laws)
+    if slopes or dampens:  # what is stiff is integrated with the Jacobian
+        along = [*symbols.states, symbols.t]
+    if slopes:
+        drives = [se.Symbol(f"p{i}") for i in range(3 * len(symbols.drives))]
+        own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
+        along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
+    columns = equations.part_slopes(along)
+    text, found = program(_contact_functions(equations, columns), index.values(), rows[-1])
+    sizes = _contact_sizes(
+        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
+        constants=found,
+    )  # fmt: skip
+    places = [sizes.first_parameter + i for i in range(len(paths))]
+    law_paths = []
+    for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
+        for i, (path, _, _) in enumerate(parameters(one, prefix), 1):
+            law_paths.append(path)
+            places.append(row + i)
+    events = [switch.events for switch in board.switches.values()]
+    return Model(
+        title=f"{type(mechanism).__name__} with {_titles(own)}",
+        sizes=sizes,
+        text="\n\n".join([text, *_texts_of_laws(laws, along=bool(columns))]),
+        states=(
+            *mechanism.coordinates,
+            *mechanism.rates,
+            *bristle_names(tuple(one.name for one in mechanism.contacts()), law),
+        ),
+        parameter_paths=(*paths, *law_paths),
+        places=tuple(places),
+        drives=tuple(symbols.drives),
+        has_slopes=slopes,
+        switch_events=tuple(events),
+        impact_events=impact_events(parts.walls, mechanism.coordinates, _only_slip(mechanism)),
+        limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        latched=any(one.latched for one in laws),
+        channels=tuple(parts.efforts),
+        turning=_turning(parts, index),
+        contacts=own.contacts,
+        closing=parts.closing,
+        alone=len(mechanism.contacts()) == 1,
+        law_switch_events=tuple(
+            (*laws[kind].switch_events, *[None] * sizes.law_switches)[: sizes.law_switches]
+            for kind in own.kinds
+        ),
+    )
+
+
+def _only_slip(mechanism: Mechanism) -> int | None:
+    """Return the index of the coordinate along which the only contact slips, if there is one."""
+    slips = [name for contact in mechanism.contacts() for name in contact.slips]
+    return mechanism.coordinates.index(slips[0]) if len(slips) == 1 else None
+
+
+def _motion(symbols: Symbols, contacts: int) -> EffortSymbols:
+    """Return symbols of the accelerations, and of the friction, that stand behind a state."""
+    first, n = len(symbols.states), len(symbols.coordinates)
+    behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
+    return EffortSymbols(behind[:n], behind[n:])
+
+
+def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
+    """Return the paths of the parameters on which the change of coordinates depends."""
+    directions = parts.directions
+    entries = [*(e for row in directions.forward for e in row), *directions.loops.numbers()]
+    names = {name for e in entries for name in _names(e)}
+    return tuple(path for path, i in index.items() if f"p{i}" in names)
+
+
+def _titles(own: _Own) -> str:
+    return " and ".join(dict.fromkeys(type(one).__name__ for one in own.laws))
+
+
+class _Equations:
+    """The parts with the drives put in, and their slopes."""
+
+    def __init__(self, symbols: Symbols, parts: ContactParts, board: Switchboard) -> None:
+        self.symbols, self.parts = symbols, parts
+        self.switched = bool(board.switches)
+        closed = symbols.closed
+        n = len(parts.coordinates)
+        self.forces = [closed(e) for e in parts.forces]
+        self.given_forces = [e.subs(symbols.given) for e in parts.forces[:n]]
+        self.loads = [closed(e) for e in parts.loads]
+        self.inputs = [closed(e) for own in parts.inputs for e in own.values()]
+        self.supplied = closed(parts.supplied)
+        self.efforts = [closed(e) for e in parts.efforts.values()]
+        self.limits = [closed(e) for e in parts.limits.values()]
+        states = [*symbols.coordinates, *symbols.rates]
+        self.slopes = {
+            (i, k): slope
+            for i in range(n)
+            for k, state in enumerate(states)
+            if str(state) in _names(self.forces[i])
+            and (slope := collapsed(self.forces[i].diff(state))) != 0
+        }
+        self.time_slopes = {
+            i: slope
+            for i in range(n)
+            if "t" in _names(self.forces[i])
+            and (slope := collapsed(self.forces[i].diff(symbols.t))) != 0
+        }
+        self.waves = waves_of(self.forces[:n], symbols.t, states)
+        self.moving = {str(s) for s in (*states, *self.waves.symbols.values())} | {"t"}
+        self.margins = [closed(switch.margin) for switch in board.switches.values()]
+        self.flags = [switch.symbol for switch in board.switches.values()]
+        self.geometry = [
+            *parts.directions.factors,
+            *[e for row in parts.held_slips for e in row],
+            *[e for row in parts.held_normals for e in row],
+        ]
+
+    @property
+    def walls(self) -> list[se.Expr]:
+        """Place and restitution of each stop."""
+        return [e for wall in self.parts.walls for e in (wall.position, wall.restitution)]
+
+    def part_slopes(self, along: Sequence[se.Symbol | None]) -> list[dict[int, se.Expr]]:
+        """Return the derivatives of all parts, by row, along each variable; None is in no part.
+
+        Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
+        and of held ones; then come loads, how contacts slip, margins of switches, places and
+        restitutions of stops, and contact inputs.
+        """
+        behind = _motion(self.symbols, 0).accelerations
+        rows = [-e for e in self.forces]
+        for (i, j), entry in self.parts.mass.items():
+            rows[i] += entry * behind[j]
+            if j < i < len(self.parts.coordinates):
+                rows[j] += entry * behind[i]
+        rows += [*self.loads, *self.geometry, *self.margins, *self.walls, *self.inputs]
+        names = [_names(e) for e in rows]
+        return [
+            {
+                i: slope
+                for i, e in enumerate(rows)
+                if str(x) in names[i] and (slope := collapsed(e.diff(x))) != 0
+            }
+            if x is not None
+            else {}
+            for x in along
+        ]
+
+    def varies(self, e: se.Expr) -> bool:
+        """Whether an expression changes in a run."""
+        return bool(_names(e) & self.moving) and bool(_names(se.expand(e)) & self.moving)
+
+    def dampens(self) -> bool:
+        """Whether the power that goes in has products of rates: motions die away, or grow."""
+        rates = {str(rate) for rate in self.symbols.rates}
+        return any(_names(self.supplied.diff(v)) & rates for v in self.symbols.rates)
+
+    def constant_mass(self) -> bool:
+        """Whether the mass matrix is constant."""
+        return not any(self.varies(e) for e in self.parts.mass.values())
+
+    def constant_loads(self) -> bool:
+        """Whether all prescribed loads and contact inputs are constant."""
+        given = [*self.loads, *self.inputs]
+        return not any(_flags(e) or _names(e) & (self.moving | self._driven()) for e in given)
+
+    def _driven(self) -> set[str]:
+        """Return the symbols of the drives' numbers, which change from piece to piece."""
+        return {f"p{i}" for i in range(3 * len(self.symbols.drives))}
+
+    @property
+    def margin_slopes(self) -> list[se.Expr]:
+        """Derivatives of each margin along states and time."""
+        along = [*self.symbols.states, self.symbols.t]
+        return [collapsed(e.diff(x)) for e in self.margins for x in along]
+
+    def affine(self) -> bool:
+        """Whether all is affine in states and time together, whatever the flags are.
+
+        Forces may have harmonics in time beside.
+        """
+        forces = [self.waves.replaced(e) for e in self.forces[: len(self.parts.coordinates)]]
+        along = [*self.symbols.states, self.symbols.t]
+        linear = (
+            linear_where(forces, [*along, *self.waves.symbols.values()], self.flags),
+            linear_where(self.margins, along, self.flags),
+        )
+        return (
+            linear == (1, 1)
+            and self.constant_mass()
+            and self.constant_loads()
+            and not any(self.parts.reacts)
+            and not self.limits
+        )
+
+    def rest_is_final(self) -> bool:
+        """Whether nothing but the drives can move what is held."""
+        timed = any("t" in _names(e) for e in self.given_forces)
+        ends = any(self.parts.reacts) or bool(self.limits)
+        return not timed and not self.switched and self.constant_loads() and not ends
+
+
+def _names(e: se.Expr) -> set[str]:
+    return {str(s) for s in e.free_symbols}
+
+
+def _flags(e: se.Expr) -> set[str]:
+    return {name for name in _names(e) if name[0] == "s" and name[1:].isdigit()}
+
+
+def _contact_sizes(
+    mechanism: Mechanism,
+    own: _Own,
+    equations: _Equations,
+    laws: Sequence[LawParts],
+    board: Switchboard,
+    parameter_count: int,
+    bristles: Sequence[int],
+    columns: Sequence[Mapping[int, se.Expr]],
+    *,
+    dampens: bool,
+    constants: int,
+) -> ContactSizes:
+    parts = equations.parts
+    return ContactSizes(
+        coordinates=len(mechanism.coordinates),
+        bristles=sum(bristles),
+        switches=len(board.switches),
+        drives=len(equations.symbols.drives),
+        parameters=parameter_count,
+        constants=constants,
+        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
+        rest_is_final=equations.rest_is_final(),
+        slips=parts.directions.slips,
+        looped=parts.directions.loops.looped,
+        closing=len(parts.directions.loops.closing),
+        cuts=len(parts.directions.loops.cuts),
+        turned=bool(parts.directions.forward),
+        kinds=own.kinds,
+        shared=own.shared,
+        numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
+        inputs_of=tuple(len(one.inputs) for one in own.laws),
+        bristles_of=tuple(bristles),
+        holds=tuple(one.holds for one in own.laws),
+        directional=tuple(one.directional for one in own.laws),
+        reacts=parts.reacts,
+        held=len(parts.held),
+        channels=len(parts.efforts),
+        own_limits=len(parts.limits),
+        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
+        mass=tuple(parts.mass),
+        slopes=tuple(equations.slopes),
+        time_slopes=tuple(equations.time_slopes),
+        law_switches=max((len(one.switch_events) for one in laws), default=0),
+        constant_mass=equations.constant_mass(),
+        constant_loads=equations.constant_loads(),
+        affine=equations.affine(),
+        exact=not dampens and equations.affine() and all(one.is_linear for one in laws),
+        supplies=parts.supplied != 0,
+        part_slopes=tuple(tuple(column) for column in columns),
+    )
+
+
+def _contact_functions(
+    equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]
+) -> dict[str, Cases]:
+    """Return what the kernels find under these names, but for the laws."""
+    parts = equations.parts
+    same: Mapping[str, Sequence[se.Expr]] = {
+        "forces": equations.forces,
+        "masses": list(parts.mass.values()),
+        "loads": [*equations.loads, *equations.inputs],
+        "geometry": equations.geometry,
+        "force_slopes": [*equations.slopes.values(), *equations.time_slopes.values()],
+        "energy": [parts.energy],
+        "power": [equations.supplied],
+        "margins": equations.margins,
+        "margin_slopes": equations.margin_slopes,
+        "rest": equations.given_forces,
+    }
+    if equations.waves.symbols:
+        terms = [equations.waves.term(equations.forces[i]) for i in equations.time_slopes]
+        rates = [e.diff(equations.symbols.t) for e in terms]
+        same = {**same, "waves": [*terms, *rates, equations.waves.square]}
+    turning = (*parts.directions.forward, *parts.directions.backward)
+    some: Mapping[str, Sequence[se.Expr]] = {
+        "turning": [e for row in turning for e in row],
+        "loops": parts.directions.loops.numbers(),
+        "efforts": equations.efforts,
+        "limits": equations.limits,
+        "walls": equations.walls,
+    }
+    same = {**same, **{name: case for name, case in some.items() if case}}
+    if columns:
+        same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
+    return {name: {None: list(case)} for name, case in same.items()}
+
+
+def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
+    """Return the functions of each law, once per structure, and their slopes if wanted."""
+    texts = []
+    for kind, one in enumerate(laws):
+        texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
+        texts.append(function(f"law_margins_{kind}", {None: one.margins}))
+        if along:
+            sides = {side: list(case) for side, case in one.slopes.items()}
+            texts.append(function(f"law_slopes_{kind}", sides))
+            texts.append(function(f"law_margin_slopes_{kind}", {None: one.margin_slopes}))
+    return texts
+
+
+_MODELS: OrderedDict[Hashable, Model] = OrderedDict()
+"""Models by the structure of their mechanism and law, those last asked for at the end."""
+MOST_MODELS = 256
+_LOCK = RLock()
+"""Held while these are looked up: equations are traced by one of several threads."""
+
+
+def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
+    """Trace a law and a mechanism and derive what the solver needs.
+
+    Equations of the same structure are traced once in a process. With `slopes` the text has the
+    derivatives with respect to parameters too.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> model = formulate(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2))
+    >>> model.states
+    ('x', 'v')
+    """
+    key = structure(mechanism), structure(law), slopes
+    with _LOCK:
+        try:
+            model = _MODELS.get(key)
+        except TypeError:  # a field of the user's that has no hash: traced anew each time
+            return _formulated(mechanism, law, slopes)
+        if model is not None:
+            _MODELS.move_to_end(key)
+            return model
+        model = _MODELS[key] = _formulated(mechanism, law, slopes)
+        while len(_MODELS) > MOST_MODELS:
+            _MODELS.popitem(last=False)
+        return model
+
+
+def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
+    """Whether the equations are parts, as those of several contacts are."""
+    contacts = mechanism.contacts()
+    if isinstance(law, Laws) or len(contacts) > 1:
+        return True
+    if any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal)):
+        return True
+    # what does not slip may rest at a stop too, beside whatever the contact does
+    inside = any(stop.coordinate not in contacts[0].slips for stop in stops_of(mechanism))
+    return inside or type(mechanism).loads is not Mechanism.loads
+
+
+def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
+    """Trace and derive; write the text."""
+    refuse_sampling(mechanism)
+    if _is_of_parts(mechanism, law):
+        return contact_model(mechanism, law, slopes=slopes)
+    assert isinstance(law, FrictionLaw)  # laws by contact are of parts
+    board, index = Switchboard(), _places(mechanism, law)
+    symbols, mechanics, modes = _derived(mechanism, law, index, board)
+    quantities = _quantities(symbols, index.values()) if slopes else []
+    switches = list(board.switches.values())
+    functions = _mode_functions(symbols, mechanics, modes, board, quantities)
+    first = 4 * len(symbols.drives) + 1 + len(index)
+    text, constants = program(functions, index.values(), first)
+    sizes = _mode_sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    if "waves" in functions:
+        sizes = replace(sizes, waves=sizes.states + sizes.guards)
+    return Model(
+        title=f"{type(mechanism).__name__} with {type(law).__name__}",
+        sizes=sizes,
+        text=text,
+        states=(*mechanism.coordinates, *mechanism.rates, *law.states),
+        parameter_paths=tuple(index),
+        places=tuple(sizes.first_parameter + i for i in range(len(index))),
+        drives=tuple(symbols.drives),
+        has_slopes=slopes,
+        switch_events=tuple(switch.events for switch in board.switches.values()),
+        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
+        limits=_limits(modes),
+        latched=any(switch.hold is not None for switch in switches),
+        channels=tuple(mechanics.efforts.values()),
+    )
+
+
+def _derived(
+    mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: Switchboard
+) -> tuple[Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
+    """Return symbols, equations of motion, and what holds in each mode."""
+
+    def symbol(path: str) -> Traced:
+        return Traced(se.Symbol(f"p{index[path]}"), board)
+
+    twin = shadow(mechanism, "mechanism", symbol)
+    constants = frozenset(f"p{i}" for i in index.values())
+    symbols = symbols_of(twin, len(law.states), constants, board)
+    mechanics = derive_mechanics(
+        twin,
+        symbols.t,
+        dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
+        dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
+        symbols.drives,
+        board,
+    )
+    modes = mode_equations(
+        mechanics,
+        _informed(shadow(law, "friction", symbol), twin, symbols, board),
+        coordinate_rates=symbols.rates,
+        bristles=symbols.bristles,
+        constants=symbols.constants,
+        board=board,
+    )
+    return symbols, mechanics, modes
+
+
+def _informed(
+    law: FrictionLaw, mechanism: Mechanism, symbols: Symbols, board: Switchboard
+) -> FrictionLaw:
+    """Return a law that sees what the mechanism tells of its contact."""
+    if not law.inputs:
+        return law
+
+    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
+        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+
+    told = mechanism.contact_inputs(
+        Traced(symbols.t, board),
+        traced(mechanism.coordinates, symbols.coordinates),
+        traced(mechanism.coordinates, symbols.rates),
+        traced(symbols.drives, symbols.drives.values()),
+    )
+    (contact,) = mechanism.contacts()
+    return bound(law, of_contact(told, contact.name))
+
+
+def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
+    """Return the place of each parameter in the vector of a run.
+
+    Value, slope and start of each drive come before them, and what may be given in their place.
+    """
+    first = 4 * len(mechanism.drives()) + 1
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    paths = [path for root, prefix in roots for path, _, _ in parameters(root, prefix)]
+    return {path: first + i for i, path in enumerate(paths)}
+
+
+def _mode_functions(
+    symbols: Symbols,
+    mechanics: Mechanics,
+    modes: Mapping[Mode, ModeEquations],
+    board: Switchboard,
+    quantities: list[se.Symbol],
+) -> dict[str, Cases]:
+    """Return the module's own part: what the kernels find under these names."""
+    y, t, closed = symbols.states, symbols.t, symbols.closed
+    switches = list(board.switches.values())
+    rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
+    guards = _guards(mechanics, modes, len(switches), closed)
+    flags = [switch.symbol for switch in switches]
+    margins = [closed(board.deciding(s)) for s in switches]
+
+    waves = waves_of([e for mode in modes for e in (*rates[mode], *guards[mode])], t, y)
+    linear = {
+        mode: linear_where(
+            [waves.replaced(e) for e in (*rates[mode], *guards[mode])],
+            [*y, t, *waves.symbols.values()],
+            flags,
+        )
+        for mode in modes
+    }
+
+    def each(part: Callable[[Mode], Case]) -> Cases:
+        return {int(mode): part(mode) for mode in modes}
+
+    def same(case: Case) -> Cases:
+        return {None: case}
+
+    parts = {
+        "field": each(lambda m: rates[m]),
+        "jacobian": each(lambda m: _slopes(rates[m], y)),
+        "time_slope": each(lambda m: [e.diff(t) for e in rates[m]]),
+        "guards": each(lambda m: guards[m]),
+        "guard_slopes": each(lambda m: _slopes(guards[m], [*y, t])),
+        "linear": each(lambda m: [linear[m]]),
+        "contact": each(lambda m: [closed(e) for e in _contact(modes[m])]),
+        "power": each(lambda m: [closed(e) for e in modes[m].power]),
+        "energy": same([mechanics.energy]),
+        "margins": same(margins),
+        "diagram": same(_diagram(symbols, mechanics, closed)),
+        "rest": same(_rest(symbols, modes)),
+        "walls": same(mechanics.wall_rows()),
+    }
+    if waves.symbols and any(linear.values()):
+        terms = {m: [waves.term(e) for e in (*rates[m], *guards[m])] for m in modes}
+        parts["waves"] = each(
+            lambda m: (
+                [*terms[m], *[e.diff(t) for e in terms[m]], waves.square]
+                if linear[m] != 0
+                else [se.Integer(0)] * (2 * len(terms[m]) + 1)
+            )
+        )
+    if quantities:
+        parts["field_slopes"] = each(lambda m: _slopes(rates[m], quantities))
+        parts["guard_parameters"] = each(lambda m: _slopes(guards[m], quantities))
+    if quantities and mechanics.walls:
+        impacts = dict(enumerate(mechanics.rates_after(symbols.rates)))
+        parts["impact"] = impacts
+        parts["impact_slopes"] = {k: _slopes(after, y) for k, after in impacts.items()}
+        parts["impact_parameters"] = {k: _slopes(a, quantities) for k, a in impacts.items()}
+    return parts
+
+
+def _guards(
+    mechanics: Mechanics,
+    modes: Mapping[Mode, ModeEquations],
+    switches: int,
+    closed: Callable[[se.Expr], se.Expr],
+) -> dict[Mode, list[se.Expr]]:
+    """Return the guards of each mode in the order of their indices, the walls' last."""
+    limits = _limits(modes)
+    return {
+        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + switches)]
+        + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
+        + wall_guards(mechanics.walls, int(mode))
+        for mode, equations in modes.items()
+    }
+
+
+def _limits(modes: Mapping[Mode, ModeEquations]) -> tuple[str, ...]:
+    """Return the names of all limits that any mode has, that of the equations' meaning first."""
+    names = dict.fromkeys(name for equations in modes.values() for name in equations.limits)
+    return tuple(sorted(names, key=lambda name: name != PAINLEVE))
+
+
+def _contact(equations: ModeEquations) -> list[se.Expr]:
+    """Return what `contact` gives: forces at the contact, then the channels."""
+    return [*equations.contact, *equations.channels.values()]
+
+
+def _quantities(symbols: Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
+    """Return all numbers that equations read: those of the drives, then the parameters."""
+    return [se.Symbol(f"p{place}") for place in (*range(3 * len(symbols.drives)), *parameters)]
+
+
+def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Case:
+    """Return the derivatives of each expression with respect to each symbol."""
+    return [e.diff(symbol) for e in expressions for symbol in symbols]
+
+
+def _mode_sizes(
+    symbols: Symbols,
+    mechanics: Mechanics,
+    modes: Mapping[Mode, ModeEquations],
+    switches: int,
+    parameters: int,
+    constants: int,
+) -> ModeSizes:
+    return ModeSizes(
+        coordinates=len(symbols.coordinates),
+        bristles=len(symbols.bristles),
+        slip=len(symbols.coordinates) + mechanics.slip,
+        switches=switches,
+        limits=len(_limits(modes)),
+        channels=len(mechanics.efforts),
+        drives=len(symbols.drives),
+        parameters=parameters,
+        constants=constants,
+        waves=0,
+        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
+        can_stick=Mode.STICK in modes,
+        can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),
+        rest_is_final=_rest_is_final(symbols, modes),
+    )
+
+
+def _diagram(
+    symbols: Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
+) -> list[se.Expr]:
+    """Return accelerations, normal force, needed friction and power for a given friction force."""
+    friction = se.Symbol(f"p{3 * len(symbols.drives)}")
+    motion = mechanics.slipping(friction, se.Integer(0))
+    _, needed = mechanics.sticking()
+    supplied = mechanics.power(motion, symbols.rates)
+    return [closed(e) for e in (*motion.accelerations, motion.normal, needed, supplied)]
+
+
+def _rest(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
+    """Return needed friction, break-away level and normal force for given drive values."""
+    if Mode.STICK not in modes:
+        return [se.Integer(0)] * 3
+    _, normal, needed, level = modes[Mode.STICK].contact
+    return [e.subs(symbols.given) for e in (needed, level, normal)]
+
+
+def _rest_is_final(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:
+    """Whether a held body can only be moved by its drives: nothing else changes in time."""
+    if Mode.STICK not in modes:
+        return False
+    stick = modes[Mode.STICK]
+    still = all(rate == 0 for rate in stick.rates)
+    timed = any(symbols.t in e.free_symbols for e in [*stick.guards.values(), *stick.contact])
+    return still and not timed

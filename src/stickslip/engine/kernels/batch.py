@@ -1,0 +1,580 @@
+"""Ensembles: many runs one after the other or by stretches, and what is kept of each.
+
+A reducer keeps one number of a run for each output: its last value, its value at a time, an
+extremum (by the dense output, not by samples), a mean by quadrature, the time or number of events,
+or the slope with respect to a parameter.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.contacts.motion import first_contact_guard, first_own_switch
+from stickslip.engine.kernels.driver import restore, restore_start, row_at, run
+from stickslip.engine.kernels.equations import energy, state_seen
+from stickslip.engine.kernels.mode_transitions import wall_coordinate
+from stickslip.engine.kernels.numerics import NODES, WEIGHTS, interpolate
+from stickslip.engine.kernels.sensitivities import columns_at, sense
+from stickslip.engine.kernels.state_layout import (
+    AT,
+    BOOKS,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    BROKE_AWAY,
+    CLOSED_AGAIN,
+    END,
+    END_TIME,
+    EVENT_COLUMNS,
+    EVENT_COUNT,
+    EVENT_TIME,
+    EVENTS,
+    FINAL,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    FULL,
+    GREATEST,
+    GROSS,
+    HELD_FAST,
+    HIT,
+    LAW_SWITCHES,
+    LEFT_GROUND,
+    LEFT_STOP,
+    LIFT_OFF,
+    LOST,
+    MEAN,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DRIVES,
+    N_LIMITS,
+    N_STATES,
+    N_SWITCHES,
+    NUMBERS,
+    OPENED,
+    POINT,
+    POLYNOMIAL,
+    REACHED,
+    REJECTED,
+    RESIDUAL,
+    REVERSED,
+    ROW_COLUMNS,
+    RUNNING,
+    SAMPLES,
+    SIZE,
+    SLOPES,
+    SMALLEST,
+    STAGES,
+    STATUS,
+    STEPS,
+    STOP,
+    STOPPED,
+    SUPPLIED,
+    SWITCH,
+    TAKEN,
+    TIME,
+    UNLOADED,
+    VALUES,
+    VIOLATION,
+    WHOLES,
+    Y,
+)
+
+# What is kept of a run in an ensemble: one number for each output.
+
+GOLD = 0.6180339887498949
+
+
+def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
+    """Return a state at a fraction of the restored row."""
+    point = whole[POINT]
+    interpolate(w, whole, x, point)
+    return state_seen(point, state, w, whole)
+
+
+def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:
+    """Return the largest `side` times a state within a bracket, by golden section."""
+    a = high - GOLD * (high - low)
+    b = low + GOLD * (high - low)
+    f_a = side * state_in(a, state, w, whole)
+    f_b = side * state_in(b, state, w, whole)
+    for _ in range(40):
+        if f_a > f_b:
+            high = b
+            b = a
+            f_b = f_a
+            a = high - GOLD * (high - low)
+            f_a = side * state_in(a, state, w, whole)
+        else:
+            low = a
+            a = b
+            f_a = f_b
+            b = low + GOLD * (high - low)
+            f_b = side * state_in(b, state, w, whole)
+    return max(f_a, f_b)
+
+
+def extremum(
+    state: int,
+    side: float,
+    since: float,
+    w: Vector,
+    whole: Wholes,
+    count: int,
+    log: Vector,
+    table: Vector,
+) -> float:
+    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on."""
+    width_at = whole[ROW_COLUMNS]
+    best = -math.inf
+    for row in range(row_at(log, count, since, whole), count):
+        at = row * width_at
+        restore(log, row, table, w, whole)
+        first = max((since - log[at]) / log[at + 2], 0.0)
+        width = ((log[at + 1] - log[at]) / log[at + 2] - first) / SAMPLES
+        top = side * state_in(first, state, w, whole)
+        lowest = top
+        place = first
+        for s in range(1, SAMPLES + 1):
+            here = side * state_in(first + s * width, state, w, whole)
+            lowest = min(lowest, here)
+            if here > top:
+                top = here
+                place = first + s * width
+        best = max(best, top)
+        # a peak lies beside the highest sample, and above it by less than the samples differ
+        if top + (top - lowest) > best:
+            low = max(place - width, first)
+            high = min(place + width, first + SAMPLES * width)
+            best = max(best, peak_in(state, side, low, high, w, whole))
+    return side * best
+
+
+def mean(
+    state: int,
+    since: float,
+    until: float,
+    w: Vector,
+    whole: Wholes,
+    count: int,
+    log: Vector,
+    table: Vector,
+) -> float:
+    """Return the mean of a state over a stretch of time."""
+    width = whole[ROW_COLUMNS]
+    total = 0.0
+    for row in range(row_at(log, count, since, whole), count):
+        at = row * width
+        begin = max(since, log[at])
+        span = min(until, log[at + 1]) - begin
+        if span > 0.0:
+            restore(log, row, table, w, whole)
+            for node in range(len(NODES)):
+                x = (begin - log[at] + NODES[node] * span) / log[at + 2]
+                total += WEIGHTS[node] * span * state_in(x, state, w, whole)
+    return total / (until - since)
+
+
+def happened(events: Vector, k: int, whole: Wholes) -> int:
+    """Return what event `k` was, as a code."""
+    first_wall = whole[FIRST_WALL]
+    first_limit = whole[FIRST_LIMIT]
+    coordinates = whole[N_COORDINATES]
+    at = k * EVENT_COLUMNS
+    guard = int(events[at + 3])
+    if whole[N_CONTACTS] > 0:
+        return contact_happened(at, guard, events, whole)
+    if guard == STOP:
+        return REVERSED if abs(events[at + 2]) == 1.0 else STOPPED
+    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
+        return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
+    if guard == LIFT_OFF:
+        return LEFT_GROUND
+    if guard >= first_wall:
+        return HIT + wall_coordinate(guard - first_wall, whole)
+    if guard >= first_limit:
+        return HIT + coordinates + guard - first_limit
+    ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
+    return HIT + coordinates + whole[N_LIMITS] + 2 * (guard - SWITCH) + ceased
+
+
+def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
+    """Return what an event was where several contacts rub, as a code."""
+    before, after = events[at + 1], events[at + 2]
+    if guard < 0:
+        if UNLOADED in (before, after):
+            return OPENED if after == UNLOADED else CLOSED_AGAIN
+        if abs(before) == 2.0:
+            return LEFT_STOP
+        if after == HELD_FAST or abs(after) == 2.0:
+            return STOPPED
+        return BROKE_AWAY if before == HELD_FAST else REVERSED
+    first = CLOSED_AGAIN + 1
+    if guard >= whole[FIRST_WALL]:
+        return first + wall_coordinate(guard - whole[FIRST_WALL], whole)
+    first += whole[N_COORDINATES]
+    if guard >= whole[FIRST_LIMIT]:
+        return first + guard - whole[FIRST_LIMIT]
+    first += whole[N_LIMITS]
+    own = first_own_switch(whole)
+    if guard < first_contact_guard(whole):  # of a coordinate: it leaves its stop
+        left = 2 * (whole[N_SWITCHES] + whole[N_CONTACTS] * whole[LAW_SWITCHES])
+        return first + left + guard // 2
+    if guard >= own:
+        ceased = 1 - ((int(events[at + 4]) >> (guard - own)) & 1)
+        return first + 2 * (guard - own) + ceased
+    contact, which = divmod(guard - first_contact_guard(whole), whole[LAW_SWITCHES] + 1)
+    if which == whole[LAW_SWITCHES]:
+        return LEFT_GROUND
+    ceased = 1 - ((int(events[at + 4]) >> which) & 1)
+    place = contact * whole[LAW_SWITCHES] + which
+    return first + 2 * whole[N_SWITCHES] + 2 * place + ceased
+
+
+def happened_at(what: int, contact: int, events: Vector, k: int, whole: Wholes) -> bool:
+    """Return whether event `k` was this, at a contact, or at any if that is negative."""
+    if contact >= 0 and int(events[k * EVENT_COLUMNS + 6]) != contact:
+        return False
+    return happened(events, k, whole) == what
+
+
+def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vector) -> float:
+    """Return when something happened for the n-th time from 0, from the end if negative; or NaN."""
+    found = 0
+    number = whole[EVENTS]
+    for i in range(number):
+        k = i if which >= 0 else number - 1 - i
+        if happened_at(what, contact, events, k, whole):
+            if found == (which if which >= 0 else -1 - which):
+                return events[k * EVENT_COLUMNS]
+            found += 1
+    return math.nan
+
+
+def event_count(what: int, contact: int, whole: Wholes, events: Vector) -> float:
+    """Return how often something happened."""
+    found = 0.0
+    for k in range(whole[EVENTS]):
+        if happened_at(what, contact, events, k, whole):
+            found += 1.0
+    return found
+
+
+def reduced(
+    kind: int,
+    what: int,
+    first: float,
+    last: float,
+    w: Vector,
+    whole: Wholes,
+    table: Vector,
+    log: Vector,
+    events: Vector,
+) -> float:
+    """Return one output of a run.
+
+    `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
+    event and the contact at which it was. Asked for beyond the end of a run that ended early, the
+    output is NaN.
+    """
+    width = whole[ROW_COLUMNS]
+    count = whole[STEPS]
+    if kind == FINAL:
+        return w[whole[END] + what]
+    if kind == EVENT_TIME:
+        return event_time(what, int(last), int(first), whole, events)
+    if kind == EVENT_COUNT:
+        return event_count(what, int(last), whole, events)
+    end = log[(count - 1) * width + 1]
+    if not first <= end:
+        return math.nan
+    if kind in (GREATEST, SMALLEST):
+        return extremum(what, 1.0 if kind == GREATEST else -1.0, first, w, whole, count, log, table)
+    if kind == MEAN:
+        return mean(what, first, last, w, whole, count, log, table) if last <= end else math.nan
+    row = row_at(log, count, first, whole)
+    restore(log, row, table, w, whole)
+    at = row * width
+    return state_in((first - log[at]) / log[at + 2], what, w, whole) if kind == AT else math.nan
+
+
+# Many runs one after the other, of each of which some numbers are kept.
+
+EVIDENCE = 5
+"""Energy error, guard violation, event residual, steps, rejected steps."""
+
+
+def prepare_row(
+    row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Wholes
+) -> None:
+    """Set the vectors of a run back, with the numbers of one row in their places."""
+    stages = whole[STAGES]
+    reached = whole[REACHED]
+    slopes = whole[SLOPES]
+    for i in range(POLYNOMIAL):
+        w[i] = base[i]
+    for i in range(NUMBERS, stages):
+        w[i] = base[i]
+    for i in range(reached, slopes):
+        w[i] = 0.0
+    for i in range(len(places)):
+        w[int(places[i])] = columns[row * len(places) + i]
+    books = whole[BOOKS]
+    for i in range(WHOLES):
+        whole[i] = 0
+    whole[BOOKS] = books
+
+
+def energy_at(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state in Y."""
+    values = whole[VALUES]
+    energy(t, w, whole, whole[Y], values)
+    return w[values]
+
+
+def potential_at(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state in Y at rest, where it is left."""
+    n = whole[N_COORDINATES]
+    for i in range(n, 2 * n):
+        w[whole[Y] + i] = 0.0
+    return energy_at(t, w, whole)
+
+
+def keep_evidence(
+    at: int, w: Vector, whole: Wholes, table: Vector, log: Vector, evidence: Vector
+) -> None:
+    """Write how far the run may be trusted, and keep its last state."""
+    n = whole[N_STATES]
+    end = whole[END]
+    y = whole[Y]
+    for i in range(n):
+        w[end + i] = state_seen(y, i, w, whole)
+    last = energy_at(w[TIME], w, whole)
+    size = max(abs(last), w[GROSS], last - potential_at(w[TIME], w, whole))
+    restore_start(log, 0, table, w, whole)
+    first = energy_at(log[0], w, whole)
+    size = max(abs(first), size, first - potential_at(log[0], w, whole))
+    mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
+    evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
+    evidence[at + 1] = w[VIOLATION]
+    evidence[at + 2] = w[RESIDUAL]
+    evidence[at + 3] = whole[STEPS]
+    evidence[at + 4] = whole[REJECTED]
+
+
+def batch_row(
+    row: int,
+    columns: Vector,
+    places: Vector,
+    base: Vector,
+    table: Vector,
+    bounds: Vector,
+    cap: float,
+    outputs: Vector,
+    arguments: Vector,
+    t_end: float,
+    rtol: float,
+    limit: int,
+    w: Vector,
+    whole: Wholes,
+    log: Vector,
+    events: Vector,
+    results: Vector,
+    statuses: Vector,
+    evidence: Vector,
+) -> bool:
+    """Make one run, or go on with it, and keep its outputs; return whether it found room."""
+    n = len(outputs) // 2
+    if whole[STATUS] != FULL:
+        prepare_row(row, columns, places, base, w, whole)
+    run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
+    if whole[STATUS] == FULL:
+        return False
+    statuses[row] = whole[STATUS]
+    keep_evidence(row * EVIDENCE, w, whole, table, log, evidence)
+    asked = row * 2 * n if len(arguments) > 2 * n else 0
+    for j in range(n):
+        results[row * n + j] = reduced(
+            int(outputs[2 * j]), int(outputs[2 * j + 1]), arguments[asked + 2 * j],
+            arguments[asked + 2 * j + 1], w, whole, table, log, events,
+        )  # fmt: skip
+    return True
+
+
+def batch(
+    first: int,
+    count: int,
+    columns: Vector,
+    places: Vector,
+    base: Vector,
+    tables: Vector,
+    bounds: Vector,
+    caps: Vector,
+    outputs: Vector,
+    arguments: Vector,
+    t_end: float,
+    rtol: float,
+    limit: int,
+    w: Vector,
+    whole: Wholes,
+    log: Vector,
+    events: Vector,
+    results: Vector,
+    statuses: Vector,
+    evidence: Vector,
+) -> int:
+    """Run all rows from one on; return the first that is not done, for want of room for its rows.
+
+    The caller makes room, and calls again with that row.
+
+    `columns` has a row a run: the numbers that go to `places` of the vector of a run, which is
+    `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
+    `outputs` has kind and subject of each output, `arguments` two numbers for each.
+    """
+    width, room = len(tables) // len(caps), len(bounds) // len(caps)
+    for row in range(first, count):
+        own = row if len(caps) > 1 else 0
+        done = batch_row(
+            row, columns, places, base, tables[own * width : (own + 1) * width],
+            bounds[own * room : (own + 1) * room], caps[own], outputs, arguments, t_end, rtol,
+            limit, w, whole, log, events, results, statuses, evidence,
+        )  # fmt: skip
+        if not done:
+            return row
+    return count
+
+
+def sense_end(
+    row: int,
+    table: Vector,
+    starts: Vector,
+    slopes: Vector,
+    own: Vector,
+    q: int,
+    w: Vector,
+    whole: Wholes,
+    log: Vector,
+    events: Vector,
+    gradients: Vector,
+) -> None:
+    """Take the sensitivities at the end of a run.
+
+    `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
+    `sense`; `gradients` gets states by directions.
+    """
+    size = len(starts)
+    first = columns_at(0, q, len(own), whole)
+    for i in range(size):
+        w[first + i] = starts[i]
+    steps = whole[STEPS]
+    last = (steps - 1) * whole[ROW_COLUMNS]
+    end = log[last + 1 : last + 2]
+    sense(
+        log, steps, events, whole[EVENTS], end, table, slopes, own, q, w, whole, gradients,
+        row * size,
+    )  # fmt: skip
+
+
+def batch_sensed(
+    first: int, count: int, columns: Vector, places: Vector, base: Vector, tables: Vector,
+    bounds: Vector, caps: Vector, outputs: Vector, arguments: Vector, t_end: float, rtol: float,
+    limit: int, w: Vector, whole: Wholes, log: Vector, events: Vector, results: Vector,
+    statuses: Vector, evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int,
+    gradients: Vector,
+) -> int:  # fmt: skip
+    """Run rows as `batch` does, and take the sensitivities at their ends."""
+    width, room = len(tables) // len(caps), len(bounds) // len(caps)
+    long = len(slopes) // len(caps)
+    for row in range(first, count):
+        at = row if len(caps) > 1 else 0
+        table = tables[at * width : (at + 1) * width]
+        done = batch_row(
+            row, columns, places, base, table, bounds[at * room : (at + 1) * room], caps[at],
+            outputs, arguments, t_end, rtol, limit, w, whole, log, events, results, statuses,
+            evidence,
+        )  # fmt: skip
+        if not done:
+            return row
+        sense_end(
+            row, table, starts, slopes[at * long : (at + 1) * long], own, q, w, whole, log, events,
+            gradients,
+        )  # fmt: skip
+    return count
+
+
+# Many runs that go on together, each by a stretch in which its drives are constant.
+
+
+def kept_size(whole: Wholes) -> int:
+    """Return how many numbers of the vector of a run are kept between stretches.
+
+    The room in which roots of guards are looked for is not among them.
+    """
+    return POLYNOMIAL + whole[SIZE] - NUMBERS
+
+
+def take_up(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
+    """Put the numbers of a run into the vectors of a run."""
+    at = row * kept_size(whole)
+    for i in range(POLYNOMIAL):
+        w[i] = kept[at + i]
+    at += POLYNOMIAL - NUMBERS
+    for i in range(NUMBERS, whole[SIZE]):
+        w[i] = kept[at + i]
+    at = row * len(whole)
+    for i in range(len(whole)):
+        whole[i] = wholes[at + i]
+
+
+def put_away(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
+    """Keep the numbers of a run."""
+    at = row * kept_size(whole)
+    for i in range(POLYNOMIAL):
+        kept[at + i] = w[i]
+    at += POLYNOMIAL - NUMBERS
+    for i in range(NUMBERS, whole[SIZE]):
+        kept[at + i] = w[i]
+    at = row * len(whole)
+    for i in range(len(whole)):
+        wholes[at + i] = whole[i]
+
+
+def hold_drives(row: int, values: Vector, table: Vector, whole: Wholes) -> None:
+    """Make a table of one piece, in which each drive has a constant value."""
+    n_drives = whole[N_DRIVES]
+    for k in range(n_drives):
+        table[1 + 3 * k] = values[row * n_drives + k]
+
+
+def stretches(
+    first: int,
+    count: int,
+    values: Vector,
+    untils: Vector,
+    bounds: Vector,
+    rtol: float,
+    cap: float,
+    limit: int,
+    kept: Vector,
+    wholes: Wholes,
+    w: Vector,
+    whole: Wholes,
+    table: Vector,
+    log: Vector,
+    events: Vector,
+) -> int:
+    """Go on with all runs from one on; return the first that is not done, for want of room.
+
+    Each goes on as `run` does with a new piece of the drives, up to a time of its own. Steps and
+    events are counted anew in each stretch, and their rows are written over. A run that has ended
+    before its time stays as it is.
+    """
+    for row in range(first, count):
+        if wholes[row * len(whole) + STATUS] in (RUNNING, END_TIME, FULL):
+            take_up(row, kept, wholes, w, whole)
+            if whole[STATUS] != FULL:
+                whole[STEPS] = 0
+                whole[EVENTS] = 0
+            hold_drives(row, values, table, whole)
+            run(w, whole, table, bounds, untils[row], rtol, cap, limit, log, events)
+            put_away(row, kept, wholes, w, whole)
+            if whole[STATUS] == FULL:
+                return row
+    return count

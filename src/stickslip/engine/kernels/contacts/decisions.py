@@ -1,0 +1,587 @@
+"""Decisions of several contacts at one instant: who sticks, who slips, and what impacts give.
+
+All coordinates at rest are decided together. With levels L in both directions, accelerations a,
+and the needed friction r, which is what is left of the forces less inertia,
+
+    held:    a_i = 0  and  -L_i- <= r_i <= L_i+
+    pushed:  friction is the level, and a_i does not point against the push.
+
+That is a boxed linear complementarity problem of accelerations. Its matrix is a principal part of
+the mass matrix, which is positive definite, so that it has exactly one solution.
+
+1. Those whose break-away has been reached slip; all others at rest begin as held.
+2. The problem is solved with static levels. Who is pushed and moves has broken away, and has its
+   kinetic friction from now on; it is solved again until nobody else breaks away. Friction passes
+   its static peak before it drops.
+3. If then somebody would move against its own friction, the problem with kinetic levels for all
+   decides.
+
+It is solved by block pivoting: all that violate their mode change it at once. Where that makes no
+progress, one changes at a time, the last of them, which ends for every matrix of this kind (Murty,
+Opsearch 11, 1974; together as Judice and Pires, Computers & Operations Research 21, 1994).
+
+Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
+the least of a convex function, in which each contact has its level times its slip acceleration.
+It is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who
+is held then, until no cut is exceeded.
+
+With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
+in which letting the worst violator slip at once, and then the next, gives another one are counted.
+
+Impacts at hard stops of one instant are a linear system of impulses: coordinates that strike have
+q'+ = -e q'-, those that rest at a stop and would move into it have q'+ = 0, and along all others
+the momentum M (q'+ - q'-) is 0. A stop that would have to pull gives no impulse.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes, rare
+from stickslip.engine.kernels.contacts.assembly import (
+    WITHIN,
+    ask_law,
+    blur,
+    factorise,
+    finite,
+    margin_of,
+    put_mass,
+    raise_levels,
+    reconsider,
+    refresh,
+    solve_free,
+    stopped_side,
+)
+from stickslip.engine.kernels.contacts.loops import (
+    close_loops,
+    crossing,
+    cut_levels,
+    is_bound,
+    mass_along,
+)
+from stickslip.engine.kernels.equations import combined
+from stickslip.engine.kernels.guard_roots import CLOCK
+from stickslip.engine.kernels.mode_transitions import (
+    approach,
+    energy_now,
+    resting_speed,
+    wall_coordinate,
+    wall_side,
+)
+from stickslip.engine.kernels.state_layout import (
+    ACCELERATION,
+    AMBIGUOUS,
+    BACKWARD,
+    BOOKS,
+    BOUNDS,
+    CANDIDATES,
+    CONSTANT_MASS,
+    DECISIONS,
+    DIAGONAL,
+    FIRST_WALL,
+    FORCED,
+    FORWARD,
+    FREE,
+    GROSS,
+    HELD_FAST,
+    HOLDS,
+    KEPT,
+    LAW_VALUES,
+    LENGTH,
+    LEVELS,
+    LOAD,
+    LOOPED,
+    LOST,
+    MASS,
+    MODES,
+    N_CHANNELS,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
+    N_REACTIONS,
+    N_WALLS,
+    NEEDED,
+    OPEN,
+    PIVOTINGS,
+    PUSHED,
+    REACHED,
+    REACHED_SO_FAR,
+    SCALE,
+    SLIP_FACTORS,
+    SLIPS,
+    STEPS,
+    STRUCK,
+    SUPPLIED,
+    TIME,
+    WALL_COLUMNS,
+    WALLS,
+    Y,
+)
+
+MOST_MOVES = 40
+"""Moves of a descent, and as many for each direction and cut: the function that is descended falls
+with each, so that no set of modes comes again but by rounding. Random loops of up to ten contacts
+took 0.38 at most. If moves run out, the modes at hand are taken: the guard of a level that they
+exceed falls at once, and all is decided again.
+"""
+WAITING = 1
+"""A coordinate at rest that is to be decided."""
+BROKEN = 2
+"""One that slips from now on."""
+PATIENCE = 4
+"""Trials without fewer violations after which one coordinate is changed at a time."""
+STILL = 1e-10
+"""Acceleration, over the largest there is, below which what is pushed to its level stays."""
+AGAINST = 1e-9
+"""The same against its own friction, above which a decision is wrong."""
+TOLERATED = 1e-12
+"""The same within a problem."""
+
+
+def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
+    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards."""
+    mode = whole[whole[MODES] + i]
+    if mode == HELD_FAST:
+        needed = w[whole[NEEDED] + i]
+        back = 0 if needed >= 0.0 else 1
+        levels = whole[BOUNDS] if kinetic else whole[LEVELS]
+        # rounding of the forces of others is no push where the level is 0, say
+        own = tolerance * mass_along(i, w, whole)
+        own = max(own, blur(i, w, whole))
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
+    sign = 1.0 if mode > 0 else -1.0
+    return sign * combined(i, whole[ACCELERATION], w, whole) < -tolerance
+
+
+def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
+    """Write the friction with which each coordinate would begin to slip, in both directions."""
+    bounds, values = whole[BOUNDS], whole[LAW_VALUES]
+    for i in range(2 * whole[N_DIRECTIONS]):
+        w[bounds + i] = 0.0
+    for c in range(whole[N_CONTACTS]):
+        i = whole[whole[SLIPS] + c]
+        if whole[whole[OPEN] + c] or not whole[whole[HOLDS] + c]:
+            continue
+        factor = w[whole[SLIP_FACTORS] + c]
+        mode = whole[whole[MODES] + i]
+        whole[whole[MODES] + i] = HELD_FAST  # a law is asked at rest
+        for k in range(2):
+            side = 1 if (k == 0) == (factor > 0.0) else -1
+            ask_law(c, side, t, w, whole, whole[Y])
+            level = w[values] + w[values + 1] * w[whole[LOAD] + c]
+            w[bounds + 2 * i + k] += abs(factor) * max(level, 0.0)  # bent bristles may push along
+        whole[whole[MODES] + i] = mode
+    cut_levels(bounds, w, whole)
+    raise_levels(bounds, w, whole, whole[Y])
+
+
+def scale_of(w: Vector, whole: Wholes) -> float:
+    """Return the largest acceleration at hand, or that a candidate's friction can make."""
+    n, scale = whole[N_COORDINATES], 0.0
+    for i in range(n):
+        scale = max(scale, abs(w[whole[ACCELERATION] + i]))
+        if whole[whole[CANDIDATES] + i] == WAITING:
+            level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
+            scale = max(scale, level / w[whole[MASS] + i * n + i])
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        level = max(w[whole[LEVELS] + 2 * cut], w[whole[LEVELS] + 2 * cut + 1])
+        if level > 0.0:  # one that is none at the values at hand has neither level nor inertia
+            scale = max(scale, level / mass_along(cut, w, whole))
+    return scale
+
+
+def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) -> bool:
+    """Solve the boxed problem for all that wait, by block pivoting; return whether it is solved.
+
+    `fresh` says that everything is worked out for the modes at hand.
+
+    Where blocks make no progress, one coordinate is changed at a time, the last of those that
+    violate their mode (Murty), which comes to an end for a matrix of this kind.
+    """
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    if whole[N_DIRECTIONS] > n:
+        return descend(kinetic, fresh, scale, w, whole)
+    fewest, patience = n + 1, PATIENCE
+    for trial in range(20 + 20 * n):
+        whole[PIVOTINGS] += 1
+        if trial > 0 or not fresh:
+            reconsider(w, whole)
+        if kinetic:
+            kinetic_levels(w[TIME], w, whole)
+        count, last = 0, -1
+        for i in range(n):
+            if whole[candidates + i] == WAITING and violates(
+                i, kinetic, TOLERATED * scale, w, whole
+            ):
+                count += 1
+                last = i
+        if count == 0:
+            return True
+        patience = PATIENCE if count < fewest else patience - 1
+        fewest = min(fewest, count)
+        pushed = FORWARD if kinetic else PUSHED
+        for i in range(n):
+            chosen = whole[candidates + i] == WAITING and (patience >= 0 or i == last)
+            if chosen and violates(i, kinetic, TOLERATED * scale, w, whole):
+                if whole[modes + i] == HELD_FAST:
+                    whole[modes + i] = pushed if w[whole[NEEDED] + i] > 0.0 else -pushed
+                else:
+                    whole[modes + i] = HELD_FAST
+    return False
+
+
+@rare
+def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) -> bool:
+    """Solve the boxed problem for all that wait and are held, where contacts close loops.
+
+    Accelerations go towards those of the modes at hand, as far as nothing turns that is pushed: it
+    is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
+    has its least at the answer falls with each move, so that none comes again.
+    """
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
+    begun = False
+    for trial in range(MOST_MOVES * (1 + whole[N_PAIRS])):
+        whole[PIVOTINGS] += 1
+        if trial > 0 or not fresh:
+            reconsider(w, whole)
+        share, turned = 1.0, -1
+        for i in range(whole[N_DIRECTIONS]):
+            mode = whole[modes + i]
+            if begun and whole[candidates + i] == WAITING and mode != HELD_FAST:
+                sign = 1.0 if mode > 0 else -1.0
+                before = sign * combined(i, now, w, whole)
+                after = sign * combined(i, target, w, whole)
+                if after < -TOLERATED * scale and max(before, 0.0) < share * (before - after):
+                    share, turned = max(before, 0.0) / (before - after), i
+        for j in range(n):
+            w[now + j] += share * (w[target + j] - w[now + j]) if begun else 0.0
+            if share == 1.0:
+                w[now + j] = w[target + j]
+        begun = True
+        if turned >= 0:
+            whole[modes + turned] = HELD_FAST
+            close_loops(True, w, whole)
+            continue
+        if kinetic:
+            kinetic_levels(w[TIME], w, whole)
+        worst = worst_cut(kinetic, scale, w, whole)
+        if worst < 0:
+            return True
+        let_go(worst, FORWARD if kinetic else PUSHED, w, whole)
+    return False
+
+
+def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
+    """Return the held coordinate or the cut whose level is exceeded most, or -1."""
+    worst, most = -1, 0.0
+    levels = whole[BOUNDS] if kinetic else whole[LEVELS]
+    for i in range(whole[N_PAIRS]):
+        held = whole[whole[MODES] + i] == HELD_FAST and not whole[whole[LOOPED] + i]
+        if not held or not violates(i, kinetic, TOLERATED * scale, w, whole):
+            continue
+        needed = w[whole[NEEDED] + i]
+        level = w[levels + 2 * i + (0 if needed >= 0.0 else 1)]
+        # as accelerations, so that motions are compared whatever they are a multiple of
+        beyond = (abs(needed) - level) / math.sqrt(mass_along(i, w, whole))
+        if beyond > most:
+            worst, most = i, beyond
+    return worst
+
+
+@rare
+def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
+    """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed."""
+    side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
+    if i < whole[N_DIRECTIONS]:
+        whole[whole[MODES] + i] = pushed if side > 0.0 else -pushed
+        return
+    for d in range(whole[N_DIRECTIONS]):
+        rate = side * crossing(i, d, w, whole)
+        if whole[whole[MODES] + d] == HELD_FAST and rate != 0.0:
+            whole[whole[MODES] + d] = pushed if rate > 0.0 else -pushed
+
+
+def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
+    """Let those slip that static levels do not hold, one problem after the other.
+
+    Everything is worked out for the modes at hand, before and after. Returns whether the answer is
+    one: nobody moves against its own friction.
+    """
+    n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
+    solved, fresh, more = True, True, 1
+    while more > 0:
+        solved = boxed(False, fresh, scale, w, whole) and solved
+        more = 0
+        fresh = True
+        if n > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
+            fresh = False
+        for i in range(n):
+            mode = whole[modes + i]
+            if whole[candidates + i] == WAITING and abs(mode) == PUSHED:
+                fresh = False
+                if abs(combined(i, whole[ACCELERATION], w, whole)) > STILL * scale:
+                    whole[modes + i] = FORWARD if mode > 0 else BACKWARD
+                    whole[candidates + i] = BROKEN
+                    more += 1
+                else:
+                    whole[modes + i] = HELD_FAST
+    if not fresh:
+        reconsider(w, whole)
+    for i in range(n):
+        if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
+            along = whole[modes + i] * combined(i, whole[ACCELERATION], w, whole)
+            solved = solved and not along < -AGAINST * scale
+            if n > whole[N_COORDINATES]:  # what cannot move does not slip
+                solved = solved and not is_bound(i, w, whole)
+    return solved
+
+
+@rare
+def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
+    """Hold what is pushed and does not move, where contacts close loops; return whether any is."""
+    found = False
+    for i in range(whole[N_DIRECTIONS]):
+        pushed = whole[whole[CANDIDATES] + i] == WAITING and whole[whole[MODES] + i] != HELD_FAST
+        if pushed and abs(combined(i, whole[ACCELERATION], w, whole)) <= STILL * scale:
+            whole[whole[MODES] + i] = HELD_FAST
+            found = True
+    if found:
+        close_loops(True, w, whole)
+    return found
+
+
+def one_by_one(w: Vector, whole: Wholes) -> None:
+    """Let the worst violator of the static levels slip with kinetic friction, then the next."""
+    modes, candidates = whole[MODES], whole[CANDIDATES]
+    worst = 0
+    while worst >= 0:
+        reconsider(w, whole)
+        worst, excess = -1, WITHIN
+        for i in range(whole[N_PAIRS]):
+            waits = i >= whole[N_DIRECTIONS] or whole[candidates + i] == WAITING
+            waits = waits and not whole[whole[LOOPED] + i]
+            if waits and whole[modes + i] == HELD_FAST:
+                needed = w[whole[NEEDED] + i]
+                level = w[whole[LEVELS] + 2 * i + (0 if needed >= 0.0 else 1)]
+                beyond = abs(needed) / level - 1.0 if level > 0.0 else abs(needed)
+                if beyond > excess:
+                    worst, excess = i, beyond
+        if worst >= 0:
+            let_go(worst, FORWARD, w, whole)
+
+
+def begin_decision(whole: Wholes) -> int:
+    """Set the candidates back: forced ones slip, others are held. Return how many wait."""
+    waiting = 0
+    for i in range(whole[N_DIRECTIONS]):
+        if whole[whole[CANDIDATES] + i] != 0:
+            forced = whole[whole[FORCED] + i]
+            whole[whole[MODES] + i] = forced
+            whole[whole[CANDIDATES] + i] = WAITING if forced == 0 else BROKEN
+            waiting += 1 if forced == 0 else 0
+    return waiting
+
+
+def is_ambiguous(w: Vector, whole: Wholes) -> bool:
+    """Whether letting the worst violator slip first gives another answer than the one at hand."""
+    n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
+    for i in range(n):
+        whole[kept + i] = whole[modes + i]
+    begin_decision(whole)
+    one_by_one(w, whole)
+    differs = False
+    for i in range(n):
+        differs = differs or whole[modes + i] != whole[kept + i]
+        whole[modes + i] = whole[kept + i]
+    reconsider(w, whole)
+    return differs
+
+
+def decide(w: Vector, whole: Wholes) -> bool:
+    """Decide all candidates; return whether there is an answer.
+
+    A candidate, not 0 in CANDIDATES, is at rest. FORCED has the direction of one whose break-away
+    has been reached, and 0 otherwise. As the time is rounded, that may be after it: forces and
+    loads are those that little later. Accelerations and all else are left as those of the answer at
+    the time itself.
+    """
+    now = w[TIME]
+    waiting, broken = begin_decision(whole), 0
+    for i in range(whole[N_DIRECTIONS]):
+        broken += 1 if whole[whole[CANDIDATES] + i] == BROKEN else 0
+    if waiting == 0 and broken < 2:  # of several, one may push another back
+        refresh(now, w, whole, whole[Y])
+        return True
+    if broken > 0:
+        w[TIME] = now + CLOCK * max(now, w[LENGTH])
+    t = w[TIME]
+    refresh(t, w, whole, whole[Y])
+    scale = scale_of(w, whole)
+    whole[DECISIONS] += 1
+    solved = break_away(scale, w, whole)
+    if not solved:
+        for i in range(whole[N_DIRECTIONS]):
+            if whole[whole[CANDIDATES] + i] != 0:
+                whole[whole[CANDIDATES] + i] = WAITING
+                whole[whole[MODES] + i] = HELD_FAST
+        solved = boxed(True, False, scale, w, whole)
+        if whole[N_DIRECTIONS] > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
+            reconsider(w, whole)
+    moved = 0
+    for i in range(whole[N_DIRECTIONS]):
+        if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
+            moved += 1
+    coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself
+    if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(w, whole):
+        whole[AMBIGUOUS] += 1
+    if t > now:
+        w[TIME] = now
+        refresh(now, w, whole, whole[Y])
+    return solved
+
+
+# Impacts at hard stops where several contacts rub: those of one instant are solved together.
+#
+# Each stop that a coordinate reaches gives it an impulse, after which its speed is that before
+# times the restitution, away from the stop. A coordinate that rests at its stop gets one too, if it
+# would else move into it. All other rates follow by the mass matrix: what friction holds is no
+# exception, for a bounded force does nothing in no time.
+
+STRIKES = 2
+"""A coordinate that reaches its stop."""
+RESTS = 1
+"""One that is at its stop already and would move into it."""
+AT_ONCE = 1e-13
+"""Distance from a stop, over the largest so far, below which it is reached in the instant too."""
+
+
+def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
+    """Change all rates by the impacts of an instant.
+
+    STRUCK tells then which coordinates have reached a stop: 2.
+    """
+    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
+    first = whole[FIRST_WALL]
+    for i in range(n):
+        whole[whole[STRUCK] + i] = 0
+        w[change + i] = 0.0
+    for wall in range(whole[N_WALLS]):
+        reach = AT_ONCE * w[whole[REACHED] + first + wall]
+        meets = margin_of(wall, w, whole, y) <= reach and approach(first + wall, w, whole) > 0.0
+        if first + wall == guard or meets:
+            i = wall_coordinate(wall, whole)
+            w[y + i] = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+            whole[whole[STRUCK] + i] = STRIKES
+    refresh(w[TIME], w, whole, y)
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        if whole[whole[STRUCK] + i] == STRIKES and margin_of(wall, w, whole, y) == 0.0:
+            rebound = restitution_of(wall, w, whole)
+            w[change + i] = -(1.0 + rebound) * w[y + n + i]
+    before = energy_now(w, whole)
+    share_impulses(w, whole)
+    book_impacts(w, whole)
+    for i in range(n):
+        rate = w[y + n + i] + w[change + i]
+        w[y + n + i] = 0.0 if whole[whole[STRUCK] + i] == RESTS else rate
+    if whole[N_CHANNELS] > 0 and whole[BOOKS] and whole[STEPS] > 0:
+        w[SUPPLIED] += energy_now(w, whole) - before  # with what is lost, what the guides have done
+
+
+def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
+    """Return the restitution of an impact, 0 where it is so slow that the coordinate stays.
+
+    Everything is worked out for the modes at hand, before and after.
+    """
+    y, modes = whole[Y], whole[MODES]
+    i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+    at = whole[WALLS] + wall * whole[WALL_COLUMNS]
+    restitution = w[at + 1]
+    push = side * w[whole[ACCELERATION] + i]
+    size = w[whole[SCALE] + whole[N_COORDINATES] + i]
+    if approach(whole[FIRST_WALL] + wall, w, whole) > resting_speed(
+        w[TIME], size, push, w[at], restitution
+    ):
+        return restitution
+    mode = whole[modes + i]
+    whole[modes + i] = HELD_FAST
+    refresh(w[TIME], w, whole, y)
+    level = finite(w[whole[LEVELS] + 2 * i + (1 if side > 0 else 0)])
+    pressed = side * w[whole[NEEDED] + i] + level > 0.0
+    whole[modes + i] = mode
+    refresh(w[TIME], w, whole, y)
+    return 0.0 if pressed else restitution
+
+
+def share_impulses(w: Vector, whole: Wholes) -> None:
+    """Write the changes of all rates, from those of the coordinates that meet their stops.
+
+    A stop that would have to pull gives no impulse; one at which a coordinate rests gives one where
+    that would else move into it. Factors and accelerations are those of the impacts afterwards: a
+    decision has to follow.
+    """
+    n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
+    if not whole[CONSTANT_MASS]:
+        put_mass(w[TIME], w, whole, y)
+    for i in range(n):
+        whole[whole[KEPT] + i] = whole[whole[MODES] + i]
+    for _ in range(2 * whole[N_WALLS]):
+        follow(w, whole)
+        settled = True
+        for i in range(n):
+            side = stopped_side(i, w, whole, y)
+            if side == 0:
+                continue
+            if whole[struck + i] == 0 and side * (w[y + n + i] + w[change + i]) > 0.0:
+                whole[struck + i] = RESTS
+                w[change + i] = -w[y + n + i]
+                settled = False
+            elif whole[struck + i] == RESTS and side * impulse(i, w, whole) > 0.0:
+                whole[struck + i] = 0
+                settled = False
+        if settled:
+            break
+    for i in range(n):
+        whole[whole[MODES] + i] = whole[whole[KEPT] + i]
+
+
+def follow(w: Vector, whole: Wholes) -> None:
+    """Write the changes of the rates that no stop gives: momentum along them stays."""
+    n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
+    for i in range(n):
+        whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
+    if not whole[DIAGONAL]:
+        factorise(w, whole)
+    for i in range(n):
+        w[found + i] = 0.0
+        for j in range(n):
+            if whole[whole[STRUCK] + j] != 0 and j != i:
+                w[found + i] -= w[whole[MASS] + i * n + j] * w[change + j]
+    solve_free(w, whole, found)
+    for i in range(n):
+        if whole[whole[STRUCK] + i] == 0:
+            w[change + i] = w[found + i]
+
+
+def impulse(i: int, w: Vector, whole: Wholes) -> float:
+    """Return the impulse along a coordinate that the changes of the rates take."""
+    n, total = whole[N_COORDINATES], 0.0
+    for j in range(n):
+        total += w[whole[MASS] + i * n + j] * w[whole[BOUNDS] + j]
+    return total
+
+
+def book_impacts(w: Vector, whole: Wholes) -> None:
+    """Book what the stops take; books open after what happens as a run begins."""
+    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
+    if not whole[BOOKS] or whole[STEPS] == 0:
+        return
+    lost = 0.0
+    for i in range(n):
+        if whole[whole[STRUCK] + i] != 0:
+            mean = w[y + n + i] + 0.5 * w[change + i]
+            lost -= impulse(i, w, whole) * mean
+    w[LOST] += lost
+    w[GROSS] += lost
+    if whole[N_CHANNELS] > 0:
+        w[SUPPLIED] += lost

@@ -1,0 +1,531 @@
+"""Exact propagation of linear modes with several contacts: sparse Taylor series.
+
+While modes hold, forces are h + S (q, q') + s_t t, with sparse constant slopes S, and slipping
+contacts damp by D. With q(t + x h) = sum of q_k x^k, x from 0 to 1, and so q', accelerations and
+needed friction r,
+
+    f_k     = S (q_k, q'_k) - D q'_k            (and h s_t where k = 1, or a power of a harmonic)
+    M a_k   = f_k along what is free,  r_k = f_k - M a_k along what is held
+    q_{k+1} = h q'_k / (k + 1),        q'_{k+1} = h a_k / (k + 1)
+
+at the cost of the slopes and contacts, not of a matrix of all states. The series ends after two
+terms in a row that vanish beside the largest one. The needed friction has a series of its own:
+where nothing moves any more it still grows with the drives. A step is judged by the tail of its
+series; it is as exact as numbers are.
+
+Guards are sums of these series, that is, polynomials in x (`first_contact_crossing`): one whose
+terms add up to less than its value cannot fall and is passed over; the first fall of others is
+found in Bernstein form, only up to just behind the earliest one that is known. What falls in the
+same instant, within rounding of the time, changes together.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes, rare
+from stickslip.engine.kernels.contacts.assembly import (
+    WITHIN,
+    assemble,
+    blur,
+    solve_free,
+    stop_guards,
+)
+from stickslip.engine.kernels.equations import (
+    FORCE_SLOPES,
+    MARGIN_SLOPES_OF,
+    MARGINS,
+    combined,
+    evaluate,
+    factor_of,
+    slip_rate_along,
+    spread,
+)
+from stickslip.engine.kernels.guard_roots import NO_GUARD, largest_term, size_of_forces
+from stickslip.engine.kernels.mode_transitions import UNMOVED, wall_coordinate, wall_side
+from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall, interpolate
+from stickslip.engine.kernels.state_layout import (
+    ACCELERATION,
+    BACKWARD,
+    BORNE,
+    BOUNDS,
+    DAMPING,
+    DENSE,
+    DIAGONAL,
+    DRIFT,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    FLAGS,
+    FORCE,
+    FORWARD,
+    FRACTION,
+    FRICTION,
+    HELD_FAST,
+    LAW_VALUES,
+    LENGTH,
+    LEVELS,
+    LOOPED,
+    MASS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
+    N_SLOPES,
+    N_STATES,
+    N_SWITCHES,
+    N_TIME_SLOPES,
+    N_WALLS,
+    NEEDED,
+    NEEDED_SERIES,
+    POINT,
+    POLYNOMIAL,
+    REACHED,
+    ROOTS,
+    SERIES,
+    SLIP_FACTORS,
+    SLIPS,
+    SLOPE_COLUMNS,
+    SLOPE_ROWS,
+    SLOPE_VALUES,
+    SLOPES,
+    TIME,
+    TIME_ROWS,
+    VALUES,
+    Y1,
+    Y,
+)
+from stickslip.engine.kernels.steppers import VANISHED, fill_waves, series_tail, wave_at, waves_tail
+
+STILLNESS = 1e-14
+"""Acceleration over the forces that make it up, below which they balance but for rounding."""
+
+LEAST_SLACK = 1e-12
+"""Share of a step beyond the earliest fall known in which others are looked for all the same."""
+TOGETHER = 4e-15
+"""Time between two falls that are one, over the larger of the present time and the step."""
+
+
+def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Fill the dense output, and the series of needed friction, from the state at `at`.
+
+    It begins at TIME.
+    """
+    assemble(w[TIME], w, whole, at)
+    fill_series(h, w, whole, at)
+
+
+def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Fill the series where accelerations and needed friction at the state are at hand."""
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    largest = whole[POINT]
+    evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
+    last = whole[DENSE] + 1
+    for i in range(n):
+        w[last + i] = w[at + i]
+        w[last + n + i] = w[at + n + i]
+        w[last + states + i] = h * w[at + n + i]
+        w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
+    for i in range(whole[N_PAIRS]):
+        w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
+    for i in range(states):
+        w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
+    last += states
+    small, terms = 0, 1
+    waving = fill_waves(w[TIME], h, w, whole, at)
+    while terms < SERIES and small < 2:
+        next_forces(terms, h, last, waving, w, whole)
+        ratio = h / (terms + 1.0)
+        ended = terms >= waving
+        for i in range(n):
+            speed = ratio * w[last + n + i]
+            growth = ratio * w[whole[DRIFT] + i]
+            w[last + states + i] = speed
+            w[last + states + n + i] = growth
+            w[largest + i] = max(w[largest + i], abs(speed))
+            w[largest + n + i] = max(w[largest + n + i], abs(growth))
+            ended = ended and abs(speed) <= VANISHED * w[largest + i]
+            ended = ended and abs(growth) <= VANISHED * w[largest + n + i]
+        small = small + 1 if ended else 0
+        terms += 1
+        last += states
+    w[whole[DENSE]] = terms - small
+    w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+    for i in range(n, whole[N_DIRECTIONS]):
+        for k in range(terms - small + 1):
+            rate = combined(i, whole[DENSE] + 1 + k * states + n, w, whole)
+            w[whole[NEEDED_SERIES] + k * whole[N_PAIRS] + i] = rate
+
+
+def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: Wholes) -> None:
+    """Write one term of the accelerations to DRIFT and one of the needed friction."""
+    n = whole[N_COORDINATES]
+    row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
+    slopes = whole[SLOPE_VALUES]
+    modes, found = whole[MODES], whole[DRIFT]
+    k, count = 0, whole[N_SLOPES]
+    for i in range(n):  # the slopes stand row by row
+        total = 0.0
+        while k < count and whole[whole[SLOPE_ROWS] + k] == i:
+            total += w[slopes + k] * w[last + whole[whole[SLOPE_COLUMNS] + k]]
+            k += 1
+        w[row + i] = total
+    if terms == 1:
+        for k in range(whole[N_TIME_SLOPES]):
+            w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
+    elif waving > 0:
+        add_waves(terms, row, w, whole)
+    damp(last + n, row, w, whole)
+    for i in range(n):
+        w[found + i] = w[row + i]
+    solve_free(w, whole, found)
+    if whole[N_DIRECTIONS] > n:
+        leave_to_loops(row, w, whole)
+    for i in range(n):
+        if whole[modes + i] != HELD_FAST:
+            w[row + i] = 0.0
+        elif not whole[DIAGONAL]:
+            total = w[row + i]
+            for j in range(n):
+                total -= w[whole[MASS] + i * n + j] * w[found + j]
+            w[row + i] = total
+
+
+def add_waves(terms: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Add a power of the harmonics to a term of the forces."""
+    power, waves = wave_at(terms, w, whole)
+    for k in range(whole[N_TIME_SLOPES]):
+        w[to + whole[whole[TIME_ROWS] + k]] += power * w[waves + k]
+
+
+def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Take the damping of slipping contacts away from a term of the forces."""
+    n = whole[N_COORDINATES]
+    for c in range(whole[N_CONTACTS]):
+        damping = w[whole[DAMPING] + c]
+        if damping != 0.0:
+            i = whole[whole[SLIPS] + c]
+            if i < n:
+                w[to + i] -= damping * w[rates + i]
+            else:
+                spread(i, damping * combined(i, rates, w, whole), to, w, whole)
+
+
+@rare
+def leave_to_loops(to: int, w: Vector, whole: Wholes) -> None:
+    """Write a term of the forces along all cuts; DRIFT has that of the accelerations."""
+    n, borne = whole[N_COORDINATES], whole[BORNE]
+    for i in range(n):
+        total = w[to + i]
+        for j in range(n):
+            total -= w[whole[MASS] + i * n + j] * w[whole[DRIFT] + j]
+        w[borne + i] = total
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        w[to + cut] = combined(cut, borne, w, whole)
+
+
+def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
+    """Try a step; return the tail of its series over what is allowed, the solution in Y1.
+
+    The state has been assembled: by the decision before it, or by the audit of the step before it.
+    """
+    w[LENGTH] = h
+    fill_series(h, w, whole, whole[Y])
+    interpolate(w, whole, 1.0, whole[Y1])
+    return max(series_tail(h, w, whole), waves_tail(w, whole))
+
+
+def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
+    """Whether forces on a coordinate that begins to slip balance but for their rounding.
+
+    Where inertia couples coordinates, those of all others count as they reach this one, by its row
+    of the inverse mass matrix. The time is rounded, too.
+    """
+    n = whole[N_COORDINATES]
+    if whole[whole[LOOPED] + i]:
+        return is_looped_balanced(i, w, whole)
+    size = abs(w[whole[FORCE] + i])
+    for k in range(whole[N_SLOPES]):
+        if whole[whole[SLOPE_ROWS] + k] == i:
+            column = whole[whole[SLOPE_COLUMNS] + k]
+            size += abs(w[whole[SLOPE_VALUES] + k] * w[whole[Y] + column])
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[SLIPS] + c] == i:
+            size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
+    found = abs(w[whole[ACCELERATION] + i]) - change_in_a_tick(i, w, whole)
+    if whole[DIAGONAL]:
+        return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
+    row = whole[VALUES]
+    for j in range(n):
+        w[row + j] = 1.0 if j == i else 0.0
+    solve_free(w, whole, row)
+    size *= abs(w[row + i])
+    for j in range(n):
+        size += abs(w[row + j]) * size_of_forces(j, w, whole)
+    return found <= STILLNESS * size
+
+
+@rare
+def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
+    """Whether forces on a slip of a loop that begins balance but for their rounding."""
+    n, row = whole[N_COORDINATES], whole[VALUES]
+    for j in range(n):
+        w[row + j] = factor_of(i, j, w, whole)
+    solve_free(w, whole, row)
+    size = 0.0
+    for j in range(n):
+        size += abs(w[row + j]) * size_of_forces(j, w, whole)
+    for c in range(whole[N_CONTACTS]):
+        force = w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c]
+        size += abs(force * combined(whole[whole[SLIPS] + c], row, w, whole))
+    found = abs(combined(i, whole[ACCELERATION], w, whole)) - change_in_a_tick(i, w, whole)
+    return found <= STILLNESS * size
+
+
+def change_in_a_tick(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how much the acceleration of a slip changes within the rounding of the time.
+
+    It is the second term of the series of its speed that tells.
+    """
+    h, n = w[LENGTH], whole[N_COORDINATES]
+    if i < n:
+        growth = w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i]
+    else:
+        growth = w[whole[NEEDED_SERIES] + 2 * whole[N_PAIRS] + i]
+    return STILLNESS * 2.0 * abs(growth) / h * max(1.0, w[TIME] / h)
+
+
+def search(
+    value: float,
+    bound: float,
+    slack: float,
+    row: int,
+    width: int,
+    sign: float,
+    count: int,
+    balanced: int,
+    w: Vector,
+) -> float:
+    """Return the first fall of ``value + sign * (terms of a column)``, from POLYNOMIAL's start.
+
+    The terms stand `width` apart from the place `row` on; `bound` is the sum of their sizes. The
+    first `balanced` of them are rounding, and left out. The interval that is searched ends `slack`
+    behind the earliest fall known, in FRACTION: coefficients are scaled by its powers.
+    """
+    reach = min(1.0, w[FRACTION] + slack)
+    if value > reach * bound:
+        return NEVER_FALLS
+    power = 1.0
+    total = 0.0
+    w[POLYNOMIAL] = value
+    for k in range(1, count + 1):
+        power *= reach
+        w[POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
+        total += abs(w[POLYNOMIAL + k])
+    for k in range(1, balanced + 1):
+        w[POLYNOMIAL + k] = 0.0
+    if value > total:
+        return NEVER_FALLS
+    x = first_fall(w, count)
+    return reach * x if 0.0 < x <= 1.0 else x
+
+
+def first_contact_crossing(w: Vector, whole: Wholes) -> int:
+    """Find the first guard of a step that falls below zero, with its fraction in FRACTION.
+
+    Guards that cannot fall, for the sum of their terms is less than their value, are passed over;
+    the sums are made row by row, in the order in which the series lies in memory. Falls of all
+    other guards are left in ROOTS: what falls in the same instant changes together.
+    """
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
+    terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
+    moved, grown = whole[POINT], whole[DRIFT]
+    sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
+    sum_terms(whole[NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
+    best = NO_GUARD
+    w[FRACTION] = 1.0
+    for guard in range(2 * pairs):
+        w[whole[ROOTS] + guard] = NEVER_FALLS
+    h = w[LENGTH]
+    slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
+    early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
+    if early != NO_GUARD:
+        best = look_at(early, best, slack, w, whole)
+    for guard in range(2 * pairs):
+        if w[FRACTION] == 0.0:
+            return best
+        if guard != early:
+            best = look_at(guard, best, slack, w, whole)
+    if whole[N_SWITCHES] > 0:
+        best = first_switch(best, slack, w, whole)
+    return first_stop(best, slack, w, whole) if whole[N_WALLS] > 0 and w[FRACTION] > 0.0 else best
+
+
+@rare
+def first_switch(best: int, slack: float, w: Vector, whole: Wholes) -> int:
+    """Return the guard that falls first, those of the mechanism's own switches included."""
+    states, terms, dense = whole[N_STATES], int(w[whole[DENSE]]), whole[DENSE] + 1
+    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    margins, slopes, h = whole[LAW_VALUES], whole[SLOPES], w[LENGTH]
+    evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], margins)
+    evaluate(MARGIN_SLOPES_OF, 0, whole[FLAGS], w[TIME], w, whole[Y], slopes)
+    for j in range(whole[N_SWITCHES]):
+        sign = 1.0 if whole[FLAGS] & (1 << j) else -1.0
+        value, reached, row = sign * w[margins + j], whole[REACHED] + first + j, slopes
+        row += j * (states + 1)
+        w[reached] = max(w[reached], abs(value))
+        if -UNMOVED * w[reached] <= value < 0.0:
+            value = 0.0  # it has just been turned, within rounding of its threshold
+        reach, power, total = min(1.0, w[FRACTION] + slack), 1.0, 0.0
+        w[POLYNOMIAL] = value
+        for k in range(1, terms + 1):
+            power *= reach
+            term = h * w[row + states] if k == 1 else 0.0
+            for i in range(states):
+                term += w[row + i] * w[dense + k * states + i]
+            w[POLYNOMIAL + k] = sign * power * term
+            total += abs(w[POLYNOMIAL + k])
+        if value > total:
+            continue
+        x = first_fall(w, terms)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return first + j
+        if x <= 1.0 and (reach * x < w[FRACTION] or (reach * x == 1.0 and best == NO_GUARD)):
+            w[FRACTION] = reach * x
+            best = first + j
+    return best
+
+
+def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
+    """Return the guard that falls first, those of hard stops included."""
+    states, terms = whole[N_STATES], int(w[whole[DENSE]])
+    first, values = whole[FIRST_WALL], whole[VALUES]
+    stop_guards(w, whole, whole[Y], values, math.inf)
+    for wall in range(whole[N_WALLS]):
+        margin = w[values + first + wall]
+        if margin == math.inf:
+            continue
+        reached = whole[REACHED] + first + wall
+        w[reached] = max(w[reached], abs(margin))
+        i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+        # what leaves its stop as its press ends has neither speed nor acceleration yet
+        leaves = margin == 0.0 and w[whole[Y] + whole[N_COORDINATES] + i] == 0.0
+        balanced = 2 if leaves and is_balanced(i, w, whole) else 0
+        row = whole[DENSE] + 1 + states + i
+        x = search(margin, math.inf, slack, row, states, -side, terms, balanced, w)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return first + wall
+        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[FRACTION] = x
+            best = first + wall
+    return best
+
+
+def value_of(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return a guard at the start of the step; infinity for one that nothing watches.
+
+    What is held within rounding of its level has the allowance of decisions: they held it.
+    """
+    n, i = whole[N_COORDINATES], guard // 2
+    mode = whole[whole[MODES] + i]
+    if i >= n and mode != HELD_FAST:
+        return mode * slip_rate_along(i, whole[Y], w, whole) if is_slip(guard, whole) else math.inf
+    if mode == HELD_FAST:
+        if whole[N_PAIRS] > n and whole[whole[LOOPED] + i]:
+            return math.inf
+        level = w[whole[LEVELS] + guard]
+        value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
+        spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
+        return value + spare if value < spare else value
+    if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
+        return mode * w[whole[Y] + n + i]
+    return math.inf
+
+
+def is_slip(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is that of the speed of something that slips."""
+    return whole[whole[MODES] + guard // 2] in (FORWARD, BACKWARD) and guard % 2 == 0
+
+
+def side_sign(guard: int) -> float:
+    """Return the sign with which needed friction enters a guard: less the level ahead first."""
+    return -1.0 if guard % 2 == 0 else 1.0
+
+
+def nearest_guard(w: Vector, whole: Wholes) -> int:
+    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`."""
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
+    best, least = NO_GUARD, 1.0
+    for guard in range(2 * pairs):
+        i = guard // 2
+        if whole[whole[MODES] + i] == HELD_FAST:
+            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
+        elif i < n:
+            slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+        else:
+            slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
+        value = value_of(guard, w, whole)
+        if value > 0.0 and value < -least * slope:
+            best, least = guard, -value / slope
+    return best
+
+
+def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
+    """Note where a guard falls, if it does before the best one; return which of them is first."""
+    n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
+    pairs = whole[N_PAIRS]
+    mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
+    if value == math.inf:
+        return best
+    if mode == HELD_FAST:
+        w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
+        row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
+        bound, sign = w[whole[DRIFT] + i], side_sign(guard)
+        loose = w[whole[LEVELS] + guard] == 0.0 and i < n
+        balanced = 1 if loose and abs(w[row]) <= STILLNESS * growth_of_forces(i, w, whole) else 0
+        x = search(value, bound, slack, row, pairs, sign, count, balanced, w)
+    else:
+        balanced = 1 if value == 0.0 and is_balanced(i, w, whole) else 0
+        if i < n:
+            row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+            # a force between other bodies reaches this one by the rounding of the inverse mass
+            if balanced and abs(w[row + states]) <= STILLNESS * largest_term(
+                2, states, n, w, whole
+            ):
+                balanced = 2
+            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, balanced, w)
+        else:
+            row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
+            x = search(value, math.inf, slack, row, pairs, mode, count, balanced, w)
+    return note_root(guard, x, best, w, whole)
+
+
+def growth_of_forces(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how fast the inertia forces change that act on a coordinate, over the step."""
+    n, total = whole[N_COORDINATES], 0.0
+    row = whole[DENSE] + 1 + 2 * whole[N_STATES] + n
+    for j in range(n):
+        total += abs(w[whole[MASS] + i * n + j] * w[row + j])
+    return 2.0 * total / w[LENGTH]
+
+
+def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
+    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart."""
+    for i in range(n):
+        w[to + i] = 0.0
+    for k in range(count):
+        for i in range(n):
+            w[to + i] += abs(w[row + k * width + i])
+
+
+def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
+    """Keep the fall of a guard; return the guard that falls first."""
+    if x == FALLS_AT_ONCE:
+        w[whole[ROOTS] + guard] = 0.0
+        w[FRACTION] = 0.0
+        return guard
+    w[whole[ROOTS] + guard] = x
+    if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+        w[FRACTION] = x
+        return guard
+    return best

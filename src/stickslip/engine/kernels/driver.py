@@ -1,0 +1,835 @@
+"""The run: steps up to events, events, pieces of the drives, rest, its log, and why it ended.
+
+A step is tried with the length that the last error allows, at most up to the end of the piece of
+the drives. Then
+
+1. an error above the tolerance retakes it shorter, and so does a guard that falls right where the
+   step begins, until that is believed;
+2. a step that ends beyond an event is taken again up to just beyond it, where the equations of the
+   mode still mean something, and cut at the event by its dense output; the series of a linear mode
+   is cut at once;
+3. the step is logged; at an event or a new piece of the drives modes and switches are settled, and
+   a stepper is chosen anew.
+
+The run ends at its end time, at a rest that nothing can end, at a limit, or where steps or events
+exceed what is allowed.
+
+The log has one row for each step, with all that the dense output of the step needs, the modes and
+flags, and the work done; so a recorded run is evaluated at any time by restoring its row.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.equations import (
+    BEGIN,
+    BOOK,
+    CHANGE,
+    CROSSING,
+    FIRST_SIZES,
+    MOTION,
+    PREPARE,
+    RESTORE,
+    SERIES_FROM,
+    SERIES_STEP,
+    SETTLE,
+    ask,
+    ask_here,
+    ask_of,
+    enter_pieces,
+    load_piece,
+    next_stop,
+    power,
+    put_constants,
+    recorded,
+    rests_for_good,
+    state_seen,
+)
+from stickslip.engine.kernels.guard_roots import (
+    BALANCED,
+    CLOCK,
+    EARLY,
+    NEGLIGIBLE,
+    NO_GUARD,
+    coarseness,
+    first_crossing,
+    first_violation,
+    guard_at,
+    guard_size,
+    guard_values,
+    is_held,
+    is_speed,
+    note_sizes,
+    reverses,
+    rises,
+    size_of_balance,
+    stays,
+)
+from stickslip.engine.kernels.mode_transitions import (
+    approach,
+    count_event,
+    handle_event,
+    initial_mode,
+    settle,
+    turn_switches,
+)
+from stickslip.engine.kernels.numerics import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS, interpolate
+from stickslip.engine.kernels.state_layout import (
+    ALWAYS_EXACT,
+    AT_REST,
+    BOOKS,
+    CHANGED,
+    CHANGES,
+    DENSE,
+    DENSE_SIZE,
+    END_TIME,
+    EVENT_COLUMNS,
+    EVENTS,
+    EXACT,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    FLAGS,
+    FRACTION,
+    FULL,
+    GROSS,
+    HELD_STRIDE,
+    LAW_FLAGS,
+    LENGTH,
+    LOWEST,
+    MODE,
+    MODES,
+    MOST_EVENTS,
+    N_COLUMNS,
+    N_CONTACTS,
+    N_DRIVES,
+    N_GUARDS,
+    N_PAIRS,
+    N_STATES,
+    N_SWITCHES,
+    N_WALLS,
+    OPEN,
+    PIECE,
+    POINT,
+    POLYNOMIAL,
+    REJECTED,
+    RESIDUAL,
+    RHYTHM,
+    ROUNDING,
+    ROW_COLUMNS,
+    ROW_DENSE,
+    RUNNING,
+    SAMPLED,
+    SCALE,
+    SERIES,
+    SLIP,
+    STALLS,
+    STATUS,
+    STEP,
+    STEP_LIMIT,
+    STEP_TOO_SMALL,
+    STEPPER,
+    STEPS,
+    STIFF,
+    STOP,
+    STRIDE,
+    SUPPLIED,
+    SWITCH,
+    TAKEN,
+    TERMS,
+    TIME,
+    VALUES,
+    VIOLATION,
+    Y1,
+    ZENO,
+    Y,
+)
+from stickslip.engine.kernels.steppers import (
+    VANISHED,
+    choose_stepper,
+    dop853_dense,
+    dop853_step,
+    first_sizes,
+    rodas_dense,
+    rodas_step,
+    series_fill,
+    series_step,
+    watch_stiffness,
+)
+
+# The books of a run: rows of steps, work done, violations found.
+
+NOTABLE = 1e-10
+"""Share of its largest size by which a guard is violated more than the dense output's rounding."""
+FEW_TERMS = 6
+"""A series that ends so early is that of a very short step, over which few nodes do."""
+
+
+def add_work(w: Vector, whole: Wholes) -> None:
+    """Add the work done in the part of the step that holds."""
+    point = whole[POINT]
+    values = whole[VALUES]
+    share = w[FRACTION]
+    h = w[LENGTH]
+    if whole[N_CONTACTS] > 0:
+        ask_here(BOOK, w, whole)
+        return
+    terms = w[whole[DENSE]]
+    few = 0.0 < terms <= FEW_TERMS or terms < 0.0
+    supplied, taken, gross = 0.0, 0.0, 0.0
+    for node in range(len(FEW_NODES) if few else len(NODES)):
+        x = share * (FEW_NODES[node] if few else NODES[node])
+        interpolate(w, whole, x, point)
+        power(w[TIME] + x * h, w, whole, point, values)
+        weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
+        supplied += weight * w[values]
+        taken += weight * w[values + 1]
+        gross += weight * (abs(w[values]) + abs(w[values + 1]))
+    w[SUPPLIED] += supplied
+    w[TAKEN] += taken
+    w[GROSS] += gross
+
+
+def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
+    """Write one row of the log."""
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    at = whole[STEPS] * whole[ROW_COLUMNS]
+    log[at] = w[TIME]
+    log[at + 1] = end
+    log[at + 2] = w[LENGTH]
+    log[at + 3] = whole[MODE]
+    log[at + 4] = whole[FLAGS]
+    log[at + 5] = whole[PIECE]
+    terms = 0 if w[dense] > 0.0 else TERMS
+    for i in range(1 + (terms + 1) * n):
+        log[at + ROW_DENSE + i] = w[dense + i]
+    if whole[N_CONTACTS] > 0:
+        note_modes(at + whole[ROW_COLUMNS], log, whole)
+    whole[STEPS] += 1
+
+
+def note_modes(end: int, log: Vector, whole: Wholes) -> None:
+    """Write modes, flags and openings to the end of a row that ends before a place."""
+    n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
+    at = end - n - 2 * contacts
+    for i in range(n):
+        log[at + i] = whole[whole[MODES] + i]
+    for c in range(contacts):
+        log[at + n + c] = whole[whole[LAW_FLAGS] + c]
+        log[at + n + contacts + c] = whole[whole[OPEN] + c]
+
+
+def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
+    """Note how far guards are violated at the end of a step, relative to their largest size yet.
+
+    A steep guard may fall far between two ticks of the clock: what counts is where it was a tick
+    before.
+    """
+    values, h = whole[VALUES], w[LENGTH]
+    guard_values(w[TIME], w, whole, whole[Y], values)
+    for i in range(whole[N_GUARDS]):
+        value = w[values + i]
+        if value < 0.0:  # what is left of forces that balance is their rounding
+            value = min(0.0, value + BALANCED * size_of_balance(i, w, whole))
+        if value < 0.0:
+            size = guard_size(i, w, whole)
+            if i == STOP and whole[N_CONTACTS] == 0:
+                size = max(size, w[whole[SCALE] + whole[SLIP]])
+            if value < -NOTABLE * size:
+                before = max(0.0, w[FRACTION] - CLOCK * max(1.0, w[TIME] / h))
+                value = min(0.0, max(value, guard_at(i, before, start, h, w, whole)))
+                guard_values(w[TIME], w, whole, whole[Y], values)
+            at = RESIDUAL if i == guard else VIOLATION
+            if size > 0.0:
+                w[at] = max(w[at], -value / size)
+
+
+def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
+    """Move time and state to the end of the step."""
+    n = whole[N_STATES]
+    y = whole[Y]
+    y1 = whole[Y1]
+    scale = whole[SCALE]
+    share = w[FRACTION]
+    h = w[LENGTH]
+    start = w[TIME]
+    end = start + share * h
+    if guard == NO_GUARD:
+        for i in range(n):
+            w[y + i] = w[y1 + i]
+        if abs(stop - end) <= ROUNDING * max(abs(stop), abs(h)):
+            end = stop
+    else:
+        interpolate(w, whole, share, y)
+    for i in range(n):
+        w[scale + i] = max(w[scale + i], abs(w[y + i]))
+    if whole[N_CONTACTS] > 0:
+        ask_here(MOTION, w, whole)
+    w[TIME] = end
+    if share > 0.0:
+        audit(guard, start, w, whole)
+
+
+# A recorded run at any times: its rows hold all that is needed.
+
+
+def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
+    """Return the last row that begins at or before a time."""
+    width = whole[ROW_COLUMNS]
+    low = 0
+    high = count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if log[middle * width] <= t:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
+    """Return the piece of the drives that holds at a time, `first` or a later one."""
+    width = 1 + 3 * whole[N_DRIVES]
+    piece = first
+    while (piece + 1) * width < len(table) and table[(piece + 1) * width] <= t:
+        piece += 1
+    return piece
+
+
+def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the modes, flags and openings of a row that ends before a place."""
+    n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
+    at = end - n - 2 * contacts
+    for i in range(n):
+        whole[whole[MODES] + i] = int(log[at + i])
+    for c in range(contacts):
+        whole[whole[LAW_FLAGS] + c] = int(log[at + n + c])
+        whole[whole[OPEN] + c] = int(log[at + n + contacts + c])
+    ask_here(RESTORE, w, whole)
+
+
+def restore_start(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the start of a row in Y, its mode, and the piece of its drives."""
+    n = whole[N_STATES]
+    y = whole[Y]
+    at = row * whole[ROW_COLUMNS]
+    whole[MODE] = int(log[at + 3])
+    whole[FLAGS] = int(log[at + 4])
+    load_piece(table, int(log[at + 5]), w, whole)
+    for i in range(n):
+        w[y + i] = log[at + ROW_DENSE + 1 + i]
+    if whole[N_CONTACTS] > 0:
+        restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+
+
+def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the start of a row in Y, its dense output, mode and piece of the drives."""
+    n = whole[N_STATES]
+    y = whole[Y]
+    dense = whole[DENSE]
+    at = row * whole[ROW_COLUMNS]
+    restore_start(log, row, table, w, whole)
+    if log[at + ROW_DENSE] > 0.0 and whole[N_CONTACTS] > 0:
+        w[TIME] = log[at]
+        ask_of(SERIES_FROM, log[at + 2], w, whole, y, 0)
+    elif log[at + ROW_DENSE] > 0.0:
+        series_fill(log[at], log[at + 2], w, whole, y)
+    else:
+        for i in range(1 + (TERMS + 1) * n):
+            w[dense + i] = log[at + ROW_DENSE + i]
+
+
+def play(
+    log: Vector,
+    count: int,
+    times: Vector,
+    table: Vector,
+    w: Vector,
+    whole: Wholes,
+    states: Vector,
+    forces: Vector,
+    rows: Vector,
+) -> None:
+    """Write states, friction, loads and what else is recorded, and the row, of each of the times.
+
+    A body at rest for good is one row, during which its drives go on.
+    """
+    width = whole[ROW_COLUMNS]
+    point = whole[POINT]
+    values = whole[VALUES]
+    n = whole[N_STATES]
+    columns = whole[N_COLUMNS]
+    row = -1
+    piece = 0
+    put_constants(w, whole)
+    if whole[N_CONTACTS] > 0:
+        ask(PREPARE, log[0], w, whole)
+    for i in range(len(times)):
+        t = times[i]
+        here = row
+        if row < 0 or t < log[row * width] or not t < log[row * width + 1]:
+            here = row_at(log, count, t, whole)
+        at = here * width
+        if here != row or t < times[i - 1]:
+            piece = int(log[at + 5])
+        if here != row:
+            row = here
+            restore(log, row, table, w, whole)
+        interpolate(w, whole, (t - log[at]) / log[at + 2], point)
+        piece = piece_at(table, piece, t, whole)
+        load_piece(table, piece, w, whole)
+        recorded(t, w, whole, point, values)
+        for j in range(n):
+            states[i * n + j] = state_seen(point, j, w, whole)
+        for j in range(columns):
+            forces[columns * i + j] = w[values + j]
+        rows[i] = row
+
+
+# One step: as long as accuracy allows, up to the first event.
+
+OVERSHOT = 0.98
+"""A step is taken again if the event lies before this part of it."""
+BEYOND = 1.002
+"""Length of the new step over the time to the event, so that the event lies at its end."""
+STRETCH = 1.01
+"""A step that nearly reaches the end of a piece is stretched to it. STRETCH x BEYOND x OVERSHOT is
+below 1: a step taken again up to an event must not be stretched back."""
+AHEAD = 3.0
+"""Length of a series over that of steps that end with an event: a shorter one ends earlier, and
+fewer guards have falls in it."""
+GROWTH = tuple(
+    math.inf if terms < 4 else max(1.0, (VANISHED * math.factorial(terms)) ** (-1.0 / terms))
+    for terms in range(SERIES + 1)
+)
+"""How much longer a step may be than one whose series has ended after so many terms, as that of an
+exponential would. A shorter series is a polynomial, which ends at any length."""
+TINIEST = 1e-18
+"""Length of a step, over the end of the piece, below which no shorter one is tried."""
+BOUNCE = 1e-3
+"""Fraction of a series below which an impact is looked for in a shorter one."""
+
+
+def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
+    """Try a step with the mode's stepper, fill its dense output if it is good enough."""
+    y = whole[Y]
+    t = w[TIME]
+    if whole[STEPPER] == EXACT:
+        if whole[N_CONTACTS] > 0:
+            ask_of(SERIES_STEP, h, w, whole, y, whole[VALUES])
+            return w[whole[VALUES]]
+        return series_step(t, h, w, whole, y)
+    if whole[STEPPER] == STIFF:
+        error = rodas_step(t, h, w, whole, rtol)
+        if error <= 1.0:
+            rodas_dense(w, whole)
+        return error
+    error = dop853_step(t, h, w, whole, rtol)
+    if error <= 1.0:
+        dop853_dense(t, h, w, whole)
+    return error
+
+
+def resized(h: float, error: float, w: Vector, whole: Wholes) -> float:
+    """Return the next step length for an error over the tolerance."""
+    if whole[STEPPER] == EXACT:
+        if error == 0.0:
+            return h * GROWTH[int(w[whole[DENSE]])]
+        # the tail goes with h^SERIES; 1e60 and more, or NaN, is cut to what 1e60 gives
+        return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
+    if error == 0.0:
+        return 10.0 * h
+    if not error < 1e30:
+        return 0.1 * h
+    # powers of h with which the estimates fall; 0.9, 0.2 and 10 are those of DOPRI5
+    order = 5.0 if whole[STEPPER] == STIFF else 8.0
+    return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
+
+
+def accepted_step(
+    stop: float, w: Vector, whole: Wholes, rtol: float, cap: float, slot: int
+) -> float:
+    """Shorten the step until it is accurate; return its length, 0 if there is none."""
+    stepper = whole[STEPPER]
+    t = w[TIME]
+    h = min(w[slot], cap)
+    if stepper == EXACT and whole[N_CONTACTS] > 0:
+        h = min(h, AHEAD * w[RHYTHM])
+    left = stop - t
+    while True:
+        last = STRETCH * h >= left
+        if last:
+            h = left
+        elif 2.0 * h > left:  # two equal steps, and no splinter at the end
+            h = 0.5 * left
+        if not t + h > t:
+            whole[STATUS] = STEP_TOO_SMALL
+            return 0.0
+        error = attempt(h, w, whole, rtol)
+        proposed = resized(h, error, w, whole)
+        if error <= 1.0:
+            # a step cut short by the end of a piece says little of the next one
+            w[slot] = max(proposed, w[slot]) if last else proposed
+            if stepper != STIFF:
+                watch_stiffness(h, w, whole)
+            return h
+        whole[REJECTED] += 1
+        h = proposed
+
+
+def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a step should be taken again, 0 if its samples show the guards.
+
+    Nothing else keeps steps short where a body is held and only its load or the force on it change.
+    The next step is no longer than these guards allow.
+    """
+    t = w[TIME]
+    coarse = coarseness(t, h, w, whole)
+    if coarse == 0.0:
+        return 0.0
+    good = h * max(0.1, 0.9 * math.pow(coarse, -0.2)) if coarse < math.inf else 0.1 * h
+    if coarse <= 1.0:
+        w[slot] = min(w[slot], good)
+        return 0.0
+    return good if t + good / 8.0 > t else 0.0
+
+
+def shorter_start(h: float, stop: float, w: Vector) -> float:
+    """Return the length with which a step is taken again that falls at its start, 0 if it stands.
+
+    Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
+    """
+    return h / 8.0 if w[TIME] + h / 64.0 > w[TIME] and h > TINIEST * stop else 0.0
+
+
+def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a step should be taken again, 0 if it stands."""
+    t = w[TIME]
+    fraction = w[FRACTION]
+    if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
+        return 0.0  # it is at its stop
+    if guard != NO_GUARD and fraction == 0.0 and not reverses(guard, whole):
+        return shorter_start(h, stop, w)
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
+        if t + 0.25 * fraction * h > t:
+            return BEYOND * fraction * h
+        # what is at rest begins with the errors that others leave in the dense output, and what is
+        # far from its threshold does not fall within the rounding of the time
+        begins = w[whole[SAMPLED] + guard]
+        if begins == 0.0 or begins > NEGLIGIBLE * guard_size(guard, w, whole):
+            return shorter_start(h, stop, w)
+    return 0.0
+
+
+def first_coefficient(w: Vector) -> float:
+    """Return the first coefficient of a guard that is not zero, of one that falls at once.
+
+    One that is zero throughout has none, and 0 is returned.
+    """
+    k = POLYNOMIAL
+    while w[k] == 0.0 and k < POLYNOMIAL + SERIES:
+        k += 1
+    return w[k]
+
+
+def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a series should be taken again, 0 if it stands.
+
+    Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
+    once does so truly if its first coefficient that is not zero, however small, is negative. That
+    goes for what begins to slip, too: next to faster or larger motions its own may be too small for
+    the step, whose last terms are then its largest.
+    """
+    fraction = w[FRACTION]
+    if whole[N_CONTACTS] > 0 and fraction == 0.0 and is_speed(guard, whole):
+        begins = w[POLYNOMIAL] == 0.0 and first_coefficient(w) > 0.0
+        shorter = h / 8.0 if begins and h > TINIEST * (w[TIME] + h) else 0.0
+    elif guard < whole[FIRST_WALL] or fraction >= BOUNCE:
+        shorter = 0.0
+    elif fraction == 0.0 and whole[N_CONTACTS] > 0:
+        shorter = h / 8.0 if not approach(guard, w, whole) > 0.0 else 0.0
+    elif fraction == 0.0:
+        shorter = h / 8.0 if not first_coefficient(w) < 0.0 else 0.0
+    else:
+        shorter = 2.0 * fraction * h
+    return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
+
+
+def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> int:
+    """Return the guard that has fallen although the step is too short to move it, or NO_GUARD.
+
+    That is one that fell at once in longer steps, `doubted`, or, as a run begins on its threshold,
+    a switch at whose fall the step was to end, `sought`. Another, which begins below zero by
+    rounding and rose in longer steps, says nothing in so short a one.
+    """
+    if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
+        return doubted
+    own = whole[FIRST_LIMIT] - whole[N_SWITCHES] <= sought < whole[FIRST_LIMIT]
+    if whole[STEPS] >= EARLY or not own or not (guard == NO_GUARD or w[FRACTION] == 0.0):
+        return NO_GUARD
+    return sought if stays(sought, w, whole) else NO_GUARD
+
+
+def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> int:
+    """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
+
+    On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
+    that starts from rest towards a guard that would be violated at once gets shorter steps before
+    that is believed; it is, too, where they are so short that the guard does not change at all. A
+    step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
+    the error estimate, mean little where the mode does not hold, and the dense output is best where
+    the step ends. Neither concerns the series of a linear mode, but for bounces.
+    """
+    exact = whole[STEPPER] == EXACT
+    slot = STEP
+    if exact:
+        slips = whole[N_CONTACTS] > 0 or abs(whole[MODE]) == 1
+        slot = STRIDE if slips else HELD_STRIDE
+    before = w[slot]
+    doubted, sought = NO_GUARD, NO_GUARD
+    while True:
+        h = accepted_step(stop, w, whole, rtol, cap, slot)
+        if h == 0.0:
+            return NO_GUARD
+        if exact:
+            if whole[N_CONTACTS] > 0:
+                guard = ask_here(CROSSING, w, whole)
+            else:
+                guard = first_crossing(w[TIME], h, w, whole)
+            shorter = bounce_length(guard, h, w, whole)
+        else:
+            guard = first_violation(w[TIME], h, w, whole)
+            shorter = finer(h, slot, w, whole) if is_held(whole) else 0.0
+            if shorter > 0.0:
+                w[slot] = shorter
+                continue
+            fallen = unmoved(guard, doubted, sought, w, whole)
+            if fallen != NO_GUARD:
+                guard = fallen
+                w[FRACTION] = 0.0
+            else:
+                shorter = retry_length(guard, h, stop, w, whole)
+            if shorter > 0.0:
+                doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
+                sought = guard if w[FRACTION] > 0.0 else NO_GUARD
+        if shorter > 0.0:
+            w[slot] = shorter
+            continue
+        if w[FRACTION] > 0.0 and not exact:
+            note_sizes(w, whole)
+        w[LENGTH] = h
+        if guard != NO_GUARD and w[FRACTION] == 0.0:
+            w[slot] = before  # the step was tried in a mode that does not hold
+        return guard
+
+
+# The run: steps, events, pieces of the drives, rest.
+
+MEMORY = 0.1
+"""Weight of the last time between events in their mean."""
+FEW_STALLS = 20
+"""Events at one instant that several contacts may have, beside those of each contact and switch."""
+
+
+def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
+    """Record a body that stays where it is up to a time."""
+    dense_size = whole[DENSE_SIZE]
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    y = whole[Y]
+    for i in range(dense_size):
+        w[dense + i] = 0.0
+    for i in range(n):
+        w[dense + 1 + i] = w[y + i]
+    if whole[ALWAYS_EXACT]:
+        w[dense] = 1.0  # a series, of which the first state is kept
+    w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
+    record(log, end, w, whole)
+
+
+def turns_switch(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is that of a switch of the equations of one contact."""
+    return whole[N_CONTACTS] == 0 and SWITCH <= guard < whole[FIRST_LIMIT]
+
+
+def finish_step(
+    guard: int,
+    stop: float,
+    t_end: float,
+    w: Vector,
+    whole: Wholes,
+    table: Vector,
+    log: Vector,
+    events: Vector,
+) -> None:
+    """Book the step just taken and pass on to what follows it."""
+    start = w[TIME]
+    if w[FRACTION] > 0.0:
+        if whole[BOOKS]:
+            add_work(w, whole)
+        record(log, start, w, whole)
+    close_step(guard, stop, w, whole)
+    if w[FRACTION] > 0.0:
+        log[(whole[STEPS] - 1) * whole[ROW_COLUMNS] + 1] = w[TIME]
+        if whole[N_CONTACTS] > 0:
+            note_rhythm(guard, w[TIME] - start, w)
+    if guard != NO_GUARD:
+        change(guard, w, whole, events)
+    if whole[STATUS] == RUNNING and w[TIME] >= t_end:
+        whole[STATUS] = END_TIME
+    elif whole[STATUS] == RUNNING and w[TIME] >= stop:
+        enter_pieces(table, w, whole)
+        settle_all(w, whole, events)
+    elif whole[STATUS] == RUNNING and turns_switch(guard, whole):
+        settle(w, whole, events)  # what a switch stands for may jump with it
+    if guard != NO_GUARD or w[TIME] >= stop:
+        if not has_sizes(w, whole):
+            give_sizes(t_end, w, whole)
+        choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def note_rhythm(guard: int, taken: float, w: Vector) -> None:
+    """Follow the mean length of steps that end with an event; one without an event raises it."""
+    if guard == NO_GUARD or w[RHYTHM] == math.inf:
+        w[RHYTHM] = max(taken, w[RHYTHM]) if guard == NO_GUARD else taken
+    else:
+        w[RHYTHM] += MEMORY * (taken - w[RHYTHM])
+
+
+def most_stalls(whole: Wholes) -> int:
+    """Return how many events in a row several contacts may have at one instant."""
+    return FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
+
+
+def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Take the new events of several contacts over into the rows of events."""
+    t = w[TIME]
+    most = most_stalls(whole)
+    for k in range(whole[CHANGED]):
+        at = whole[EVENTS] * EVENT_COLUMNS
+        for i in range(EVENT_COLUMNS):
+            events[at + i] = w[whole[CHANGES] + k * EVENT_COLUMNS + i]
+        count_event(t, whole, events, most)
+
+
+def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make what follows from a guard that has fallen."""
+    if whole[N_CONTACTS] > 0:
+        ask_of(CHANGE, w[TIME], w, whole, guard, 0)
+        take_changes(w, whole, events)
+        if whole[CHANGED] == 0:  # what falls at once, again and again, may change nothing
+            whole[STALLS] = whole[STALLS] + 1 if w[FRACTION] == 0.0 else 0
+            if whole[STALLS] > most_stalls(whole):
+                whole[STATUS] = ZENO
+    else:
+        handle_event(guard, w, whole, events)
+
+
+def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make what follows from a jump of forces."""
+    if whole[N_CONTACTS] > 0:
+        ask_here(SETTLE, w, whole)
+        take_changes(w, whole, events)
+    else:
+        turn_switches(w, whole, events)
+        settle(w, whole, events)
+
+
+def give_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
+    """Set the sizes that errors are compared with, by the state and the forces at hand."""
+    if whole[N_CONTACTS] > 0:
+        ask(FIRST_SIZES, t_end, w, whole)
+    else:
+        first_sizes(w[TIME], t_end, w, whole)
+
+
+def has_sizes(w: Vector, whole: Wholes) -> bool:
+    """Whether anything has moved yet, or forces were at hand that gave what rests a size."""
+    found = False
+    for i in range(whole[N_STATES]):
+        found = found or w[whole[SCALE] + i] != 0.0
+    return found
+
+
+def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Set what follows from the start: piece, mode, sizes, stepper."""
+    n_guards = whole[N_GUARDS]
+    lowest = whole[LOWEST]
+    put_constants(w, whole)
+    enter_pieces(table, w, whole)
+    if whole[N_CONTACTS] > 0:
+        ask_here(BEGIN, w, whole)
+        take_changes(w, whole, events)
+        w[RHYTHM] = math.inf
+    else:
+        initial_mode(w, whole)
+        settle(w, whole, events)
+    give_sizes(t_end, w, whole)
+    for i in range(n_guards):
+        w[lowest + i] = math.inf
+    w[STEP] = 0.0
+    w[STRIDE] = math.inf
+    w[HELD_STRIDE] = math.inf
+    choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Take a run up that reached its end time, as if it had only met a new piece of the drives."""
+    whole[STATUS] = RUNNING
+    enter_pieces(table, w, whole)
+    settle_all(w, whole, events)
+    choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def log_is_full(whole: Wholes, log: Vector) -> bool:
+    """Whether there is no room for the rows of a step and of its end."""
+    return (whole[STEPS] + 2) * whole[ROW_COLUMNS] > len(log)
+
+
+def events_are_full(whole: Wholes, events: Vector) -> bool:
+    """Whether there is no room for a step, a jump and what it switches, and a limit after each."""
+    return (whole[EVENTS] + whole[MOST_EVENTS]) * EVENT_COLUMNS > len(events)
+
+
+def run(
+    w: Vector,
+    whole: Wholes,
+    table: Vector,
+    bounds: Vector,
+    t_end: float,
+    rtol: float,
+    cap: float,
+    limit: int,
+    log: Vector,
+    events: Vector,
+) -> None:
+    """Integrate from the time and the state in `w` to `t_end`.
+
+    `table` has a row a piece: start, then value, slope and start of each drive; `bounds` has least
+    and largest value of each drive from the start of each piece on. A run that has reached an end
+    time goes on from there: pieces may be told as late as they begin. One that has reached its step
+    limit goes on as if there had been none. One that finds no room for further rows has the status
+    FULL, and goes on with longer vectors that begin with the same rows.
+    """
+    if whole[STATUS] == END_TIME:
+        go_on(table, t_end, w, whole, events)
+    elif whole[STATUS] in (STEP_LIMIT, FULL):
+        whole[STATUS] = RUNNING
+    else:
+        begin(table, t_end, w, whole, events)
+    while whole[STATUS] == RUNNING:
+        if log_is_full(whole, log) or events_are_full(whole, events):
+            whole[STATUS] = FULL
+            return
+        if rests_for_good(w, whole, bounds):
+            stay(t_end, w, whole, log)
+            whole[STATUS] = AT_REST
+            break
+        stop = next_stop(table, t_end, whole)
+        guard = advance(stop, w, whole, rtol, cap)
+        if whole[STATUS] == RUNNING:
+            finish_step(guard, stop, t_end, w, whole, table, log, events)
+        if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
+            whole[STATUS] = STEP_LIMIT
+    if whole[STEPS] == 0:  # where not one step could be taken, the start is all there is
+        stay(w[TIME], w, whole, log)

@@ -1,0 +1,620 @@
+"""Where inside a step a guard is first violated.
+
+A guard g is a condition of the mode, which holds while g >= 0. In smooth and stiff modes:
+
+1. All guards are sampled at equal parts of the step, along its dense output. Where anything is
+   held, its guards change with time while no state does: every other sample is compared with the
+   polynomial through the rest, and so is a point that is no multiple of a part: where they differ,
+   samples do not show the course of the guards, and the step is taken shorter (`coarseness`).
+2. A guard that begins at zero is armed once it has been positive. One that is armed and negative at
+   a sample has a bracket; one that never becomes positive and ends negative falls at once.
+3. One that may fall and rise again between samples, which a parabola through three of them tells
+   with room to spare, is searched for its minimum by golden section; a negative value there gives
+   a bracket (`turns`, `dip`).
+4. The root in a bracket is found by ITP (Oliveira and Takahashi, ACM Trans. Math. Softw. 47, 2020):
+   the secant's point, moved towards the middle, and kept where bisection would still end in time.
+   What is returned is the end of the bracket where g < 0, a unit of the time beyond the root.
+5. The guard that falls first is the event; what begins later than the earliest one known is not
+   looked at.
+
+In linear modes guards are polynomials in the fraction of the step, g = sum of c_k x^k, with c from
+the slopes of the guard and the series of the states. Their first fall is found in Bernstein form
+without any samples (`numerics.first_fall`), so that no violation is too short to be seen.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes, rare
+from stickslip.engine.kernels.equations import (
+    FIELD,
+    evaluate,
+    factor_of,
+    guard_slopes,
+    guards,
+    size_along,
+)
+from stickslip.engine.kernels.mode_transitions import UNMOVED
+from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, first_fall, interpolate
+from stickslip.engine.kernels.state_layout import (
+    ACCELERATION,
+    BACKWARD,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    CAN_LIFT,
+    DENSE,
+    DIAGONAL,
+    DRIFT,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    FLAGS,
+    FORCE,
+    FORWARD,
+    FRACTION,
+    HAS_BRISTLES,
+    HELD_FAST,
+    LIFT_OFF,
+    LOWEST,
+    MASS,
+    MATRIX,
+    MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DIRECTIONS,
+    N_GUARDS,
+    N_PAIRS,
+    N_STATES,
+    N_SWITCHES,
+    N_VARIABLES,
+    N_WAVES,
+    POINT,
+    POLYNOMIAL,
+    REACHED,
+    RIGID,
+    SAMPLED,
+    SAMPLES,
+    SCALE,
+    SERIES,
+    SLIP,
+    SLOPES,
+    STEPS,
+    STOP,
+    SWITCH,
+    TIME,
+    VALUES,
+    WAVES,
+    Y,
+)
+from stickslip.engine.kernels.steppers import wave_at
+
+# Where inside a step a guard is first violated.
+
+PUSH = 0.2
+"""The paper's kappa_1 times the first bracket, with kappa_2 = 2: how far the secant's point is
+moved towards the middle, so that a bracket of which one end never moves shrinks too."""
+NO_GUARD = -1
+UNWATCHED = 1.0
+"""Value of a guard of several contacts that nothing watches."""
+QUIET = 1e-12
+"""Share of the largest speed so far below which a reversal of a bristle law is left unnoticed.
+
+The fields of both directions agree there to rounding, and a body that creeps to rest would else
+reverse with every rounding error.
+"""
+GOLDEN = 0.6180339887498949
+"""(sqrt(5) - 1) / 2: of two points that cut a bracket so, one does so in the next bracket too."""
+BARELY = 0.01
+"""Share of the next value below which a guard may well have turned between them."""
+RESOLVED = 1e-4
+"""Difference from a polynomial, over the largest value, at which samples show a guard's course."""
+NEGLIGIBLE = 1e-9
+"""Share of the largest value so far of which nothing is asked: it may be rounding."""
+LEAST_SIZE = 1e-290
+"""Value below which quotients lose their digits."""
+AT_GOLDEN_0 = 0.023356649595636096
+AT_GOLDEN_1 = -0.15688989337595488
+AT_GOLDEN_2 = 0.7337820300563611
+AT_GOLDEN_3 = 0.43754306663301834
+AT_GOLDEN_4 = -0.037791852909060696
+"""Weights at `GOLDEN` of the polynomial through five values at even distances."""
+EPSILON_STEP = 2.220446049250313e-16
+"""Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
+EARLY = 20
+"""Steps in which what begins on a threshold has moved by more than rounding."""
+AWAY = 10.0
+"""Largest value over that rounding with which one has not been away from its threshold yet."""
+PLACED = 8.9e-16
+"""Four units in the last place: rounding of a difference of places, over their size."""
+CLOCK = 4.440892098500626e-16
+"""Rounding of the time of an event, over the larger of that and the step: two units of 1."""
+
+
+def itp_limit(width: float, epsilon: float) -> int:
+    """Return the number of trials that bisection would need, and one more."""
+    return math.ceil(math.log2(max(width / epsilon, 1.0))) + 1
+
+
+def itp_point(
+    spare: int,
+    width: float,
+    epsilon: float,
+    low: float,
+    high: float,
+    f_low: float,
+    f_high: float,
+) -> float:
+    """Return where to look next: the secant's point, kept where bisection still ends in time.
+
+    `spare` is the number of trials left, `width` the length of the first bracket.
+    """
+    middle = 0.5 * (low + high)
+    radius = max(epsilon * 2.0**spare - 0.5 * (high - low), 0.0)
+    secant = (f_high * low - f_low * high) / (f_high - f_low)
+    side = 1.0 if middle > secant else -1.0
+    push = PUSH / width * (high - low) ** 2
+    x = middle if push > abs(middle - secant) else secant + side * push
+    if abs(x - middle) > radius:
+        x = middle - side * radius
+    return min(max(x, low + 0.5 * epsilon), high - 0.5 * epsilon)
+
+
+def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Evaluate the guards, with the quiet zone of bristle laws."""
+    guards(t, w, whole, at, to)
+    if not whole[HAS_BRISTLES]:
+        return
+    if whole[N_CONTACTS] > 0:
+        for i in range(whole[N_DIRECTIONS]):
+            if reverses(2 * i, whole):
+                w[to + 2 * i] += QUIET * guard_size(2 * i, w, whole)
+    elif whole[MODE] != 0:
+        w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
+
+
+def reverses(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is the speed of a body that bristles alone carry, which only turns."""
+    if not whole[HAS_BRISTLES]:
+        return False
+    if whole[N_CONTACTS] == 0:
+        return guard == STOP
+    if guard < 0 or guard >= 2 * whole[N_DIRECTIONS] or guard % 2 == 1:
+        return False
+    i = guard // 2
+    return whole[whole[MODES] + i] in (FORWARD, BACKWARD) and not whole[whole[RIGID] + i]
+
+
+def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Return one guard at a fraction of the step."""
+    point = whole[POINT]
+    values = whole[VALUES]
+    interpolate(w, whole, x, point)
+    guard_values(t + x * h, w, whole, point, values)
+    return w[values + guard]
+
+
+def bisect(
+    guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes
+) -> float:
+    """Return the fraction just past a sign change."""
+    f_low = guard_at(guard, low, t, h, w, whole)
+    f_high = guard_at(guard, high, t, h, w, whole)
+    epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
+    width = high - low
+    limit = itp_limit(width, epsilon)
+    for trial in range(limit + 1):
+        if high - low <= 2.0 * epsilon:
+            break
+        x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
+        value = guard_at(guard, x, t, h, w, whole)
+        if value < 0.0:
+            high = x
+            f_high = value
+        else:
+            low = x
+            f_low = value
+    return high
+
+
+def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
+    a = high - GOLDEN * (high - low)
+    b = low + GOLDEN * (high - low)
+    f_a = guard_at(guard, a, t, h, w, whole)
+    f_b = guard_at(guard, b, t, h, w, whole)
+    # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
+    # smooth function about its minimum do not differ.
+    for _ in range(40):
+        if f_a < 0.0:
+            return a
+        if f_b < 0.0:
+            return b
+        if f_a < f_b:
+            high = b
+            b = a
+            f_b = f_a
+            a = high - GOLDEN * (high - low)
+            f_a = guard_at(guard, a, t, h, w, whole)
+        else:
+            low = a
+            a = b
+            f_a = f_b
+            b = low + GOLDEN * (high - low)
+            f_b = guard_at(guard, b, t, h, w, whole)
+    return -1.0
+
+
+def turns(edge: float, near: float, far: float) -> bool:
+    """Whether a guard may fall below zero between the edge of a step and the sample next to it.
+
+    A step that was taken again to end just beyond an event has a shallow fall there. The parabola
+    through the three values turns between the first two; it falls below zero where `edge` is less
+    than half the square of its slope there over its curvature, and 2.5 times that leaves room for
+    what is no parabola. One that has turned goes on rising: without that, every guard that falls
+    steadily would be searched, at forty evaluations each. Very near to where it turns, the three
+    values do not tell its slope.
+    """
+    slope = 0.5 * (4.0 * near - 3.0 * edge - far)
+    bend = edge - 2.0 * near + far
+    if 0.0 < edge < BARELY * near:
+        return True
+    return near < far and slope < 0.0 and 2.0 * edge * bend < 2.5 * slope * slope
+
+
+def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Return the first point just past a fall of one guard among the samples.
+
+    That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
+    becomes positive although it ends negative.
+    """
+    n_guards = whole[N_GUARDS]
+    first_wall = whole[FIRST_WALL]
+    at = whole[SAMPLED] + guard
+    value = w[at]
+    before = value
+    armed = value > 0.0
+    for s in range(1, SAMPLES + 1):
+        low = (s - 1) / SAMPLES
+        if armed and low >= first:
+            return first
+        earlier = before
+        before = value
+        value = w[at + s * n_guards]
+        if armed and value < 0.0:
+            return min(first, bisect(guard, low, s / SAMPLES, t, h, w, whole))
+        if armed and s > 1:
+            if s == 2 and turns(earlier, before, value):
+                x = dip(guard, 0.0, 1.0 / SAMPLES, t, h, w, whole)
+                if x >= 0.0:
+                    return min(first, bisect(guard, 0.0, x, t, h, w, whole))
+            # A minimum lies near `before`. The parabola through the three values falls below zero
+            # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
+            if before <= value and before < earlier and 4.0 * before < earlier + value:
+                low = (s - 2) / SAMPLES
+                x = dip(guard, low, s / SAMPLES, t, h, w, whole)
+                if x >= 0.0:
+                    return min(first, bisect(guard, low, x, t, h, w, whole))
+            if s == SAMPLES and turns(value, before, earlier):
+                low = (s - 1) / SAMPLES
+                x = dip(guard, low, 1.0, t, h, w, whole)
+                if x >= 0.0:
+                    return min(first, bisect(guard, low, x, t, h, w, whole))
+        if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
+            return -1.0
+        armed = armed or value > 0.0
+    return -1.0 if not armed and value < 0.0 else first
+
+
+def start_on_thresholds(w: Vector, whole: Wholes) -> None:
+    """Take for 0 what is left of switches by rounding of the places at which a run begins.
+
+    One that begins on its threshold is left to the side to which it goes, and that must not be what
+    a difference of places leaves.
+    """
+    guards, first = whole[N_GUARDS], whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    if whole[N_SWITCHES] == 0:
+        return
+    guard_slopes(w[TIME], w, whole, whole[Y], whole[SLOPES])
+    for guard in range(first, whole[FIRST_LIMIT]):
+        rounding = rounding_of_places(guard, w, whole)
+        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * rounding else 0):
+            at = whole[SAMPLED] + s * guards + guard
+            if abs(w[at]) <= rounding:
+                w[at] = 0.0
+
+
+def rounding_of_places(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return the rounding of a switch by that of the state, where slopes of guards are at hand."""
+    n, size = whole[N_STATES], 0.0
+    for i in range(n):
+        size += abs(w[whole[SLOPES] + guard * (n + 1) + i] * w[whole[Y] + i])
+    return PLACED * size
+
+
+def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
+    """Find the first violated guard of a step, with its fraction in FRACTION.
+
+    The fraction is 0 where a guard was never armed: it starts at zero and falls.
+    """
+    point = whole[POINT]
+    sampled = whole[SAMPLED]
+    n_guards = whole[N_GUARDS]
+    for s in range(SAMPLES + 1):
+        interpolate(w, whole, s / SAMPLES, point)
+        guard_values(t + s / SAMPLES * h, w, whole, point, sampled + s * n_guards)
+    if whole[STEPS] < EARLY and (whole[N_CONTACTS] == 0 or whole[N_VARIABLES] > 0):
+        start_on_thresholds(w, whole)
+    best = NO_GUARD
+    w[FRACTION] = 2.0
+    for guard in range(n_guards):
+        x = first_sign(guard, w[FRACTION], t, h, w, whole)
+        if x < 0.0:
+            w[FRACTION] = 0.0
+            return guard
+        if x < w[FRACTION]:
+            w[FRACTION] = x
+            best = guard
+    w[FRACTION] = min(w[FRACTION], 1.0)
+    return best
+
+
+def is_held(whole: Wholes) -> bool:
+    """Whether anything is held: its guards may change with time while no state does."""
+    if whole[N_CONTACTS] == 0:
+        return abs(whole[MODE]) != 1
+    held = False
+    for i in range(whole[N_DIRECTIONS]):
+        held = held or whole[whole[MODES] + i] == HELD_FAST
+    return held
+
+
+def opposite(guard: int, whole: Wholes) -> int:
+    """Return the guard of the other direction, where both are of one level; else itself.
+
+    Their sum is twice the level, which tells how large the rounding of either is.
+    """
+    if whole[N_CONTACTS] > 0:
+        pair = guard < 2 * whole[N_PAIRS] and not is_speed(guard, whole)
+        return guard + 1 - 2 * (guard % 2) if pair else guard
+    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
+        return BREAK_FORWARD + BREAK_BACKWARD - guard
+    return guard
+
+
+def is_speed(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is one of a coordinate of several that moves: its speed, not a force."""
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS]:
+        return False
+    return whole[whole[MODES] + guard // 2] != HELD_FAST
+
+
+def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return how large a guard has been in the run: a speed as a speed, a force as a force."""
+    if is_speed(guard, whole):
+        return size_along(guard // 2, whole[SCALE] + whole[N_COORDINATES], w, whole)
+    return w[whole[REACHED] + guard]
+
+
+def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are of which a held coordinate's needed friction is the rest.
+
+    Inertia forces of others may leave little of them but their rounding.
+    """
+    if whole[DIAGONAL]:
+        return 0.0
+    n = whole[N_COORDINATES]
+    if i >= n:
+        return size_in_motion(i, w, whole)
+    total = abs(w[whole[FORCE] + i])
+    for j in range(n):
+        total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
+    return total
+
+
+@rare
+def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are of which that along a closing slip or a cut is the rest."""
+    n, total = whole[N_COORDINATES], 0.0
+    for j in range(n):
+        factor = abs(factor_of(i, j, w, whole))
+        if factor != 0.0:
+            total += factor * abs(w[whole[FORCE] + j])
+            for k in range(n):
+                total += factor * abs(w[whole[MASS] + j * n + k] * w[whole[ACCELERATION] + k])
+    return total
+
+
+def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are that a guard compares at the state; 0 if none."""
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
+        return 0.0
+    return size_of_forces(guard // 2, w, whole)
+
+
+def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Return how badly the samples of a step show the course of the guards; up to 1 they do.
+
+    Every other sample is compared with the polynomial through the rest, and so is one point that is
+    no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
+    """
+    n_guards, sampled, values = whole[N_GUARDS], whole[SAMPLED], whole[VALUES]
+    interpolate(w, whole, GOLDEN, whole[POINT])
+    guard_values(t + GOLDEN * h, w, whole, whole[POINT], values)
+    worst = 0.0
+    for guard in range(n_guards):
+        at = sampled + guard
+        a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
+        d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
+        known = max(guard_size(guard, w, whole), abs(w[sampled + opposite(guard, whole)]))
+        known = max(known, size_of_balance(guard, w, whole))
+        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
+        through = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
+        difference = abs(through - 128.0 * w[at + n_guards])
+        through = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 3 * n_guards]))
+        through = 3.0 * a - 20.0 * b + 90.0 * c + 60.0 * d - 5.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 5 * n_guards]))
+        through = -5.0 * a + 28.0 * b - 70.0 * c + 140.0 * d + 35.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 7 * n_guards])) / 128.0
+        through = AT_GOLDEN_0 * a + AT_GOLDEN_1 * b + AT_GOLDEN_2 * c
+        through += AT_GOLDEN_3 * d + AT_GOLDEN_4 * e
+        difference = max(difference, abs(through - w[values + guard]))
+        if size > LEAST_SIZE and difference > worst * RESOLVED * size:
+            worst = difference / (RESOLVED * size)
+    return worst
+
+
+def stays(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a guard just above its threshold comes no nearer in a step that was to end there."""
+    at, largest = whole[SAMPLED] + guard, 0.0
+    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
+        return False
+    for s in range(SAMPLES + 1):
+        largest = max(largest, w[at + s * whole[N_GUARDS]])
+    return w[at + SAMPLES * whole[N_GUARDS]] > 0.5 * largest
+
+
+def rises(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Whether one guard is positive at any of the samples."""
+    sampled = whole[SAMPLED]
+    n_guards = whole[N_GUARDS]
+    highest = w[sampled + guard]
+    for s in range(1, SAMPLES + 1):
+        highest = max(highest, w[sampled + s * n_guards + guard])
+    return highest > 0.0
+
+
+def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
+    """Note the least value of a guard that ends runs."""
+    lowest = whole[LOWEST]
+    if (whole[CAN_LIFT] and guard == LIFT_OFF) or whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
+        w[lowest + guard] = min(w[lowest + guard], value)
+
+
+def note_sizes(w: Vector, whole: Wholes) -> None:
+    """Note the largest size of each guard among the samples of a step, and the least ones."""
+    n_guards = whole[N_GUARDS]
+    sampled = whole[SAMPLED]
+    reached = whole[REACHED]
+    for guard in range(n_guards):
+        if is_speed(guard, whole):
+            continue  # the largest speeds stand at SCALE
+        largest = max(w[reached + guard], size_of_balance(guard, w, whole))
+        least = math.inf
+        for s in range(SAMPLES + 1):
+            value = w[sampled + s * n_guards + guard]
+            if value == UNWATCHED and whole[N_CONTACTS] > 0:
+                continue
+            largest = max(largest, abs(value))
+            least = min(least, value)
+        w[reached + guard] = largest
+        note_least(guard, least, w, whole)
+
+
+# Where a step of a linear mode first violates a guard: guards are polynomials there.
+
+BALANCED = 4e-15
+"""Acceleration over the forces that make it up, below which they balance but for rounding."""
+
+
+def guard_waves(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a guard of one contact has a harmonic term in this step."""
+    if whole[N_WAVES] == 0:
+        return False
+    own = whole[WAVES] + SERIES + 1 + whole[N_STATES] + guard
+    return w[own] != 0.0 or w[own + whole[N_WAVES]] != 0.0
+
+
+def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
+    """Write the coefficients of one guard in the fraction of the step; return the degree."""
+    values = whole[VALUES]
+    dense = whole[DENSE]
+    reached = whole[REACHED]
+    n = whole[N_STATES]
+    row = whole[SLOPES] + guard * (n + 1)
+    w[POLYNOMIAL] = w[values + guard]
+    last = w[values + guard]
+    degree = 0
+    first = row
+    while first <= row + n and w[first] == 0.0:
+        first += 1
+    waves = guard_waves(guard, w, whole)
+    # many guards are 0 in a mode, or change with nothing in it
+    terms = int(w[dense]) if first <= row + n or waves else 0
+    for k in range(1, terms + 1):
+        total = h * w[row + n] if k == 1 else 0.0
+        if k > 1 and waves:
+            power, place = wave_at(k, w, whole)
+            total = power * w[place + n + guard]
+        for i in range(n):
+            total += w[row + i] * w[dense + 1 + k * n + i]
+        w[POLYNOMIAL + k] = total
+        last += total
+        if total != 0.0:
+            degree = k
+    w[reached + guard] = max(w[reached + guard], abs(w[values + guard]), abs(last))
+    note_least(guard, min(w[values + guard], last), w, whole)
+    return degree
+
+
+def largest_term(k: int, states: int, first: int, w: Vector, whole: Wholes) -> float:
+    """Return the largest term of one power in the series of the states from `first` on."""
+    row, size = whole[DENSE] + 1 + k * states, 0.0
+    for i in range(first, states):
+        size = max(size, abs(w[row + i]))
+    return size
+
+
+def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
+    """Drop the first slopes of a body at rest where forces balance but for their rounding."""
+    y = whole[Y]
+    point = whole[POINT]
+    slip = whole[SLIP]
+    drift = whole[DRIFT]
+    n = whole[N_STATES]
+    matrix = whole[MATRIX]
+    evaluate(FIELD, 1, whole[FLAGS], t, w, y, point)
+    size = w[point + slip]
+    evaluate(FIELD, -1, whole[FLAGS], t, w, y, point)
+    size = abs(size - w[point + slip]) + abs(w[drift + slip] * t)
+    for i in range(n):
+        size += abs(w[matrix + slip * n + i] * w[y + i])
+    # a force between other bodies reaches this one by the rounding of the inverse mass matrix
+    if abs(w[POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, whole)):
+        w[POLYNOMIAL + 1] = 0.0
+        if abs(w[POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, whole):
+            w[POLYNOMIAL + 2] = 0.0
+        still = w[drift + slip] == 0.0 and whole[N_WAVES] == 0
+        if whole[N_COORDINATES] == 1 and still:  # nor is there anything to follow
+            for k in range(2, SERIES + 1):
+                w[POLYNOMIAL + k] = 0.0
+
+
+def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
+    """Find the first violated guard of a step, with its fraction in FRACTION.
+
+    The fraction is 0 where a guard that starts at zero falls below it at once.
+    """
+    y = whole[Y]
+    n_guards = whole[N_GUARDS]
+    slip = whole[SLIP]
+    guards(t, w, whole, y, whole[VALUES])
+    guard_slopes(t, w, whole, y, whole[SLOPES])
+    best = NO_GUARD
+    w[FRACTION] = 1.0
+    for guard in range(n_guards):
+        degree = guard_polynomial(guard, h, w, whole)
+        switches = SWITCH <= guard < whole[FIRST_LIMIT]
+        if switches and -UNMOVED * w[whole[REACHED] + guard] <= w[POLYNOMIAL] < 0.0:
+            w[POLYNOMIAL] = 0.0  # it has just been turned, within rounding of its threshold
+        if degree == 0 and w[POLYNOMIAL] >= 0.0:
+            continue
+        if guard == STOP and whole[MODE] != 0 and w[y + slip] == 0.0:
+            quiet_start(t, h, w, whole)
+        x = first_fall(w, degree)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return guard
+        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[FRACTION] = x
+            best = guard
+    return best

@@ -1,0 +1,427 @@
+"""Modes, switches and hard stops: what holds at a state, and what follows an event.
+
+With one contact the mode is 0 at rest, 1 and -1 slipping forward and backward, 2 and -2 pressed to
+a hard stop. A guard that falls
+
+1. at a stop of the motion: rest, if the needed friction is within the static level; else slip on in
+   the sense of the force, and a law of bristles alone slips back;
+2. at break-away: slip in the sense of the level that was reached; off a hard stop: away from it;
+3. at a switch: its flag turns; at a hard stop: an impact with the restitution there;
+4. at a limit, or where the load vanishes: the run ends.
+
+Flags and modes then follow from each other until nothing changes; 100 events in a row at one
+instant end the run as Zeno.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.equations import (
+    ANY_RATE,
+    CONTACT,
+    ENERGY,
+    FIELD,
+    GUARDS,
+    MARGINS,
+    TIME_SLOPE,
+    WALLS_OF,
+    evaluate,
+    guards,
+)
+from stickslip.engine.kernels.state_layout import (
+    BOOKS,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    CAN_LIFT,
+    CAN_STICK,
+    EVENT_COLUMNS,
+    EVENTS,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    FLAGS,
+    GROSS,
+    HAS_BRISTLES,
+    HEADER,
+    LIFT_OFF,
+    LIFTED_OFF,
+    LIMITED,
+    LOST,
+    MODE,
+    N_CHANNELS,
+    N_COORDINATES,
+    N_LIMITS,
+    N_SWITCHES,
+    N_WALLS,
+    REACHED,
+    ROUNDING,
+    RUNNING,
+    SCALE,
+    SLIP,
+    STALLS,
+    STATUS,
+    STEPS,
+    STOP,
+    SUPPLIED,
+    SWITCH,
+    TIME,
+    VALUES,
+    WALL_COLUMNS,
+    WALLS,
+    ZENO,
+    Y,
+)
+
+# Hard stops: which one a body touches, whether it is pressed there, and what an impact does.
+
+RESTING = 1e-9
+"""Share of the largest speed so far below which a body that is pressed bounces no more."""
+INSTANT = 1e-13
+"""Share of the time that has passed below which a bounce is too short to be stepped through."""
+BLUR = 1.8e-15
+"""Rounding of a place, eight units in its last digit, over the place."""
+ELASTIC = 1e-3
+"""Least share of the energy that an impact is taken to cost in what rounding can sustain."""
+
+
+def wall_coordinate(wall: int, whole: Wholes) -> int:
+    """Return the index of the coordinate that a stop bounds."""
+    return whole[HEADER + 2 * wall]
+
+
+def wall_side(wall: int, whole: Wholes) -> int:
+    """Return 1 for a stop above, -1 for one below."""
+    return whole[HEADER + 2 * wall + 1]
+
+
+def touched(flags: int, w: Vector, whole: Wholes) -> int:
+    """Return the side of the stop that the slipping body touches: 1 upper, -1 lower, 0 none.
+
+    A body that has come to rest beyond its stop, by rounding, is put onto it.
+    """
+    y, walls_at, columns = whole[Y], whole[WALLS], whole[WALL_COLUMNS]
+    if whole[N_WALLS] == 0:
+        return 0
+    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    place = y + whole[SLIP] - whole[N_COORDINATES]
+    for wall in range(whole[N_WALLS]):
+        position = w[walls_at + wall * columns]
+        side = wall_side(wall, whole)
+        if side * (w[place] - position) >= 0.0:
+            w[place] = position
+            return side
+    return 0
+
+
+def pressed_by(side: int, flags: int, w: Vector, whole: Wholes) -> float:
+    """Return the force that is missing for the slipping body to leave its stop."""
+    values = whole[VALUES]
+    evaluate(GUARDS, 2 * side, flags, w[TIME], w, whole[Y], values)
+    return w[values + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
+
+
+def approach(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return the speed with which a coordinate nears the stop that a guard belongs to."""
+    wall = guard - whole[FIRST_WALL]
+    return (
+        wall_side(wall, whole) * w[whole[Y] + whole[N_COORDINATES] + wall_coordinate(wall, whole)]
+    )
+
+
+def resting_speed(t: float, size: float, push: float, place: float, restitution: float) -> float:
+    """Return the speed of an impact below which a body that is pressed stays at its stop.
+
+    A tiny share of the largest speed; but the bounce must also last some units of the time's last
+    digit, and its impact cost a height that is not lost in the rounding of the place: of a bounce
+    that gains by rounding what it loses by impact there is no end.
+    """
+    cost = max(1.0 - restitution * restitution, ELASTIC)
+    blurred = math.sqrt(2.0 * abs(push) * BLUR * abs(place) / cost)
+    return max(RESTING * size, INSTANT * abs(t * push), blurred)
+
+
+def energy_now(w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state, where guides may do work in an impact; else 0.
+
+    A guide keeps the rate of its coordinate. Its impulse follows from the changes of the others,
+    and its work is what the energy changes by and the stops do not take.
+    """
+    if whole[N_CHANNELS] == 0:
+        return 0.0
+    evaluate(ENERGY, whole[MODE], whole[FLAGS], w[TIME], w, whole[Y], whole[VALUES])
+    return w[whole[VALUES]]
+
+
+def strike(wall: int, w: Vector, whole: Wholes) -> None:
+    """Change the rates by an impact of the slipping body."""
+    y = whole[Y]
+    walls_at = whole[WALLS]
+    coordinates = whole[N_COORDINATES]
+    flags = whole[FLAGS]
+    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    at = walls_at + wall * whole[WALL_COLUMNS]
+    side = wall_side(wall, whole)
+    rate = coordinates + wall_coordinate(wall, whole)
+    restitution = w[at + 1]
+    w[y + wall_coordinate(wall, whole)] = w[at]
+    evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, whole[VALUES])
+    push = side * w[whole[VALUES] + rate]
+    smallest = resting_speed(w[TIME], w[whole[SCALE] + rate], push, w[at], restitution)
+    speed = approach(whole[FIRST_WALL] + wall, w, whole)
+    if speed <= smallest and pressed_by(side, flags, w, whole) > 0.0:
+        restitution = 0.0
+    if speed > 0.0:
+        before = energy_now(w, whole)
+        for i in range(coordinates):
+            w[y + coordinates + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
+        w[y + rate] = 0.0 - side * restitution * speed
+        if whole[BOOKS] and whole[STEPS] > 0:  # books open after what happens as a run begins
+            lost = 0.5 * w[at + 2] * (1.0 - restitution * restitution) * speed * speed
+            w[LOST] += lost
+            w[GROSS] += lost
+            if whole[N_CHANNELS] > 0:
+                w[SUPPLIED] += energy_now(w, whole) - before + lost
+
+
+# Modes and switches: what holds at a state, and what follows an event.
+
+UNMOVED = 1e-12
+"""Share of a switch's largest margin so far below which it did not jump: rounding left it there."""
+STALL_LIMIT = 100
+"""Events in a row at one instant after which the run is given up as Zeno."""
+
+
+def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing: int) -> int:
+    """Return the flags that the margins of the switches ask for, nested ones included.
+
+    A switch that stands at its threshold is off, unless it was left on there: the next step shows
+    to which side it goes.
+    """
+    switches = whole[N_SWITCHES]
+    values = whole[VALUES]
+    for _ in range(switches):
+        evaluate(MARGINS, 0, flags, t, w, at, values)
+        flags = 0
+        for j in range(switches):
+            margin = w[values + j]
+            if margin > 0.0 or (margin == 0.0 and standing & (1 << j)):
+                flags |= 1 << j
+    return flags
+
+
+def standing_flags(w: Vector, whole: Wholes) -> int:
+    """Return the flags of switches that are on at their thresholds, whatever the slip velocity is.
+
+    That of a velocity which is 0 now is off: what it asks for has ended.
+    """
+    values, rate = whole[VALUES], whole[Y] + whole[SLIP]
+    found, now = whole[FLAGS], w[rate]
+    if whole[N_SWITCHES] == 0:
+        return found
+    for trial in range(2):
+        w[rate] = now + ANY_RATE if trial == 0 else now
+        evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+        for j in range(whole[N_SWITCHES]):
+            if w[values + j] != 0.0:
+                found &= ~(1 << j)
+    return found
+
+
+def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
+    """Return the mode of a body whose slip velocity is zero."""
+    values = whole[VALUES]
+    side = touched(flags, w, whole)
+    if side != 0:
+        return 2 * side if pressed_by(side, flags, w, whole) >= 0.0 else -side
+    if whole[CAN_STICK]:
+        evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
+        if abs(w[values + 2]) <= w[values + 3]:
+            return 0
+        if not whole[HAS_BRISTLES]:
+            return 1 if w[values + 2] > 0.0 else -1
+    return direction(flags, w, whole)
+
+
+def direction(flags: int, w: Vector, whole: Wholes) -> int:
+    """Return the direction in which a bristle law's body leaves rest."""
+    y = whole[Y]
+    values = whole[VALUES]
+    slip = whole[SLIP]
+    evaluate(FIELD, 1, flags, w[TIME], w, y, values)
+    if w[values + slip] == 0.0:  # where a load begins to grow, its rate tells
+        evaluate(TIME_SLOPE, 1, flags, w[TIME], w, y, values)
+    return -1 if w[values + slip] < 0.0 else 1
+
+
+def initial_mode(w: Vector, whole: Wholes) -> None:
+    """Set mode and flags for a state."""
+    whole[FLAGS] = 0
+    set_mode(w, whole)
+
+
+def set_mode(w: Vector, whole: Wholes) -> None:
+    """Set mode and flags for a state, from flags that held before."""
+    y = whole[Y]
+    slip = whole[SLIP]
+    flags = set_flags(w[TIME], w, whole, y, whole[FLAGS], 0)
+    whole[FLAGS] = flags
+    if w[y + slip] > 0.0:
+        whole[MODE] = 1
+    elif w[y + slip] < 0.0:
+        whole[MODE] = -1
+    else:
+        whole[MODE] = mode_from_rest(flags, w, whole)
+
+
+def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
+    """Turn a switch; if it does as the run begins, decide a body at rest as if it had begun so.
+
+    Forces that just reach the level say nothing, and would hold what has broken away there.
+    """
+    whole[FLAGS] ^= 1 << switch
+    if w[TIME] == 0.0 and whole[STEPS] == 0 and w[whole[Y] + whole[SLIP]] == 0.0:
+        mode, values = mode_from_rest(whole[FLAGS], w, whole), whole[VALUES]
+        if mode != 0 or abs(w[values + 2]) < w[values + 3]:
+            whole[MODE] = mode
+
+
+def transition(guard: int, w: Vector, whole: Wholes) -> float:
+    """Change mode or flags for a violated guard; return the margin of the decision."""
+    first_wall = whole[FIRST_WALL]
+    first_limit = whole[FIRST_LIMIT]
+    y = whole[Y]
+    values = whole[VALUES]
+    t = w[TIME]
+    mode = whole[MODE]
+    flags = whole[FLAGS]
+    if guard >= first_wall:
+        strike(guard - first_wall, w, whole)
+        set_mode(w, whole)
+        return 0.0
+    if guard >= first_limit:
+        whole[STATUS] = LIMITED + guard - first_limit
+        return 0.0
+    if guard >= SWITCH:
+        turn_switch(guard - SWITCH, w, whole)
+        return 0.0
+    if guard == LIFT_OFF:
+        whole[STATUS] = LIFTED_OFF
+        return 0.0
+    if (
+        guard == STOP
+        and whole[HAS_BRISTLES]
+        and not whole[CAN_STICK]
+        and touched(flags, w, whole) == 0
+    ):
+        whole[MODE] = -mode
+    elif guard == STOP:
+        w[y + whole[SLIP]] = 0.0
+        whole[MODE] = mode_from_rest(flags, w, whole)
+        if whole[MODE] == mode and not whole[HAS_BRISTLES]:  # forces balance but for their rounding
+            whole[MODE] = 0
+    elif abs(mode) == 2:
+        whole[MODE] = -mode // 2
+    elif whole[HAS_BRISTLES]:
+        whole[MODE] = direction(flags, w, whole)
+    else:
+        whole[MODE] = 1 if guard == BREAK_FORWARD else -1
+    whole[FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
+    if guard == STOP and whole[CAN_STICK] and abs(whole[MODE]) != 2:
+        evaluate(CONTACT, 0, whole[FLAGS], t, w, y, values)
+        return w[values + 3] - abs(w[values + 2])
+    return 0.0
+
+
+def forbidden(w: Vector, whole: Wholes) -> int:
+    """Return the guard of a limit that the mode at hand begins beyond, or 0.
+
+    Guards are looked at for a fall from above zero, which would miss one that begins below it.
+    Where the equations have no meaning the normal force has none either, so limits come first.
+    """
+    limits = whole[N_LIMITS]
+    values = whole[VALUES]
+    first_limit = whole[FIRST_LIMIT]
+    if whole[CAN_LIFT] or limits > 0:
+        guards(w[TIME], w, whole, whole[Y], values)
+        for guard in range(first_limit, first_limit + limits):
+            if w[values + guard] < 0.0:
+                return guard
+        if w[values + LIFT_OFF] < 0.0:
+            return LIFT_OFF
+    return 0
+
+
+def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Turn the switches whose margins jumped with the drives, nested ones included."""
+    switches = whole[N_SWITCHES]
+    first_limit = whole[FIRST_LIMIT]
+    y = whole[Y]
+    values = whole[VALUES]
+    reached = whole[REACHED]
+    for _ in range(switches):
+        for guard in range(SWITCH, first_limit):
+            guards(w[TIME], w, whole, y, values)
+            if w[values + guard] < -UNMOVED * w[reached + guard]:
+                note_event(guard, w, whole, events)
+
+
+def settle(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make the transitions that follow from a jump of forces, and from the start."""
+    y = whole[Y]
+    values = whole[VALUES]
+    t = w[TIME]
+    mode = whole[MODE]
+    flags = whole[FLAGS]
+    beyond = forbidden(w, whole)
+    if beyond > 0:
+        note_event(beyond, w, whole, events)
+        return
+    guard = -1  # a variable, so that machine code is made once for all of them
+    if whole[HAS_BRISTLES] and abs(mode) == 1 and w[y + whole[SLIP]] == 0.0:
+        if mode_from_rest(flags, w, whole) != mode:
+            guard = STOP
+    elif whole[CAN_LIFT] or abs(mode) != 1:
+        guards(t, w, whole, y, values)
+        if w[values + LIFT_OFF] < 0.0:
+            guard = LIFT_OFF
+        elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
+            guard = BREAK_FORWARD
+        elif abs(mode) != 1 and w[values + BREAK_BACKWARD] < 0.0:
+            guard = BREAK_BACKWARD
+    if guard >= 0:
+        handle_event(guard, w, whole, events)
+
+
+def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make the transition of a guard, and of a limit that lies behind it."""
+    note_event(guard, w, whole, events)
+    if whole[STATUS] == RUNNING:
+        beyond = forbidden(w, whole)
+        if beyond > 0:
+            note_event(beyond, w, whole, events)
+
+
+def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make the transition of a guard and write it to the rows of events."""
+    t = w[TIME]
+    mode = whole[MODE]
+    margin = transition(guard, w, whole)
+    at = whole[EVENTS] * EVENT_COLUMNS
+    events[at] = t
+    events[at + 1] = mode
+    events[at + 2] = whole[MODE]
+    events[at + 3] = guard
+    events[at + 4] = whole[FLAGS]
+    events[at + 5] = margin
+    events[at + 6] = 0.0
+    count_event(t, whole, events, STALL_LIMIT)
+
+
+def count_event(t: float, whole: Wholes, events: Vector, most: int) -> None:
+    """Count an event that has been written; too many at one instant end the run."""
+    # an event that a jump of the drives makes is no sign of others without end: time goes on
+    at = whole[EVENTS] * EVENT_COLUMNS
+    stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
+    whole[STALLS] = whole[STALLS] + 1 if stalled else 0
+    whole[EVENTS] += 1
+    if whole[STALLS] > most and whole[STATUS] == RUNNING:
+        whole[STATUS] = ZENO

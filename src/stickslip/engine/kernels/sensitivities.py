@@ -1,0 +1,743 @@
+"""Sensitivities: how the states of a recorded run change with parameters and initial states.
+
+The rows of the run are gone through once more. In each the variational equations, linear along the
+known solution, are solved: in exact modes by an exponential series, elsewhere by collocation
+(Radau IIA, order nine, which stiffness does not hurt and which needs no second derivatives). At an
+event, sensitivities jump with the moment of it (saltation), and those of the rates change by an
+impact. Where two events coincide by chance there are none beyond: they are NaN.
+
+The vector of the run is longer here: behind SIZE stand the slopes of the field and of the guards
+with respect to all `q` quantities, the directions of the drives' numbers, and `m` columns of
+sensitivities, rows by states, in several places. In the lists of slots, SIZE are the slopes of the
+field, ``columns 0`` to ``columns 5`` the places of `columns_at`, `directions` and `guard slopes`
+those of the functions of these names.
+"""
+
+import math
+
+from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.kernels.driver import restore, restore_modes
+from stickslip.engine.kernels.equations import (
+    IMPACT,
+    PREPARE,
+    SERIES_FROM,
+    WALLS_OF,
+    ask,
+    ask_of,
+    bind,
+    evaluate,
+    field,
+    field_slopes,
+    guard_parameters,
+    guard_slopes,
+    guards,
+    impact_parameters,
+    impact_slopes,
+    jacobian,
+    load_piece,
+    put_constants,
+    turn_columns,
+)
+from stickslip.engine.kernels.guard_roots import NO_GUARD
+from stickslip.engine.kernels.mode_transitions import approach, wall_coordinate, wall_side
+from stickslip.engine.kernels.numerics import NODES, WEIGHTS, interpolate, lu_factor, lu_solve
+from stickslip.engine.kernels.state_layout import (
+    BOUNDS,
+    CAN_STICK,
+    EVENT_COLUMNS,
+    FIRST_WALL,
+    FLAGS,
+    HELD_FAST,
+    LOOPED,
+    MATRIX,
+    MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DIRECTIONS,
+    N_DRIVES,
+    N_GUARDS,
+    N_PAIRS,
+    N_STATES,
+    N_WALLS,
+    POINT,
+    ROW_COLUMNS,
+    ROW_DENSE,
+    SERIES,
+    SIZE,
+    SLIP,
+    SLOPES,
+    STOP,
+    STRUCK,
+    TIME,
+    VALUES,
+    WALL_COLUMNS,
+    WALLS,
+    Y1,
+    Y,
+)
+from stickslip.engine.kernels.steppers import series_fill
+
+RADAU_STAGES = 5
+RADAU_NODES = (
+    0.05710419611451768,
+    0.2768430136381238,
+    0.5835904323689168,
+    0.8602401356562195,
+    1.0,
+)
+RADAU = (
+    0.07299886431790333,
+    -0.02673533110794557,
+    0.018676929763984353,
+    -0.01287910609330644,
+    0.005042839233882015,
+    0.15377523147918246,
+    0.14621486784749352,
+    -0.03644456890512809,
+    0.02123306311930472,
+    -0.007935579902728777,
+    0.14006304568480987,
+    0.29896712949128346,
+    0.16758507013524895,
+    -0.03396910168661774,
+    0.010944288744192253,
+    0.14489430810953477,
+    0.2765000687601592,
+    0.32579792291042103,
+    0.12875675325490976,
+    -0.015708917378805327,
+    0.14371356079122594,
+    0.28135601514946207,
+    0.31182652297574126,
+    0.22310390108357075,
+    0.04,
+)
+"""The matrix of the method, rows one after the other; the last row holds the weights."""
+COINCIDENT = 1e-9
+"""Distance from its level, over the latter, at which what breaks away has done so by itself."""
+TOGETHER_TOO = 1e-6
+"""Difference of two moments' derivatives, over their size, up to which they are one."""
+MOST_TERMS = SERIES + 5
+"""Powers of the Jacobian: the derivative of a series needs some beyond its own."""
+SHARES = tuple(
+    weight * (1.0 - node) ** k
+    for k in range(MOST_TERMS + 1)
+    for node, weight in zip(NODES, WEIGHTS, strict=True)
+)
+"""Weights of the nodes in an integral with a power of the time that is left."""
+
+
+def guards_at(q: int, whole: Wholes) -> int:
+    """Place of the guards' slopes."""
+    return whole[SIZE] + whole[N_STATES] * q
+
+
+def directions_at(q: int, whole: Wholes) -> int:
+    """Place of the directions of the drives' numbers."""
+    return guards_at(q, whole) + whole[N_GUARDS] * q
+
+
+def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
+    """Place of sensitivities: 0 present, 1 result, 2 and 3 for terms; 4 moments; 5 what follows."""
+    return directions_at(q, whole) + 3 * whole[N_DRIVES] * m + which * whole[N_STATES] * m
+
+
+def sense_size(q: int, m: int, whole: Wholes) -> int:
+    """Return how long the vector of a run must be."""
+    n = whole[N_STATES]
+    stages = RADAU_STAGES * n
+    return columns_at(5, q, m, whole) + max(stages * (stages + 1 + m), len(NODES) * n * m)
+
+
+def forcing(
+    t: float, at: int, w: Vector, whole: Wholes, own: Vector, q: int, m: int, to: int
+) -> None:
+    """Write the slopes of the field along each direction.
+
+    `own` has the quantity of each direction, -1 for an initial state.
+    """
+    size = whole[SIZE]
+    n = whole[N_STATES]
+    n_drives = whole[N_DRIVES]
+    field_slopes(t, w, whole, at, size)
+    directions = directions_at(q, whole)
+    for c in range(m):
+        for i in range(n):
+            row = size + i * q
+            total = w[row + int(own[c])] if own[c] >= 0.0 else 0.0
+            for k in range(3 * n_drives):
+                if w[directions + k * m + c] != 0.0:
+                    total += w[row + k] * w[directions + k * m + c]
+            w[to + i * m + c] = total
+
+
+def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to: int) -> None:
+    """Add the product of an n x n matrix with columns."""
+    n = whole[N_STATES]
+    for i in range(n):
+        for j in range(n):
+            factor = w[matrix + i * n + j]
+            if factor != 0.0:
+                for c in range(m):
+                    w[to + i * m + c] += factor * w[columns + j * m + c]
+
+
+def series_sensed(
+    t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
+
+    With the constant Jacobian A they are ``exp(h A) S + integral of exp((h - s) A) F(s)``. The
+    integral is taken by the rule of Gauss, of which each power of A has a sum of its own.
+    """
+    y, matrix, point = whole[Y], whole[MATRIX], whole[POINT]
+    n, count = whole[N_STATES], len(NODES)
+    size = n * m
+    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
+    term, forced = columns_at(2, q, m, whole), columns_at(5, q, m, whole)
+    if whole[N_CONTACTS] > 0:
+        w[TIME] = t
+        ask_of(SERIES_FROM, h, w, whole, y, 0)
+    else:
+        series_fill(t, h, w, whole, y)
+    for s in range(count):
+        interpolate(w, whole, NODES[s], point)
+        forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
+    jacobian(t, w, whole, y, matrix)
+    for k in range(MOST_TERMS, -1, -1):
+        for i in range(size):
+            w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
+            w[result + i] = w[now + i]
+        for c in range(m):
+            if own[c] >= 0.0:  # nothing acts along an initial state
+                for i in range(n):
+                    total, at = 0.0, forced + i * m + c
+                    for s in range(count):
+                        total += SHARES[k * count + s] * w[at + s * size]
+                    w[result + i * m + c] += h * total
+        add_product(w, whole, matrix, term, m, result)
+
+
+def radau_stage(
+    s: int, t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Write the rows of one stage: of the matrix, and of all right-hand sides."""
+    point = whole[POINT]
+    matrix_at = whole[MATRIX]
+    n = whole[N_STATES]
+    stages = RADAU_STAGES * n
+    now, slopes, matrix = (
+        columns_at(0, q, m, whole),
+        columns_at(2, q, m, whole),
+        columns_at(5, q, m, whole),
+    )
+    right = matrix + stages * (stages + 1)
+    share = RADAU_NODES[s] * length / h
+    interpolate(w, whole, share, point)
+    jacobian(t + share * h, w, whole, point, matrix_at)
+    forcing(t + share * h, point, w, whole, own, q, m, slopes)
+    add_product(w, whole, matrix_at, now, m, slopes)
+    for i in range(n):
+        row = matrix + (s * n + i) * stages
+        for other in range(RADAU_STAGES):
+            factor = length * RADAU[s * RADAU_STAGES + other]
+            for j in range(n):
+                w[row + other * n + j] = -factor * w[matrix_at + i * n + j]
+        w[row + s * n + i] += 1.0
+        for c in range(m):
+            w[right + c * stages + s * n + i] = w[slopes + i * m + c]
+
+
+def radau_sensed(
+    t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
+    n = whole[N_STATES]
+    stages = RADAU_STAGES * n
+    now, result, matrix = (
+        columns_at(0, q, m, whole),
+        columns_at(1, q, m, whole),
+        columns_at(5, q, m, whole),
+    )
+    pivots = matrix + stages * stages
+    for s in range(RADAU_STAGES):
+        radau_stage(s, t, h, length, w, whole, own, q, m)
+    lu_factor(w, matrix, stages, pivots)
+    for c in range(m):
+        right = pivots + stages + c * stages
+        lu_solve(w, matrix, stages, pivots, right)
+        for i in range(n):
+            total = 0.0
+            for s in range(RADAU_STAGES):
+                total += RADAU[(RADAU_STAGES - 1) * RADAU_STAGES + s] * w[right + s * n + i]
+            w[result + i * m + c] = w[now + i * m + c] + length * total
+
+
+def advance_sensed(
+    log: Vector, row: int, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Advance the sensitivities from the start of a restored row; result in columns 1."""
+    at = row * whole[ROW_COLUMNS]
+    if log[at + ROW_DENSE] > 0.0:
+        series_sensed(log[at], length, w, whole, own, q, m)
+    else:
+        radau_sensed(log[at], log[at + 2], length, w, whole, own, q, m)
+
+
+def guard_changes(
+    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Write how a guard changes; state in Y."""
+    y = whole[Y]
+    slopes = whole[SLOPES]
+    n_drives = whole[N_DRIVES]
+    n = whole[N_STATES]
+    now, to = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
+    guard_slopes(t, w, whole, y, slopes)
+    guard_parameters(t, w, whole, y, guards_at(q, whole))
+    row = slopes + guard * (n + 1)
+    parameters, directions = guards_at(q, whole) + guard * q, directions_at(q, whole)
+    for c in range(m):
+        total = w[parameters + int(own[c])] if own[c] >= 0.0 else 0.0
+        for k in range(3 * n_drives):
+            total += w[parameters + k] * w[directions + k * m + c]
+        for i in range(n):
+            total += w[row + i] * w[now + i * m + c]
+        w[to + c] = total
+
+
+def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1."""
+    n, to = whole[N_STATES], columns_at(4, q, m, whole)
+    guard_changes(guard, t, w, whole, own, q, m)
+    row = whole[SLOPES] + guard * (n + 1)
+    rate = w[row + n]
+    for i in range(n):
+        rate += w[row + i] * w[whole[Y1] + i]
+    for c in range(m):
+        # implicit function theorem; where the guard only touches zero there is no such derivative
+        w[to + c] = -w[to + c] / rate if rate != 0.0 else 0.0
+
+
+def same_moment(
+    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Give up moments in columns 4 along directions where another guard has one."""
+    kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
+    for c in range(m):
+        w[kept + c] = w[moment + c]
+    moments(guard, t, w, whole, own, q, m)
+    for c in range(m):
+        size = abs(w[kept + c]) + abs(w[moment + c])
+        apart = abs(w[kept + c] - w[moment + c]) > TOGETHER_TOO * size
+        w[moment + c] = math.nan if apart else w[kept + c]
+
+
+def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4."""
+    n = whole[N_STATES]
+    y1 = whole[Y1]
+    values = whole[VALUES]
+    now, moment = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
+    # Saltation: a run that meets the event dt later follows the slope before it for that long, and
+    # misses as much of the slope after it.
+    for i in range(n):
+        change = w[y1 + i] - w[values + i]
+        for c in range(m):
+            w[now + i * m + c] += change * w[moment + c]
+
+
+def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Give the sensitivities up: what came before the start is not known."""
+    n = whole[N_STATES]
+    now = columns_at(0, q, m, whole)
+    for i in range(n * m):
+        w[now + i] = math.nan
+
+
+def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+    """Let an impact change the sensitivities; slope before in Y1, moments in columns 4.
+
+    They become those of the state right after the impact, whenever it comes: as the slope of that
+    is what is left to subtract, the slope before is 0 from here on.
+    """
+    n, coordinates = whole[N_STATES], whole[N_COORDINATES]
+    y1, size, slopes = whole[Y1], whole[SIZE], whole[MATRIX]
+    now, new = columns_at(0, q, m, whole), columns_at(3, q, m, whole)
+    moment = columns_at(4, q, m, whole)
+    for i in range(n):
+        for c in range(m):
+            w[now + i * m + c] += w[y1 + i] * w[moment + c]
+        w[y1 + i] = 0.0
+    impact_slopes(case, t, w, whole, whole[Y], slopes)
+    impact_parameters(case, t, w, whole, whole[Y], size)
+    for i in range(coordinates):
+        for c in range(m):
+            total = w[size + i * q + int(own[c])] if own[c] >= 0.0 else 0.0
+            for j in range(n):
+                total += w[slopes + i * n + j] * w[now + j * m + c]
+            w[new + i * m + c] = total
+    for i in range(coordinates * m):
+        w[now + coordinates * m + i] = w[new + i]
+
+
+def bounces(wall: int, end: float, held: bool, w: Vector, whole: Wholes) -> bool:
+    """Whether what strikes a stop bounces, by its rate after the instant and whether it is held.
+
+    Without restitution nothing bounces, but more of it would make what is not held then do so.
+    """
+    restitution = w[whole[WALLS] + wall * whole[WALL_COLUMNS] + 1]
+    return end != 0.0 or (restitution == 0.0 and not held)
+
+
+def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Put the directions of one piece of the drives in their place."""
+    n_drives = whole[N_DRIVES]
+    directions = directions_at(q, whole)
+    at = piece * (1 + 3 * n_drives) * m + m
+    for k in range(3 * n_drives * m):
+        w[directions + k] = dtable[at + k]
+
+
+def pass_piece(
+    t: float, piece: int, table: Vector, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int
+) -> None:
+    """Go over to another piece of the drives, at a moment that its start gives."""
+    y = whole[Y]
+    n_drives = whole[N_DRIVES]
+    moment = columns_at(4, q, m, whole)
+    field(t, w, whole, y, whole[Y1])
+    load_piece(table, piece, w, whole)
+    load_directions(piece, dtable, w, whole, q, m)
+    field(t, w, whole, y, whole[VALUES])
+    for c in range(m):
+        w[moment + c] = dtable[piece * (1 + 3 * n_drives) * m + c]
+    jump(w, whole, q, m)
+
+
+def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Go over to the mode and the flags that follow an event."""
+    y = whole[Y]
+    if guard == STOP and whole[CAN_STICK]:
+        w[y + whole[SLIP]] = 0.0
+    field(t, w, whole, y, whole[VALUES])
+    jump(w, whole, q, m)
+
+
+def pass_impact(
+    guard: int,
+    mode: int,
+    following: int,
+    t: float,
+    log: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Make an impact of a mechanism with one contact, after which it is in a mode.
+
+    `following` is the row that begins after the instant.
+    """
+    n, y, wall = whole[N_COORDINATES], whole[Y], guard - whole[FIRST_WALL]
+    rate = n + wall_coordinate(wall, whole)
+    evaluate(WALLS_OF, 0, whole[FLAGS], t, w, y, whole[WALLS])
+    held = mode not in (1, -1)
+    end = log[following * whole[ROW_COLUMNS] + ROW_DENSE + 1 + rate]
+    case = wall if bounces(wall, end, held, w, whole) else whole[N_WALLS] + wall
+    rebound(case, t, w, whole, own, q, m)
+    evaluate(IMPACT, case, whole[FLAGS], t, w, y, whole[VALUES])
+    for i in range(n):
+        w[y + n + i] = w[whole[VALUES] + i]
+
+
+def pass_instant(
+    log: Vector,
+    row: int,
+    events: Vector,
+    number: int,
+    first: int,
+    table: Vector,
+    dtable: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> int:
+    """Make all transitions at the end of a row; return the first event after them.
+
+    What follows at the same instant has its moment from what came first.
+    """
+    width = whole[ROW_COLUMNS]
+    point = whole[POINT]
+    n = whole[N_STATES]
+    y = whole[Y]
+    y1 = whole[Y1]
+    at = row * width
+    t = log[at + 1]
+    whole_row = log[at + ROW_DENSE] > 0.0  # the series at hand is that up to the end of the row
+    interpolate(w, whole, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
+    for i in range(n):
+        w[y + i] = w[point + i]
+    if whole[N_CONTACTS] > 0:
+        guard = first_guard(events, first, number, t)
+        struck = note_struck(log, row + 1, events, number, first, w, whole)
+        pass_contacts(log, row, guard, struck, table, dtable, w, whole, own, q, m)
+        while first < number and events[first * EVENT_COLUMNS] <= t:
+            first += 1
+        return first
+    following = int(log[at + width + 5])
+    known = following != int(log[at + 5])
+    if known:
+        pass_piece(t, following, table, dtable, w, whole, q, m)
+    k, last = first, NO_GUARD
+    while k < number and events[k * EVENT_COLUMNS] <= t:
+        event = k * EVENT_COLUMNS
+        guard = int(events[event + 3])
+        field(t, w, whole, y, y1)
+        if not known:
+            moments(guard, t, w, whole, own, q, m)
+            known = True
+        elif guard >= whole[FIRST_WALL] and guard != last:
+            same_moment(guard, t, w, whole, own, q, m)
+        if guard >= whole[FIRST_WALL]:
+            last = guard
+            pass_impact(guard, int(events[event + 2]), row + 1, t, log, w, whole, own, q, m)
+        whole[MODE] = int(events[event + 2])
+        whole[FLAGS] = int(events[event + 4])
+        pass_event(guard, t, w, whole, q, m)
+        k += 1
+    return k
+
+
+def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
+    """Take over modes, flags and state with which a row begins, of several contacts."""
+    at = row * whole[ROW_COLUMNS]
+    for i in range(whole[N_STATES]):
+        w[whole[Y] + i] = log[at + ROW_DENSE + 1 + i]
+    whole[FLAGS] = int(log[at + 4])
+    restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+
+
+def first_guard(events: Vector, k: int, number: int, t: float) -> int:
+    """Return the guard that fell first of those at an instant, NO_GUARD if none did."""
+    guard = NO_GUARD
+    while k < number and events[k * EVENT_COLUMNS] <= t:
+        known = int(events[k * EVENT_COLUMNS + 3])
+        if guard == NO_GUARD:
+            guard = known if known >= 0 else -2 - known
+        k += 1
+    return guard
+
+
+def note_struck(
+    log: Vector, row: int, events: Vector, number: int, first: int, w: Vector, whole: Wholes
+) -> bool:
+    """Write which coordinates an instant's impacts stop, and how all rates change; whether any is.
+
+    What else changes then, such as a rate that friction has stopped, was 0 but for rounding.
+    """
+    n, rates = whole[N_COORDINATES], whole[Y] + whole[N_COORDINATES]
+    after = row * whole[ROW_COLUMNS] + ROW_DENSE + 1 + n
+    modes = (row + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
+    t, found, k = log[row * whole[ROW_COLUMNS]], False, first
+    for i in range(n):
+        whole[whole[STRUCK] + i] = 0
+        w[whole[BOUNDS] + i] = log[after + i] - w[rates + i]
+    while k < number and events[k * EVENT_COLUMNS] <= t:
+        wall = int(events[k * EVENT_COLUMNS + 3]) - whole[FIRST_WALL]
+        if wall >= 0:
+            i = wall_coordinate(wall, whole)
+            held = int(log[modes + i]) == HELD_FAST
+            whole[whole[STRUCK] + i] = 2 if bounces(wall, log[after + i], held, w, whole) else 1
+            found = True
+        k += 1
+    return found
+
+
+def own_moments(
+    first: int,
+    following: int,
+    struck: bool,
+    t: float,
+    log: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Write the moment of an instant in which several contacts change, in the modes before it.
+
+    Where two guards have fallen and not at the same moment for parameters nearby, the run has no
+    derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
+    as it has reached its level, and not because of another.
+    """
+    values, rates = whole[VALUES], whole[Y1] + whole[N_COORDINATES]
+    after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
+    moments(first, t, w, whole, own, q, m)
+    guards(t, w, whole, whole[Y], values)
+    for other in range(2 * whole[N_PAIRS]):
+        mode, is_cut = whole[whole[MODES] + other // 2], other >= 2 * whole[N_DIRECTIONS]
+        if other == first or (mode == int(log[after + other // 2]) and not is_cut):
+            continue
+        if mode == HELD_FAST and whole[whole[LOOPED] + other // 2]:
+            continue  # its cuts tell
+        stops = mode != HELD_FAST and other % 2 == 0 and not is_cut
+        if stops and struck:  # an impact may give it another mode, however fast it is
+            stops = abs(w[values + other]) <= COINCIDENT * t * abs(w[rates + other // 2])
+        level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
+        breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
+        if stops or breaks:
+            same_moment(other, t, w, whole, own, q, m)
+
+
+def pass_contacts(
+    log: Vector,
+    row: int,
+    guard: int,
+    struck: bool,
+    table: Vector,
+    dtable: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Make all that changes at the end of a row where several contacts rub, as one jump."""
+    at = row * whole[ROW_COLUMNS]
+    y, t = whole[Y], log[at + 1]
+    w[TIME] = t
+    piece = int(log[at + whole[ROW_COLUMNS] + 5])
+    moment = columns_at(4, q, m, whole)
+    field(t, w, whole, y, whole[Y1])
+    if piece != int(log[at + 5]):
+        load_piece(table, piece, w, whole)
+        load_directions(piece, dtable, w, whole, q, m)
+        for c in range(m):
+            w[moment + c] = dtable[piece * (1 + 3 * whole[N_DRIVES]) * m + c]
+    elif guard != NO_GUARD:
+        own_moments(guard, row + 1, struck, t, log, w, whole, own, q, m)
+    else:
+        return
+    if struck:
+        for wall in range(whole[N_WALLS]):
+            meets = whole[whole[STRUCK] + wall_coordinate(wall, whole)] != 0
+            other = whole[FIRST_WALL] + wall
+            if meets and other != guard and approach(other, w, whole) > 0.0:
+                same_moment(other, t, w, whole, own, q, m)
+        rebound(0, t, w, whole, own, q, m)
+    restore_contacts(log, row + 1, w, whole)
+    field(t, w, whole, y, whole[VALUES])
+    jump(w, whole, q, m)
+    hold_contacts(w, whole, q, m)
+
+
+def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Take away the rates of what is held."""
+    n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
+    for i in range(n):
+        if whole[whole[MODES] + i] == HELD_FAST:
+            for c in range(m):
+                w[now + (n + i) * m + c] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        for c in range(m):
+            bind(now + n * m + c, m, w, whole)
+
+
+def hold_at_stops(
+    mode: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Give up the directions in which what is held at its stop as a run begins would leave it.
+
+    What follows there depends on what an impact would do right after the start.
+    """
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    now, moves = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
+    for wall in range(whole[N_WALLS]):
+        i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+        if whole[N_CONTACTS] > 0:
+            position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+            held = whole[whole[MODES] + i] == HELD_FAST and w[whole[Y] + i] == position
+        else:
+            held = mode == 2 * side and n + i == whole[SLIP]
+            whole[MODE] = side if held else mode  # one that slips watches its stop
+        if held:
+            guard_changes(whole[FIRST_WALL] + wall, t, w, whole, own, q, m)
+            for c in range(m):
+                if w[moves + c] != 0.0 or w[now + (n + i) * m + c] != 0.0:
+                    for j in range(states):
+                        w[now + j * m + c] = math.nan
+    whole[MODE] = mode
+
+
+def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Take away what a body that is held at the start does not do: it loses a small velocity."""
+    if mode == 0:
+        now = columns_at(0, q, m, whole)
+        for c in range(m):
+            w[now + whole[SLIP] * m + c] = 0.0
+
+
+def sense(
+    log: Vector,
+    count: int,
+    events: Vector,
+    number: int,
+    times: Vector,
+    table: Vector,
+    dtable: Vector,
+    own: Vector,
+    q: int,
+    w: Vector,
+    whole: Wholes,
+    out: Vector,
+    to: int,
+) -> None:
+    """Write the sensitivities at increasing times; those at the start stand in columns 0.
+
+    `dtable` has the derivatives of the drives' table, a column a direction.
+    """
+    width = whole[ROW_COLUMNS]
+    m = len(own)
+    n = whole[N_STATES]
+    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
+    asked = 0
+    k = 0
+    while k < number and events[k * EVENT_COLUMNS] <= log[0]:
+        if events[k * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
+            lose(w, whole, q, m)
+        k += 1
+    put_constants(w, whole)
+    if whole[N_CONTACTS] > 0:
+        ask(PREPARE, log[0], w, whole)
+        turn_columns(now, m, 0, w, whole)
+    load_directions(int(log[5]), dtable, w, whole, q, m)
+    restore(log, 0, table, w, whole)
+    hold_at_stops(int(log[3]), log[0], w, whole, own, q, m)
+    if whole[N_CONTACTS] > 0:
+        hold_contacts(w, whole, q, m)
+    else:
+        hold(int(log[3]), w, whole, q, m)
+    for row in range(count):
+        at = row * width
+        last = row == count - 1
+        load_directions(int(log[at + 5]), dtable, w, whole, q, m)
+        while asked < len(times) and (last or times[asked] < log[at + 1]):
+            restore(log, row, table, w, whole)
+            advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
+            turn_columns(result, m, 1, w, whole)
+            for i in range(n * m):
+                out[to + asked * n * m + i] = w[result + i]
+            asked += 1
+        if last:
+            return
+        restore(log, row, table, w, whole)
+        advance_sensed(log, row, log[at + 1] - log[at], w, whole, own, q, m)
+        for i in range(n * m):
+            w[now + i] = w[result + i]
+        k = pass_instant(log, row, events, number, k, table, dtable, w, whole, own, q, m)

@@ -1,0 +1,475 @@
+"""Ensembles: parameters as arrays in, arrays of outputs out.
+
+All runs have the same equations and differ in numbers.
+
+1. Values are checked: their ranges for all, and the objects that the extreme ones make.
+2. Rows are cut into chunks, of bounded memory, and of some work each where runs are known to take
+   long; a chunk is a task of the executor, or of a thread.
+3. A chunk has one vector of a run, with what all rows share; for each row its numbers are put into
+   their places (`kernels.batch`). Drives that vary have a schedule a row, others one for all.
+4. Of each run the kernels keep outputs, how it ended, and the evidence of a certificate; where no
+   room is left for steps or events, they come back, get more, and go on with that row.
+
+Rows do not depend on each other, and not on how they were cut: results are those of `simulate`, to
+the bit, on any number of threads.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from time import thread_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.engine.executors import check_executor, spread, threads
+from stickslip.engine.formulation import Model, formulate
+from stickslip.engine.kernels import state_layout
+from stickslip.engine.kernels.batch import EVIDENCE
+from stickslip.engine.kernels.sensitivities import sense_size
+from stickslip.engine.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
+from stickslip.engine.solver.backend import Runner, runner_of
+from stickslip.engine.solver.certify import (
+    Directions,
+    directions_of,
+    passes,
+    quantities_of,
+    roots_of,
+)
+from stickslip.engine.solver.event_driven import EventDriven, status_of
+from stickslip.engine.solver.reducers import (
+    Final,
+    Output,
+    asked,
+    is_gradient,
+    output_unit,
+    value_of,
+)
+from stickslip.engine.solver.run import FIRST_ROWS, path_units, work_of
+from stickslip.engine.solver.starts import (
+    narrowest,
+    refuse_masses,
+    refuse_turned,
+    schedule,
+    starts_as_told,
+    starts_within_stops,
+    values_of,
+)
+from stickslip.engine.trajectory import Ensemble
+from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters, standing_path, vary
+
+Array = NDArray[np.float64]
+
+MOST_ROWS = 4096
+"""Runs in a chunk: some ten milliseconds of work, and memory that does not grow with the whole."""
+LEAST_WORK = 0.01
+"""Processor time [s] of a chunk that is worth a thread, where runs are known to take long."""
+MOST_NUMBERS = 1 << 21
+"""Numbers that the drives' tables of a chunk may have."""
+RESERVED = ("status", "certified")
+"""Columns that a table of an ensemble has of itself."""
+FEWER = "make several smaller ensembles"
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all chunks have in common; can be sent to another process."""
+
+    mechanism: Mechanism
+    """What moves."""
+    law: FrictionLaw | Laws
+    """Friction of its contact."""
+    y0: tuple[float, ...]
+    """State at time 0: coordinates, rates, bristles [SI]."""
+    t_end: float
+    """Last time of each run [s]."""
+    kinds: Array
+    """What the kernels keep of each run: kind and subject of each column."""
+    gradients: tuple[str, ...]
+    """Full paths of which sensitivities are wanted."""
+    solver: EventDriven
+    """Tolerance, most steps and tier of the runs."""
+    told: tuple[str, ...]
+    """States that begin where the mechanism says."""
+
+    def model(self) -> Model:
+        """Return the equations, with their slopes where they are needed."""
+        return formulate(self.mechanism, self.law, slopes=bool(self.gradients))
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some rows of an ensemble, or what came of them."""
+
+    start: int
+    """Index of the first row in the ensemble."""
+    results: Array
+    """(rows, columns)."""
+    statuses: NDArray[np.int8]
+    """(rows,): how each run ended, as a code of the kernels."""
+    evidence: Array
+    """(rows, 5): energy error, guard violation, event residual, steps, rejected steps."""
+    gradients: Array
+    """(rows, states, paths): sensitivities at the end."""
+
+
+def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Array) -> Chunk:
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
+
+    `arguments` of what is kept have a row for all of them, or one each.
+    """
+    model = job.model()
+    runner = _runner(job)
+    vector = runner.flat
+    rows = len(next(iter(columns.values())))
+    # Without drives that vary, one schedule serves all rows. Parameters of drives have a dot more
+    # than those of the mechanism itself; so have laws by contact, which cost a schedule a row.
+    driven = {path: column for path, column in columns.items() if path.count(".") > 1}
+    plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
+    along = directions_of(
+        job.mechanism, model, job.gradients, columns, plan.table, job.t_end, job.told
+    )
+    width = len(job.kinds) // 2
+    results, evidence = runner.zeros(rows * width), runner.zeros(rows * EVIDENCE)
+    statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
+    call: list[Any] = [
+        vector(np.column_stack(list(columns.values()))),
+        vector(_places(model, columns)),
+        _base(job, runner),
+        vector(plan.table),
+        vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
+        vector(plan.time_scale / 6.0),
+        vector(job.kinds),
+        vector(arguments),
+    ]
+    written: list[Any] = [results, statuses, evidence]
+    if job.gradients:
+        run = runner.kernels.enter_batch_sensed
+        written += [vector(along.start), vector(along.table), vector(along.own), along.quantities]
+        written.append(gradients)
+    else:
+        run = runner.kernels.enter_batch
+    *settings, whole, log, events = _settings(job, runner, along)
+    row, begun = 0, thread_time()
+    while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
+        log, events = runner.with_room(whole, log, events)
+    work_of(model).pace = (thread_time() - begun) / rows
+    return Chunk(
+        start,
+        np.reshape(results, (rows, width)),
+        np.asarray(statuses, dtype=np.int8),
+        np.reshape(evidence, (rows, -1)),
+        np.reshape(gradients, (rows, *along.start.shape)),
+    )
+
+
+def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
+    """Return what the runs of a chunk are made with: end, limits, and room to work in."""
+    header, whole = runner.header, runner.whole()
+    size = max(header[SIZE], sense_size(along.quantities, len(along.own), whole))
+    return [
+        job.t_end,
+        job.solver.tolerance_for(job.law),
+        int(job.solver.max_steps),
+        runner.zeros(size),
+        whole,
+        runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
+        runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
+    ]
+
+
+def _runner(job: Job) -> Runner:
+    return runner_of(job.model(), compiled=job.solver.tier != "python")
+
+
+def _places(model: Model, columns: Mapping[str, Array]) -> list[float]:
+    """Return where in the vector of a run each column goes."""
+    y = model.sizes.header[Y]
+    paths = dict(zip(model.parameter_paths, model.places, strict=True))
+    paths |= {f"initial.{state}": y + i for i, state in enumerate(model.states)}
+    return [float(paths[path]) for path in columns]
+
+
+def _base(job: Job, runner: Runner) -> Any:
+    """Return the vector of a run with the numbers that all rows share."""
+    model = job.model()
+    values = values_of(job.mechanism, job.law)
+    numbers = [float(values[path]) for path in model.parameter_paths]
+    base = runner.working(numbers)
+    for i, value in enumerate(job.y0, runner.header[Y]):
+        base[i] = value
+    return base
+
+
+def _cuts(
+    job: Job, columns: Mapping[str, Array], arguments: Array, shares: int
+) -> Iterator[tuple[Job, int, Mapping[str, Array], Array]]:
+    """Yield the arguments of `run_chunk` for each chunk: no row is in two of them.
+
+    Runs that are known to take long are divided into so many shares.
+    """
+    pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
+    count = len(next(iter(columns.values())))
+    rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
+    pace = work_of(job.model()).pace
+    if pace * count > 2.0 * LEAST_WORK:
+        rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / shares)))
+    for start in range(0, count, rows):
+        part = slice(start, start + rows)
+        own = {path: column[part] for path, column in columns.items()}
+        yield job, start, own, arguments[part] if len(arguments) > 1 else arguments
+
+
+def run_chunks(
+    job: Job,
+    columns: Mapping[str, Array],
+    arguments: Array,
+    executor: Executor | None,
+    keep: Callable[[Chunk], bool],
+) -> None:
+    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
+    check_executor(executor)
+    _runner(job)  # compiled here, if it has to be, and not in all threads at once
+    cuts = [*_cuts(job, columns, arguments, threads() if executor is None else 1)]
+    if executor is None and len(cuts) == 1:  # a thread would cost more than many a chunk
+        keep(run_chunk(*cuts[0]))
+        return
+    spread(run_chunk, cuts, keep, executor)
+
+
+def run_ensemble(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    varied: Mapping[str, ArrayLike],
+    *,
+    y0: Sequence[float],
+    told: Sequence[str],
+    t_end: float,
+    outputs: Sequence[str] | Mapping[str, Output] | None,
+    solver: EventDriven,
+    executor: Executor | None,
+    progress: Callable[[int, int], object] | None,
+) -> Ensemble:
+    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`."""
+    model = formulate(mechanism, law)
+    columns, count = check_columns(mechanism, law, varied)
+    wanted = _outputs(mechanism, law, model, outputs)
+    told = tuple(state for state in told if f"initial.{state}" not in columns)
+    kinds, arguments, places = asked(wanted, model, t_end, count)
+    gradients = tuple(sorted({one.parameter for one in wanted.values() if is_gradient(one)}))
+    job = Job(mechanism, law, tuple(y0), t_end, kinds, gradients, solver, told)
+    parts = _Parts(job, model, wanted, places, count)
+
+    def keep(chunk: Chunk) -> bool:
+        parts.add(chunk)
+        answer = None if progress is None else progress(parts.done, count)
+        return answer is None or bool(answer)
+
+    begun = starts_as_told(mechanism, columns, told)
+    begun = starts_within_stops(mechanism, begun, y0)
+    for row in _extreme(columns):
+        state = [
+            float(begun.get(f"initial.{name}", np.full(count, value))[row])
+            for name, value in zip(mechanism.coordinates, y0, strict=False)
+        ]
+        refuse_masses(_varied(mechanism, "mechanism", columns, row), state)
+    run_chunks(job, begun, arguments, executor, keep)
+    bristles = model.states[2 * len(mechanism.coordinates) :]
+    units = path_units(mechanism, law, bristles)
+    units |= {state: units[f"initial.{state}"] for state in model.states}
+    return parts.joined(columns, units)
+
+
+class _Parts:
+    """What came of the chunks so far."""
+
+    def __init__(
+        self,
+        job: Job,
+        model: Model,
+        wanted: Mapping[str, Output],
+        places: Mapping[str, slice],
+        count: int,
+    ) -> None:
+        self.job, self.model, self.wanted, self.places = job, model, wanted, places
+        columns, slopes = len(job.kinds) // 2, len(model.states) * len(job.gradients)
+        check_size("ensemble", count * (columns + EVIDENCE + slopes), FEWER)
+        self.results = np.full((count, columns), np.nan)
+        self.codes = np.zeros(count, dtype=np.int8)
+        self.evidence = np.full((count, EVIDENCE), np.nan)
+        self.gradients = np.full((count, len(model.states), len(job.gradients)), np.nan)
+        self.done = 0
+
+    def add(self, chunk: Chunk) -> None:
+        """Keep what came of a chunk."""
+        rows = slice(chunk.start, chunk.start + len(chunk.statuses))
+        self.results[rows], self.codes[rows] = chunk.results, chunk.statuses
+        self.evidence[rows], self.gradients[rows] = chunk.evidence, chunk.gradients
+        self.done += len(chunk.statuses)
+
+    def joined(self, columns: Mapping[str, Array], units: Mapping[str, str]) -> Ensemble:
+        """Return all of it."""
+        wanted, evidence = self.wanted, self.evidence
+        for name, output in wanted.items():
+            if is_gradient(output):
+                state = self.model.states.index(output.state)
+                direction = self.job.gradients.index(output.parameter)
+                self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
+        most = state_layout.LIMITED + len(self.model.limits)
+        table = np.array([status_of(code, self.model) for code in range(most)])
+        return Ensemble(
+            outputs={
+                name: value_of(self.results, place, wanted[name])
+                for name, place in self.places.items()
+            },
+            parameters=columns,
+            status=table[self.codes],
+            certified=passes(evidence, self.job.solver.tolerance_for(self.job.law)),
+            energy_error=evidence[:, 0],
+            guard_violation=evidence[:, 1],
+            event_residual=evidence[:, 2],
+            steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
+            units={
+                **{path: units[path] for path in columns},
+                **{name: output_unit(one, units) for name, one in wanted.items()},
+            },
+        )
+
+
+def _outputs(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    outputs: Sequence[str] | Mapping[str, Output] | None,
+) -> Mapping[str, Output]:
+    if isinstance(outputs, (str, Output)):
+        raise InputError(f"outputs must be a sequence of names or a mapping, got {outputs!r}.")
+    for name in outputs or ():
+        if not _is_name(name):
+            raise InputError(
+                "outputs must be names of states, or a mapping from names other than"
+                f" {', '.join(RESERVED)} to Final, Max, ...; got {name!r}."
+            )
+    if outputs is None or not isinstance(outputs, Mapping):
+        return {name: Final(name) for name in (model.states if outputs is None else outputs)}
+    for name, output in outputs.items():
+        if not isinstance(output, Output):
+            raise InputError(
+                f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes,"
+                f" EventCount or Sensitivity, got {output!r}."
+            )
+    known, roots = quantities_of(mechanism, law, model), roots_of(mechanism, law)
+    return {
+        name: replace(o, parameter=standing_path(o.parameter, known, roots))
+        if is_gradient(o)
+        else o
+        for name, o in outputs.items()
+    }
+
+
+def _is_name(name: object) -> bool:
+    return isinstance(name, str) and name not in RESERVED
+
+
+def check_columns(
+    mechanism: Mechanism, law: FrictionLaw | Laws, varied: Mapping[str, ArrayLike]
+) -> tuple[dict[str, Array], int]:
+    """Return what varies by full path, checked, and the number of runs."""
+    model = formulate(mechanism, law)
+    if not isinstance(varied, Mapping):
+        raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
+    known = quantities_of(mechanism, law, model)
+    check_size("ensemble", sum(map(np.size, varied.values())), FEWER)
+    roots = roots_of(mechanism, law)
+    given = {
+        standing_path(path, known, roots): _numbers(path, values) for path, values in varied.items()
+    }
+    if len(given) < len(varied):
+        raise InputError("parameters must name each parameter only once, got: " + ", ".join(varied))
+    lengths = {len(values) for values in given.values() if values.ndim}
+    if len(lengths) != 1:
+        sizes = ", ".join(f"{path} {np.size(values)}" for path, values in given.items()) or "none"
+        raise InputError(
+            "parameters must contain at least one array, and arrays of equal length, got: " + sizes
+        )
+    (count,) = lengths
+    if count == 0:
+        raise InputError("parameters must contain at least one value each, got empty arrays.")
+    columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
+    _check(mechanism, law, model, columns, known)
+    return columns, count
+
+
+def as_numbers(path: str, values: ArrayLike) -> Array:
+    """Return values of a parameter as an array."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{path} must be an array of numbers, got {values!r}.") from None
+
+
+def _numbers(path: str, values: ArrayLike) -> Array:
+    array = as_numbers(path, values)
+    if array.ndim > 1:
+        raise InputError(f"{path} must be an array (n,), got one of {array.shape}.")
+    return array
+
+
+def _check(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    columns: Mapping[str, Array],
+    known: Mapping[str, Quantity],
+) -> None:
+    """Check ranges of all numbers, and the objects that the extreme ones make."""
+    for path, values in columns.items():
+        owner, _, name = path.rpartition(".")
+        if not np.isfinite(values).all():
+            raise ParameterError(f"{path} must be finite in all runs, got {_odd(values)}.")
+        for value in (values.min(), values.max()):
+            known[path].check(owner, name, float(value))
+    for row in sorted(_extreme(columns) | narrowest(mechanism, columns)):
+        own = _varied(mechanism, "mechanism", columns, row)
+        try:
+            refuse_turned(own, model)
+        except InputError as error:
+            raise InputError(f"run {row}: {error}") from None
+        _varied(law, "friction", columns, row)
+    _check_order(law, "friction", columns)
+
+
+def _extreme(columns: Mapping[str, Array]) -> set[int]:
+    """Return the runs with the least and the largest value of anything."""
+    return {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
+
+
+def _odd(values: Array) -> str:
+    where = int(np.flatnonzero(~np.isfinite(values))[0])
+    return f"{values[where]} in run {where}"
+
+
+def _varied(root: Any, prefix: str, columns: Mapping[str, Array], row: int) -> Any:
+    own = {p: float(v[row]) for p, v in columns.items() if p.startswith(prefix + ".")}
+    try:
+        return vary(root, prefix, own) if own else root
+    except ParameterError as error:
+        raise ParameterError(f"run {row}: {error}") from None
+
+
+def _check_order(law: FrictionLaw | Laws, prefix: str, columns: Mapping[str, Array]) -> None:
+    """Check the order of parameters that must not fall below others, in all runs."""
+    values = {path: value for path, _, value in parameters(law, prefix)}
+    for path, quantity, value in parameters(law, prefix):
+        if quantity.at_least is None:
+            continue
+        floor = f"{path.rpartition('.')[0]}.{quantity.at_least}"
+        low = columns.get(floor, np.array(values[floor]))
+        below = np.atleast_1d(columns.get(path, np.array(value)) < low)
+        if below.any():
+            _varied(law, prefix, columns, int(np.argmax(below)))

@@ -1,0 +1,52 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+
+from stickslip.engine.solver import EventDriven as _EventDriven
+from stickslip.exports.adapters.control_systems import DescribingFunction as DescribingFunction
+from stickslip.exports.adapters.control_systems import to_describing_function as to_describing_function
+from stickslip.exports.adapters.control_systems import to_nonlinear_system as to_nonlinear_system
+from stickslip.exports.adapters.environments import MotorEnvironment as MotorEnvironment
+from stickslip.exports.adapters.environments import MotorVectorEnvironment as MotorVectorEnvironment
+from stickslip.exports.adapters.initial_value_problems import ModeProblem as ModeProblem
+from stickslip.exports.adapters.initial_value_problems import ModeSolution as ModeSolution
+from stickslip.exports.adapters.initial_value_problems import to_ivp as to_ivp
+from stickslip.exports.adapters.motor_task import CAPSULE as CAPSULE
+from stickslip.exports.adapters.motor_task import CART as CART
+from stickslip.exports.adapters.motor_task import MotorTask as _MotorTask
+from stickslip.exports.adapters.registration import register_environments as register_environments
+from stickslip.friction import FrictionLaw as _FrictionLaw
+from stickslip.mechanisms import Mechanism as _Mechanism
+from stickslip.quantities import Given as _Given
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class MotorTask(_MotorTask):
+    def __init__(
+        self,
+        *,
+        mechanism: _Mechanism,
+        law: _FrictionLaw,
+        effort_limit: _Given,
+        position_limit: _Given,
+        rate_limit: _Given,
+        speed_bound: _Given,
+        work_weight: _Given,
+        period: _Given = ...,
+        duration: _Given = ...,
+        start_spread: _Given = ...,
+        solver: _EventDriven = ...,
+    ) -> None: ...
+
+__all__ = [
+    "CAPSULE",
+    "CART",
+    "DescribingFunction",
+    "ModeProblem",
+    "ModeSolution",
+    "MotorEnvironment",
+    "MotorTask",
+    "MotorVectorEnvironment",
+    "register_environments",
+    "to_describing_function",
+    "to_ivp",
+    "to_nonlinear_system",
+]

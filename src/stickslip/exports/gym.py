@@ -1,0 +1,8 @@
+"""Importing this module tells Gymnasium the environments, as ``make("stickslip.exports.gym:...")`` does.
+
+That is work at import, which no other module does: Gymnasium knows no other way to find them.
+"""
+
+from stickslip.exports.adapters import register_environments
+
+register_environments()

@@ -1,8 +1,0 @@
-"""Importing this module tells Gymnasium the environments, as ``make("stickslip.gym:...")`` does.
-
-That is work at import, which no other module does: Gymnasium knows no other way to find them.
-"""
-
-from stickslip.adapters import register_environments
-
-register_environments()

@@ -1,0 +1,52 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify.candidates.candidates import LEFT_OUT as LEFT_OUT
+from stickslip.identify.candidates.candidates import Watch as Watch
+from stickslip.identify.candidates.candidates import check_any as check_any
+from stickslip.identify.candidates.candidates import check_apart as check_apart
+from stickslip.identify.candidates.candidates import checked as checked
+from stickslip.identify.candidates.candidates import fitted_side_by_side as fitted_side_by_side
+from stickslip.identify.candidates.candidates import specifications as specifications
+from stickslip.identify.candidates.candidates import watched as watched
+from stickslip.identify.candidates.choice import as_good as as_good
+from stickslip.identify.candidates.choice import choose as choose
+from stickslip.identify.candidates.choice import effective_aic as effective_aic
+from stickslip.identify.candidates.choice import errs_more as errs_more
+from stickslip.identify.candidates.choice import outcome_beside as outcome_beside
+from stickslip.identify.candidates.criteria import Criteria as Criteria
+from stickslip.identify.candidates.criteria import criteria_of as criteria_of
+from stickslip.identify.candidates.cross_validation import CrossValidated as CrossValidated
+from stickslip.identify.candidates.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
+from stickslip.identify.candidates.cross_validation import CrossValidation as CrossValidation
+from stickslip.identify.candidates.cross_validation import DIGITS as DIGITS
+from stickslip.identify.candidates.cross_validation import held_out as held_out
+from stickslip.identify.candidates.fixed_step_comparison import FixedStepRow as FixedStepRow
+from stickslip.identify.candidates.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
+from stickslip.identify.candidates.fixed_step_comparison import largest_step as largest_step
+from stickslip.identify.candidates.identifiable import limits_of as limits_of
+from stickslip.identify.candidates.verdict import Candidate as Candidate
+from stickslip.identify.candidates.verdict import MOST as MOST
+from stickslip.identify.candidates.verdict import NOT_DISTINGUISHED as NOT_DISTINGUISHED
+from stickslip.identify.candidates.verdict import ONE_LAW as ONE_LAW
+from stickslip.identify.candidates.verdict import UNMEASURED as UNMEASURED
+from stickslip.identify.candidates.verdict import Verdict as Verdict
+from stickslip.identify.candidates.verdict import Wording as Wording
+from stickslip.identify.candidates.verdict import corrections as corrections
+from stickslip.identify.candidates.verdict import friction_of as friction_of
+from stickslip.identify.candidates.verdict import held_out_text as held_out_text
+from stickslip.identify.candidates.verdict import in_sentence as in_sentence
+from stickslip.identify.candidates.verdict import longer as longer
+from stickslip.identify.candidates.verdict import not_distinguished as not_distinguished
+from stickslip.identify.candidates.verdict import on_second_record as on_second_record
+from stickslip.identify.candidates.verdict import plain as plain
+from stickslip.identify.candidates.verdict import score_scale as score_scale
+from stickslip.identify.candidates.verdict import score_text as score_text
+from stickslip.identify.candidates.verdict import to_predict as to_predict
+
+__all__ = [
+    "Candidate",
+    "Criteria",
+    "FixedStepRow",
+    "Verdict",
+    "compare_fixed_steps",
+    "criteria_of",
+]

@@ -1,0 +1,91 @@
+"""The criteria of the source paper, evaluated on a run."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.engine.trajectory import Trajectory
+from stickslip.identify.fits import ROUNDING
+from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.show.described import Described
+
+GRID = 4000
+"""Times at which a run is looked at, beside its steps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria(metaclass=Described):
+    """What a run does, in the paper's terms, with numbers instead of yes and no alone."""
+
+    travel: float
+    """Last position less the first [m]."""
+    least_velocity: float
+    """Lowest velocity [m/s]."""
+    largest_return: float
+    """Largest back-slip from the farthest point so far in the direction of the travel [m]."""
+    velocity_never_negative: bool
+    """Criterion 1. A law with elastic presliding fails it rightly: the body springs back."""
+    displacement_never_decreases: bool
+    """Criterion 2."""
+    relative_error: float | None
+    """Criterion 3: travel less measured travel, over the measured one; None without one."""
+    work_in: float
+    """Energy at the start and work of the drives [J], the left side of the paper's eq. (11)."""
+    work_friction: float
+    """Work taken by friction [J]."""
+    work_left: float
+    """Energy that the mechanism still has at the end [J]; eq. (11) leaves it out."""
+    stop_time: float | None
+    """When the body came to its last stop [s]; None if it still moves."""
+
+
+def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = None) -> Criteria:
+    """Evaluate the criteria on a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        Whose run it is; names the slip coordinate.
+    measured : float, optional
+        Measured travel [m].
+
+    Returns
+    -------
+    Criteria
+        Travel [m], least velocity [m/s], energies [J] and stop time [s], and whether criteria hold.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> criteria_of(run, rig).velocity_never_negative
+    False
+    """
+    slip = slip_of(mechanism)
+    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    times = np.union1d(np.linspace(*run.span, GRID), run.t)
+    seen = run.at(times)
+    x, v = seen[slip], seen[rate]
+    travel = float(x[-1] - x[0])
+    way = math.copysign(1.0, travel) * x
+    back = float(np.max(np.maximum.accumulate(way) - way))
+    fall = float(np.max(np.maximum.accumulate(x) - x))
+    least = float(v.min())
+    book = run.certificate
+    still = v[-1] == 0.0 and run.events
+    return Criteria(
+        travel=travel,
+        least_velocity=least,
+        largest_return=back,
+        velocity_never_negative=bool(least >= -ROUNDING * np.abs(v).max()),
+        displacement_never_decreases=bool(fall <= ROUNDING * np.abs(x - x[0]).max()),
+        relative_error=None if not measured else (travel - measured) / measured,
+        work_in=book.energy_start + book.work_supplied,
+        work_friction=book.work_friction,
+        work_left=book.energy_end,
+        stop_time=run.events[-1].t if still else None,
+    )

@@ -1,0 +1,395 @@
+"""What a selection gives back, whatever was measured."""
+
+import html
+import itertools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median_high
+from typing import TYPE_CHECKING, Any, Generic, cast, final
+
+from typing_extensions import TypeVar, override
+
+from stickslip.data import Checks, Measurement
+from stickslip.identify.fits import Fit
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+from stickslip.show.described import Described
+from stickslip.show.display import OnAxes, Summary, plots, summary_of_table
+from stickslip.show.formatting import (
+    EstimateText,
+    Scale,
+    count,
+    joined,
+    number,
+    scale_of,
+    significant,
+    with_unit,
+)
+from stickslip.show.tables import Tabular
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.show.display import Drawing, Target
+
+Fit_co = TypeVar("Fit_co", bound=Fit[Any], default=Fit[Any], covariant=True)
+MOST = 3
+"""Laws, terms, readings and places that a sentence names at most."""
+NAMES = (
+    *("Ambrósio", "BAM", "Bengisu", "Bliman", "Bouc", "Brown", "Coulomb", "Dahl", "GMS", "Haessig"),
+    *("Hess", "LuGre", "Makkar", "Maxwell", "Popp", "Simscape", "Stribeck", "Threlfall", "Tustin"),
+)
+"""How titles begin that are names."""
+NOT_DISTINGUISHED = "not distinguished"
+"""Outcome of a candidate as good as the chosen one."""
+ONE_LAW = "No ranking: one law was tried."
+"""Where the candidates would be ranked."""
+UNMEASURED = "Friction at speeds, loads and temperatures outside those measured is not known."
+"""What no verdict can tell."""
+TOO_SHORT = "effective size"
+"""Kind of a finding that a longer record answers; no correction does."""
+
+
+def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
+    """Return the multiple of a unit in which the scores of a verdict are shown, on all its media.
+
+    The median chooses: neither a law that fails nor one that is exact hides the others.
+
+    Examples
+    --------
+    >>> score_scale([1e-15, 0.0002, 0.0003, math.inf], "m")
+    Scale(factor=1000.0, unit='mm')
+    """
+    known = [score for score in scores if score is not None and 0.0 < score < math.inf]
+    return scale_of([median_high(known)] if known else [], unit)
+
+
+def score_text(scale: Scale, score: float | None, error: float | None = None) -> EstimateText:
+    """Return a score and its standard error, without the unit; nothing for what is not known.
+
+    Examples
+    --------
+    >>> score_text(Scale(1e3, "mN"), 0.0195, 0.00073), score_text(Scale(1.0, "N"), math.inf)[0]
+    (EstimateText(value='19.5', doubt='± 0.7'), 'no score')
+    """
+    if score is None or not math.isfinite(score):
+        return EstimateText("no score", "")
+    if error is None or not math.isfinite(error):
+        return EstimateText(significant(scale.factor * score), "")
+    return scale.estimate_text(score, error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate(ABC, Generic[Fit_co], metaclass=Described):
+    """One law of a selection: its fit, its held-out error, and whether it may be taken."""
+
+    name: str
+    """Key of the candidate."""
+    title: str
+    """Name in running text."""
+    fit: Fit_co | None
+    """The fit; None if there is none."""
+    dropped: str = ""
+    """Why it may not be taken, in words; empty if it may."""
+    doubt: str = ""
+    """What speaks against it although it is taken, since nothing else predicts as well."""
+    outcome: str = ""
+    """What became of it, for tables."""
+
+    @property
+    def parameters(self) -> int:
+        """Number of parameters that were fitted."""
+        return len(self.fit.estimates) if self.fit else 0
+
+    @property
+    def score(self) -> float | None:
+        """Held-out error, in the unit of the verdict's scores; None or infinite without one."""
+        return None
+
+    @property
+    def score_error(self) -> float | None:
+        """Its standard error; None, infinite or not a number if there is none."""
+        return None
+
+    @abstractmethod
+    def to_row(self) -> Mapping[str, Any]:
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the candidate as plain numbers and strings."""
+        return {**self.to_row(), "fit": self.fit.to_dict() if self.fit else None}
+
+    @override
+    def __str__(self) -> str:
+        """Return the law and what became of it."""
+        became = f"dropped, {self.dropped}" if self.dropped else self.outcome
+        return f"{self.title}: {plain(became)}"
+
+    @final
+    @override
+    def __repr__(self) -> str:
+        return f"<Candidate {self}>"
+
+    @final
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(str(self))}</p>"
+
+
+Candidate_co = TypeVar("Candidate_co", bound=Candidate, default=Candidate, covariant=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wording:
+    """The verdict in words."""
+
+    verdict: str
+    """One sentence that says what to do."""
+    lede: str
+    """Two or three sentences why."""
+    settles: tuple[str, ...]
+    """What the measurement settles."""
+    cannot_tell: tuple[str, ...]
+    """What it cannot tell; never empty."""
+    measure_next: tuple[str, ...]
+    """What to measure next, with values."""
+    no_score: str
+    """Why there is no ranking; empty if there is one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
+    """Which law to use, how the others compare, and what the data cannot tell."""
+
+    mechanism: Mechanism
+    """What was measured, as it was passed in; trials may have set it differently."""
+    measurement: Measurement
+    """The measurement."""
+    words: Wording
+    """The verdict in words."""
+    candidates: tuple[Candidate_co, ...]
+    """All laws tried, in the order of their rank where there is one."""
+    best: Candidate_co | None
+    """The law to use; None if the verdict names none."""
+    ranked: bool
+    """Whether held-out errors decided."""
+
+    @property
+    @final
+    def sentence(self) -> str:
+        """What to do, in one or two plain sentences."""
+        return plain(self.words.verdict)
+
+    @property
+    @abstractmethod
+    def route(self) -> str:
+        """How the measurement was fitted: a name of its route."""
+
+    @property
+    @abstractmethod
+    def score_unit(self) -> str:
+        """SI unit of the scores; ``"1"`` for relative ones, empty for those of a coefficient."""
+
+    @property
+    def closest(self) -> Candidate_co | None:
+        """The best law, or what comes closest to the measurement where none is named."""
+        return self.best
+
+    @property
+    @final
+    def scored(self) -> tuple[Candidate_co, ...]:
+        """The candidates that have a held-out error."""
+        return tuple(
+            one for one in self.candidates if one.score is not None and math.isfinite(one.score)
+        )
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        """Draw the held-out errors; a route replaces it that has another plot."""
+        return cast("Drawing", plots().plot_scores(self, ax))
+
+    @final
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the candidates as a pandas DataFrame, a row each."""
+        import pandas as pd
+
+        return pd.DataFrame([candidate.to_row() for candidate in self.candidates])
+
+    @override
+    def _over(self) -> str:
+        return "law"
+
+    @final
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the verdict as plain numbers and strings, ready for JSON."""
+        return {
+            "verdict": self.sentence,
+            "why": plain(self.words.lede),
+            "no_score": self.words.no_score,
+            "settles": [plain(line) for line in self.words.settles],
+            "cannot_tell": [plain(line) for line in self.words.cannot_tell],
+            "measure_next": [plain(line) for line in self.words.measure_next],
+            "mechanism": {
+                "type": self.mechanism.name,
+                **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
+            },
+            "best": self.best.name if self.best else None,
+            "closest": self.closest.name if self.closest else None,
+            "ranked": self.ranked,
+            "route": self.route,
+            "candidates": [candidate.to_dict() for candidate in self.candidates],
+            **self._details(),
+        }
+
+    def _details(self) -> Mapping[str, Any]:
+        """Return what only verdicts of this route say, as plain numbers and strings."""
+        return {}
+
+    def _basis(self) -> str:
+        """Return on what the verdict rests, after the number of candidates that were fitted."""
+        return ""
+
+    @final
+    @override
+    def _summary(self) -> Summary:
+        return summary_of_table(self.sentence, self.to_dataframe())
+
+    @final
+    @override
+    def __repr__(self) -> str:
+        fitted = sum(candidate.fit is not None for candidate in self.candidates)
+        return (
+            f"<Verdict: {self.sentence}\n {fitted} of {count(len(self.candidates), 'candidate')}"
+            f" fitted{self._basis()}>"
+        )
+
+
+def plain(text: str) -> str:
+    """Return a text without the marks that reports typeset."""
+    return text.replace("$", "")
+
+
+def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]:
+    """Return what to correct in a record before anything else is measured, or what to measure.
+
+    Examples
+    --------
+    >>> from stickslip.data import Finding
+    >>> gap = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", severity="warning")
+    >>> corrections(Checks(findings=(gap,)))
+    ('First correct the record: Gap of 0.3 s after 12.5 s.',)
+    >>> short = Finding(
+    ...     kind="length",
+    ...     sentence="The record has only 15 samples.",
+    ...     severity="warning",
+    ...     measure="Record more samples",
+    ... )
+    >>> corrections(Checks(findings=(short,)))
+    ('Record more samples: The record has only 15 samples.',)
+    """
+    warned = [
+        one
+        for one in checks.findings
+        if one.severity == "warning" and one.kind not in (TOO_SHORT, *but)
+    ]
+    warned.sort(key=lambda one: bool(one.measure))  # what can be corrected comes first
+    return tuple(
+        f"{one.measure or 'First correct the record'}: {one.sentence}" for one in warned[:1]
+    )
+
+
+def longer(checks: Checks) -> tuple[str, ...]:
+    """Return that a longer record is needed, if the samples are too few independent ones.
+
+    Examples
+    --------
+    >>> from stickslip.data import Finding
+    >>> numbers = {"samples": 3600, "independent": 17.2}
+    >>> few = Finding(kind="effective size", sentence="", severity="warning", numbers=numbers)
+    >>> longer(Checks(findings=(few,)))
+    ('Record for longer: the effective sample size is 17 of 3,600 samples.',)
+    """
+    short = (one for one in checks.of(TOO_SHORT) if one.severity == "warning")
+    return tuple(
+        "Record for longer: the effective sample size"
+        f"{f' of {one.record}' if one.record else ''} is {number(one.numbers['independent'], 2)}"
+        f" of {number(one.numbers['samples'], 9)} samples."
+        for one in itertools.islice(short, 1)
+    )
+
+
+def in_sentence(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital.
+
+    Examples
+    --------
+    >>> in_sentence("Direction-dependent"), in_sentence("Coulomb + viscous")
+    ('direction-dependent', 'Coulomb + viscous')
+    """
+    return title if title.startswith(NAMES) else title[:1].lower() + title[1:]
+
+
+def friction_of(title: str) -> str:
+    """Return the friction of a law as one says it within a sentence.
+
+    Examples
+    --------
+    >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
+    ('direction-dependent friction', 'Dahl friction with exponent')
+    >>> friction_of("Stribeck by direction")
+    'Stribeck friction by direction'
+    >>> friction_of("Coulomb by position + viscous with a drag")
+    'Coulomb friction by position + viscous with a drag'
+    """
+    joints = [one for one in (" by ", " with ") if one in title]
+    joint = min(joints, key=title.index, default=" with ")
+    kind, joint, more = in_sentence(title).partition(joint)
+    noun = "" if kind.endswith("friction") else " friction"
+    return f"{kind}{noun}{joint}{more}"
+
+
+def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -> str:
+    """Return the clause that laws are as good as the chosen one, `most` of them by name.
+
+    Examples
+    --------
+    >>> not_distinguished(["Stribeck", "Viscous"], "this record")
+    'this record does not distinguish it from Stribeck and viscous'
+    >>> not_distinguished(["Dahl", "LuGre", "Stribeck", "Viscous"], "these readings")
+    'these readings do not distinguish it from Dahl, LuGre and 2 more'
+    """
+    names = [in_sentence(title) for title in titles]
+    if len(names) > most:
+        names = [*names[: most - 1], f"{len(names) - most + 1} more"]
+    verb = "do" if source.endswith("s") else "does"
+    return f"{source} {verb} not distinguish it from {joined(names)}"
+
+
+def held_out_text(scale: Scale, score: float | None, error: float | None, scored: str) -> str:
+    """Return the sentence of a held-out error, with its standard error and what it is of.
+
+    Examples
+    --------
+    >>> held_out_text(Scale(1e3, "mm"), 0.00060, 0.00007, "8 blocks, root mean square")
+    'Held-out error: 0.60 ± 0.07 mm (8 blocks, root mean square).'
+    """
+    text = " ".join(score_text(scale, score, error)).strip()
+    return f"Held-out error: {with_unit(text, scale.unit)} ({scored})."
+
+
+def to_predict(name: str, doubt: str) -> str:
+    """Return the verdict on a law that predicts, although some of its parameters are open.
+
+    Examples
+    --------
+    >>> to_predict("LuGre friction", "$sigma_1$ is bounded on one side only")
+    'Use LuGre friction to predict, but not all of its parameters are identified: $sigma_1$ ...'
+    """
+    return f"Use {name} to predict, but not all of its parameters are identified: {doubt}."
+
+
+def on_second_record(error: str) -> str:
+    """Return the clause of the error on a second record."""
+    return f"On the second record: {error}"

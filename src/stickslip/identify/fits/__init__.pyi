@@ -1,0 +1,122 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify.fits.contact_inputs import as_informed as as_informed
+from stickslip.identify.fits.contact_inputs import check_inputs as check_inputs
+from stickslip.identify.fits.contact_inputs import inputs_text as inputs_text
+from stickslip.identify.fits.contact_inputs import joint_inputs as joint_inputs
+from stickslip.identify.fits.contact_inputs import known_inputs as known_inputs
+from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
+from stickslip.identify.fits.contact_inputs import usual_values as usual_values
+from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
+from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
+from stickslip.identify.fits.estimation.estimates import estimates_of as estimates_of
+from stickslip.identify.fits.estimation.estimates import sentences_of as sentences_of
+from stickslip.identify.fits.estimation.jackknife import BLOCKS as BLOCKS
+from stickslip.identify.fits.estimation.jackknife import Inference as Inference
+from stickslip.identify.fits.estimation.jackknife import effective_size as effective_size
+from stickslip.identify.fits.estimation.jackknife import infer as infer
+from stickslip.identify.fits.estimation.jackknife import quantile_of as quantile_of
+from stickslip.identify.fits.estimation.levenberg_marquardt import AGREE as AGREE
+from stickslip.identify.fits.estimation.levenberg_marquardt import Counter as Counter
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult as OptimizeResult
+from stickslip.identify.fits.estimation.levenberg_marquardt import Watch as Watch
+from stickslip.identify.fits.estimation.levenberg_marquardt import improve as improve
+from stickslip.identify.fits.estimation.levenberg_marquardt import search as search
+from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
+from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
+from stickslip.identify.fits.estimation.parameters import reads_as_forces as reads_as_forces
+from stickslip.identify.fits.estimation.parameters import required_of as required_of
+from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
+from stickslip.identify.fits.estimation.parameters import told as told
+from stickslip.identify.fits.estimation.parameters import with_known as with_known
+from stickslip.identify.fits.estimation.problem import Problem as Problem
+from stickslip.identify.fits.estimation.problem import ResidualJacobian as ResidualJacobian
+from stickslip.identify.fits.estimation.problem import SubsetProblem as SubsetProblem
+from stickslip.identify.fits.force_map.data import load_along as load_along
+from stickslip.identify.fits.force_map.data import stretches_of as stretches_of
+from stickslip.identify.fits.force_map.force_balance import FilteredMotion as FilteredMotion
+from stickslip.identify.fits.force_map.force_balance import torque_along as torque_along
+from stickslip.identify.fits.force_map.gear_torques import gear_torques as gear_torques
+from stickslip.identify.fits.force_map.holds import hold_of as hold_of
+from stickslip.identify.fits.force_map.joint_balance import JointPiece as JointPiece
+from stickslip.identify.fits.force_map.joint_balance import check_joints as check_joints
+from stickslip.identify.fits.force_map.joint_balance import contacts_along as contacts_along
+from stickslip.identify.fits.force_map.joint_balance import joint_pieces as joint_pieces
+from stickslip.identify.fits.force_map.joint_balance import joint_record as joint_record
+from stickslip.identify.fits.force_map.start_values import StartEstimate as StartEstimate
+from stickslip.identify.fits.gears import transmitted_along as transmitted_along
+from stickslip.identify.fits.outliers import outlying as outlying
+from stickslip.identify.fits.outliers import without_outliers as without_outliers
+from stickslip.identify.fits.records.fit import Prediction as Prediction
+from stickslip.identify.fits.records.fit import RecordFit as RecordFit
+from stickslip.identify.fits.records.fit import Score as Score
+from stickslip.identify.fits.records.fitting import fit_records as fit_records
+from stickslip.identify.fits.records.joint_fitting import JOINTS as JOINTS
+from stickslip.identify.fits.records.joint_fitting import JointFitter as JointFitter
+from stickslip.identify.fits.records.joint_fitting import fit_joints as fit_joints
+from stickslip.identify.fits.records.route_choice import ROUTES as ROUTES
+from stickslip.identify.fits.records.route_choice import RouteName as RouteName
+from stickslip.identify.fits.records.route_choice import route_of as route_of
+from stickslip.identify.fits.results import Estimate as Estimate
+from stickslip.identify.fits.results import Fit as Fit
+from stickslip.identify.fits.results import Law_co as Law_co
+from stickslip.identify.fits.results import READINGS as READINGS
+from stickslip.identify.fits.results import estimates_for as estimates_for
+from stickslip.identify.fits.results import far_above_dry as far_above_dry
+from stickslip.identify.fits.rig_uncertainties import span_of as span_of
+from stickslip.identify.fits.rig_uncertainties import uncertainties_of as uncertainties_of
+from stickslip.identify.fits.series.applied_force import applied_force as applied_force
+from stickslip.identify.fits.series.applied_force import drives_itself as drives_itself
+from stickslip.identify.fits.series.applied_force import goes_straight as goes_straight
+from stickslip.identify.fits.series.applied_force import inside as inside
+from stickslip.identify.fits.series.inverse_dynamics import InverseDynamics as InverseDynamics
+from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
+from stickslip.identify.fits.series.measured_load import as_loaded as as_loaded
+from stickslip.identify.fits.series.start_values import load_of as load_of
+from stickslip.identify.fits.settings import ROUNDING as ROUNDING
+from stickslip.identify.fits.settings import RecordSettings as RecordSettings
+from stickslip.identify.fits.shooting.segments import segments_of as segments_of
+from stickslip.identify.fits.shooting.segments import with_drive as with_drive
+from stickslip.identify.fits.travel_model import LEAST_ERROR as LEAST_ERROR
+from stickslip.identify.fits.travel_model import TravelModel as TravelModel
+from stickslip.identify.fits.travel_model import Trial as Trial
+from stickslip.identify.fits.travel_model import driven_on as driven_on
+from stickslip.identify.fits.travel_model import durations as durations
+from stickslip.identify.fits.travel_model import is_rig as is_rig
+from stickslip.identify.fits.travel_model import quantities_read as quantities_read
+from stickslip.identify.fits.travel_model import standard_errors as standard_errors
+from stickslip.identify.fits.travel_model import trials_of as trials_of
+from stickslip.identify.fits.travel_model import under_cycles as under_cycles
+from stickslip.identify.fits.trials import ConditionLine as ConditionLine
+from stickslip.identify.fits.trials import TrialComparison as TrialComparison
+from stickslip.identify.fits.trials import compare_trials as compare_trials
+from stickslip.identify.fits.trials import compared as compared
+from stickslip.identify.fits.validation import AnyLaw as AnyLaw
+from stickslip.identify.fits.validation import LAW as LAW
+from stickslip.identify.fits.validation import Laws as Laws
+from stickslip.identify.fits.validation import Parameters as Parameters
+from stickslip.identify.fits.validation import called as called
+from stickslip.identify.fits.validation import check_given as check_given
+from stickslip.identify.fits.validation import check_varied as check_varied
+from stickslip.identify.fits.validation import covers as covers
+from stickslip.identify.fits.validation import law_quantities as law_quantities
+from stickslip.identify.fits.validation import laws_of as laws_of
+from stickslip.identify.fits.validation import names_of as names_of
+from stickslip.identify.fits.validation import refuse_of_laws as refuse_of_laws
+
+__all__ = [
+    "Estimate",
+    "Fit",
+    "InverseDynamics",
+    "Prediction",
+    "RecordFit",
+    "RecordSettings",
+    "Score",
+    "TrialComparison",
+    "compare_trials",
+    "durations",
+    "fit_joints",
+    "fit_records",
+    "inverse_dynamics",
+    "starting_law",
+]

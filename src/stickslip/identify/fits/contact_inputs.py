@@ -1,0 +1,453 @@
+"""Contact inputs of records: told by the mechanism, a column, or a condition of the trial."""
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement, as_recorded, command_of, unit_of_input, with_voltage
+from stickslip.errors import InputError, ParameterError
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, STEP, TAKES_PART
+from stickslip.mechanisms import (
+    ContactInputs,
+    Mechanism,
+    gear_inputs,
+    given_inputs,
+    given_names,
+    input_names,
+    of_contact,
+    only_contact,
+    slip_of,
+    told_fields,
+)
+from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, DRIVES
+from stickslip.mechanisms.drives import Drive, Sampled
+from stickslip.quantities import parameters, vary
+from stickslip.show.formatting import joined, quantity, span
+
+Array = NDArray[np.float64]
+
+WEIGHTS = ("external", "gravity")
+"""Inputs that fall where a joint takes more force; what a gear transmits grows."""
+
+
+def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
+    """Return the contact inputs that a fit of a measurement can use.
+
+    Where friction was measured without the force of the drive, a mechanism tells none that has it.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": 20.0})
+    >>> "temperature" in known_inputs(SpringBlock(mass=1.0), record)
+    True
+    """
+    told, recorded = input_names(mechanism), measurement.input_names()
+    measured = measurement.quantities()
+    if "friction" in measured and "force" not in measured:
+        given = given_names(mechanism)
+        told = tuple(name for name in told if name in given or name not in DRIVES)
+    if {"motor", "external"} <= {*recorded}:
+        recorded = (*recorded, *gear_inputs(0.0, 0.0))
+    return tuple(dict.fromkeys((*told, *recorded)))
+
+
+def check_inputs(
+    law: object,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    known: Collection[str] | None = None,
+    *,
+    contact: str = "",
+    fitted: Sequence[str] = (),
+) -> None:
+    """Refuse a law that asks for a contact input which nothing tells.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> check_inputs(Coulomb, SpringBlock(mass=1.0), Measurement(travel=0.2))
+    """
+    known = known_inputs(mechanism, measurement) if known is None else known
+    for name in getattr(law, "inputs", ()):
+        if name not in known:
+            why = _why(name, mechanism, measurement, contact, fitted)
+            raise InputError(_missing(law, name, why, measurement, known))
+
+
+def _why(
+    name: str, mechanism: Mechanism, measurement: Measurement, contact: str, fitted: Sequence[str]
+) -> str:
+    """Return why a contact input is not known."""
+    records = measurement.records()
+    some = sum(name in one.contact_inputs() for one in records)
+    if name in input_names(mechanism, contact):
+        why = f"{type(mechanism).__name__} tells it by a force or motion that was not measured"
+        return f"{why}, or by what is fitted, {joined(fitted)}" if fitted else why
+    if some:
+        return f"only {some} of {len(records)} trials have it"
+    return f"neither {type(mechanism).__name__} nor the record tells it"
+
+
+def _missing(
+    law: Any, name: str, why: str, measurement: Measurement, known: Collection[str]
+) -> str:
+    """Return what a law lacks, and what there is."""
+    records = measurement.records()
+    unused = dict.fromkeys(column for one in records for column in one.unused)
+    columns = [*measurement.quantities(), *(one for one in unused if one not in known)]
+    return (
+        f"{law.name} depends on the contact input {name!r}, and {why}. Known inputs:"
+        f" {', '.join(known) or 'none'}; columns of the record: {', '.join(columns)}. Name the"
+        f" column that holds it, as --columns {name}=... (in Python columns={{{name!r}: ...}}),"
+        " state it as a condition of each trial, or give a law without it."
+    )
+
+
+def inputs_along(
+    mechanism: Mechanism,
+    record: Measurement,
+    time: Array,
+    *,
+    position: Array | float = math.nan,
+    velocity: Array | float = math.nan,
+    force: Array | float = math.nan,
+) -> dict[str, Array]:
+    """Return contact inputs at each sample (n,): the mechanism's, then the record's, then given.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> t = np.array([0.0, 0.5, 1.0])
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> inputs_along(SpringBlock(mass=1.0), record, t)["temperature"]
+    array([20., 21., 22.])
+    """
+    slip = slip_of(mechanism)
+
+    def unknown(known: Mapping[str, Any]) -> Mapping[str, Any]:
+        return defaultdict(lambda: math.nan, known)
+
+    drives: dict[str, Array | float] = {
+        name: np.array([drive.value(float(t)) for t in time])
+        for name, drive in mechanism.drives().items()
+        if name != "drive"
+    }
+    told = mechanism.contact_inputs(
+        time,
+        unknown({slip: position}),
+        unknown({slip: velocity}),
+        unknown(drives | {"drive": force}),
+    )
+    contact, recorded = only_contact(mechanism).name, recorded_inputs(record, time)
+    measured = "friction" in record.quantities()
+    return _known(mechanism, contact, told, recorded, time, measured=measured)
+
+
+def _known(
+    mechanism: Mechanism,
+    contact: str,
+    told: ContactInputs,
+    recorded: Mapping[str, Array],
+    time: Array,
+    *,
+    measured: bool = False,
+) -> dict[str, Array]:
+    """Return inputs of a contact (n,): what the mechanism computes, the record's, given ones.
+
+    Where friction was `measured`, forces beside it are those of the record, if it has them.
+    """
+    own: Mapping[str, Any] = of_contact(told, contact)
+    if {"motor", "external"} <= recorded.keys():
+        recorded = gear_inputs(recorded["motor"], recorded["external"]) | {**recorded}
+    later = {*given_names(mechanism, contact), *(recorded if measured else ())}
+    first = {name: own[name] for name in own if name not in later}
+    found = {**own, **recorded, **first}
+    columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
+    return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
+
+
+def joint_inputs(
+    mechanism: Mechanism,
+    contacts: Mapping[str, str],
+    record: Measurement,
+    time: Array,
+    places: Array,
+    rates: Array,
+    applied: Array,
+    *,
+    fitted: Sequence[str] = (),
+    weights: Array | None = None,
+    zeros: bool = False,
+) -> list[tuple[dict[str, Array], dict[str, Array]]]:
+    """Return contact inputs of each joint at each sample (n,), the motor's force as measured.
+
+    And their slopes (n, k) by parameters that are fitted, which are those of the forces that the
+    joints take at rest, `weights` (n, m, k). What changes with such a parameter otherwise is left
+    out, and what changes with the place where positions count from an unknown zero.
+    """
+    names = mechanism.coordinates
+
+    def told_by(one: Mechanism, every: int = 1, offset: float = 0.0) -> list[dict[str, Array]]:
+        t = time[::every]
+        given = {
+            name: np.array([drive.value(float(now)) for now in t])
+            for name, drive in one.drives().items()
+            if name in told_fields(one)
+        }
+        drives = defaultdict(lambda: np.zeros_like(t), given)
+        q, q_dot = (
+            dict(zip(names, rows[::every].T, strict=True)) for rows in (places + offset, rates)
+        )
+        told = one.contact_inputs(t, q, q_dot, drives)
+        found = []
+        for name, force in zip(names, applied[::every].T, strict=True):
+            recorded = recorded_inputs(record, t, name)
+            own = _known(one, contacts.get(name, ""), told, recorded, t)
+            computed = own.keys() - given_names(one, contacts.get(name, ""))
+            own |= gear_inputs(force, own["external"]) if {"motor", "external"} <= computed else {}
+            found.append(own)
+        return found
+
+    found = told_by(mechanism)
+    every = max(1, len(time) // RESOLUTION)
+    elsewhere = told_by(mechanism, every, 1.0) if zeros else None
+    nudged = [_nudged(mechanism, path) for path in fitted]
+    moved = [(told_by(one, every), step) for one, step in nudged]
+    inputs = []
+    for i, own in enumerate(found):
+        table = np.zeros((len(time), len(fitted))) if weights is None else weights[:, i]
+        known: dict[str, Array] = {}
+        slopes: dict[str, Array] = {}
+        for name, x in own.items():
+            if elsewhere is not None and not np.array_equal(x[::every], elsewhere[i][name]):
+                continue
+            seen = [(other[i][name] - x[::every]) / step for other, step in moved]
+            if not any(np.any(one) for one in seen):
+                known[name] = x
+                continue
+            side = -1.0 if name in WEIGHTS else 1.0
+            if _alike(np.column_stack(seen), side * table[::every]):
+                known[name], slopes[name] = x, side * table
+        inputs.append((known, slopes))
+    return inputs
+
+
+def _alike(seen: Array, table: Array) -> bool:
+    """Whether slopes (n, k) that a step shows are those of a table, as far as it tells."""
+    size = np.max(np.abs(table), axis=0, initial=0.0)
+    return bool(np.all(np.abs(seen - table) <= TAKES_PART * size + 1e-300))
+
+
+def _nudged(mechanism: Mechanism, path: str) -> tuple[Mechanism, float]:
+    """Return a mechanism with a slightly larger parameter, or a smaller one at its upper limit.
+
+    And by how much it is larger.
+    """
+    value = {one: x for one, _, x in parameters(mechanism, "mechanism")}[path]
+    try:
+        larger = value * (1.0 + STEP) if abs(value) > ROUNDING else 2.0 * ROUNDING
+        return vary(mechanism, "mechanism", {path: larger}), larger - value
+    except ParameterError:
+        smaller = value / (1.0 + STEP)
+        return vary(mechanism, "mechanism", {path: smaller}), smaller - value
+
+
+def recorded_inputs(record: Measurement, time: Array, joint: str = "") -> dict[str, Array]:
+    """Return the contact inputs that a record has, of a joint where it has its own, at times.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> recorded_inputs(record, np.array([0.5]))
+    {'temperature': array([21.])}
+    """
+    times = time if record.time is None else np.asarray(record.time)
+    return {
+        name: np.interp(time, times, np.broadcast_to(value, times.shape))
+        for name, value in record.contact_inputs(joint).items()
+    }
+
+
+def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mechanism:
+    """Return a mechanism that tells its laws what a record has of contact inputs.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> warm = with_inputs(SpringBlock(mass=1.0), record, record.time)
+    >>> warm.drives()["contact_temperature"].value(0.5)
+    21.0
+    """
+    inputs: dict[str, dict[str, Drive | float]] = {"": {}}
+    for joint, contact in _contacts_of(mechanism, [record]):
+        own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
+        for name, seen in recorded_inputs(record, times, joint).items():
+            if name not in own and (not joint or name in record.joints[joint].inputs):
+                inputs.setdefault(contact, {})[name] = (
+                    Sampled(times=times - times[0], values=seen, hold="first")
+                    if np.ptp(seen) > 0.0
+                    else float(seen[0])
+                )
+    return given_inputs(mechanism, {**inputs.pop(""), **inputs})
+
+
+def _contacts_of(
+    mechanism: Mechanism, records: Sequence[Measurement]
+) -> tuple[tuple[str, str], ...]:
+    """Return joints that have inputs of their own in all records, with the contacts along them.
+
+    And the contact of no joint, both empty: what is told to it, all are told.
+    """
+    having = [
+        joint
+        for joint in (records[0].joints if records else ())
+        if all(joint in one.joints and one.joints[joint].inputs for one in records)
+    ]
+    contacts = [(one.slip, one.name) for one in mechanism.contacts() if isinstance(one.slip, str)]
+    return (("", ""), *(one for one in contacts if one[0] in having))
+
+
+def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
+    """Return the contact inputs of a law, or of those of several contacts."""
+    if isinstance(law, FrictionLaw):
+        return law.inputs
+    return tuple(dict.fromkeys(name for _, one in law.members for name in one.inputs))
+
+
+def as_informed(
+    law: FrictionLaw | Laws, mechanism: Mechanism, measurement: Measurement
+) -> tuple[Mechanism, tuple[str, ...]]:
+    """Return a mechanism with what was measured of a law's inputs, and what is to be said of it.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> as_informed(law, SpringBlock(mass=1.0), Measurement(travel=0.2))[1]
+    ()
+    """
+    found: dict[str, dict[str, float]] = {"": {}}
+    said = []
+    records = measurement.records()
+    for joint, contact in _contacts_of(mechanism, records):
+        own = set(input_names(mechanism, contact)).difference(given_names(mechanism, contact))
+        for name in _asked(law):
+            held = [(one.joints[joint] if joint else one).contact_inputs() for one in records]
+            parts = [one.get(name) for one in held]
+            if name in own or any(part is None for part in parts):
+                continue
+            values = np.concatenate([np.atleast_1d(np.asarray(x, dtype=float)) for x in parts])
+            middle, low, high = (float(of(values)) for of in (np.median, np.min, np.max))
+            found.setdefault(contact, {})[name] = middle
+            if high > low:
+                unit = unit_of_input(name, turning=measurement.turning)
+                what = f"The {name} of the {joint}" if joint else f"The {name}"
+                said.append(
+                    f"{what} was measured and varies, {span(low, high, unit)}: in runs of this fit"
+                    f" it is the median, {quantity(middle, unit)}."
+                )
+    return given_inputs(mechanism, {**found.pop(""), **found}), tuple(dict.fromkeys(said))
+
+
+def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
+    """Return sentences on inputs of a law that never change.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> kind = law("level * linear[temperature]")
+    >>> warm = kind(kinetic_coefficient=0.2, level_temperature_slope=0.01)
+    >>> unvaried(warm, [{"temperature": np.array([20.0, 20.0])}])
+    ('The temperature is constant in this record: its effect cannot be told.',)
+    """
+    found = []
+    for name in _asked(law):
+        values = np.concatenate([one[name] for one in inputs if name in one] or [np.zeros(0)])
+        if len(values) and np.ptp(values) <= ROUNDING * float(np.max(np.abs(values))):
+            found.append(f"The {name} is constant in this record: its effect cannot be told.")
+    return tuple(found)
+
+
+def typical_inputs(
+    law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+) -> dict[str, float]:
+    """Return what a law's inputs usually were, at which curves are drawn: medians.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> typical_inputs(law, SpringBlock(mass=1.0), Measurement(travel=0.2))
+    {}
+    """
+    if not law.inputs:
+        return {}
+    every: dict[str, list[Array]] = {name: [] for name in law.inputs}
+    for given in measurement.records():
+        record = with_voltage(mechanism, given, "zero")
+        set_up = as_recorded(mechanism, record)
+        names = {"position": "position", "velocity": "velocity", "force": command_of(record)}
+        signals: dict[str, Any] = {
+            name: record.values(column)
+            for name, column in names.items()
+            if column in record.quantities()
+        }
+        if record.time is None:
+            time = np.arange(max(map(np.size, signals.values()), default=1), dtype=float)
+        else:
+            time = np.asarray(record.time)
+            x, v = signals.get("position"), signals.get("velocity")
+            signals |= {"velocity": np.gradient(x, time)} if v is None and x is not None else {}
+            signals.setdefault("force", 0.0)
+        for name, values in inputs_along(set_up, record, time, **signals).items():
+            if name in every:
+                every[name].append(values)
+    found = usual_values({name: values for name, values in every.items() if values})
+    return {name: found.get(name, CONTACT_INPUTS[name].size) for name in every}
+
+
+def usual_values(inputs: Mapping[str, Sequence[Array]]) -> dict[str, float]:
+    """Return medians of contact inputs over the stretches of a record, of forces of their sizes.
+
+    Both torques of a gear are those where it transmits the median: of their sizes alone, a gear
+    that holds a weight would transmit nothing.
+
+    Examples
+    --------
+    >>> usual_values({"motor": [np.array([5.0, 1.0, 4.0])], "external": [np.array([-5, 0, -4])]})
+    {'motor': 4.0, 'external': -4.0}
+    """
+    whole = {name: np.concatenate(values) for name, values in inputs.items()}
+    found = {
+        name: float(np.median(np.abs(x) if CONTACT_INPUTS[name].scale else x))
+        for name, x in whole.items()
+    }
+    motor, external = whole.get("motor"), whole.get("external")
+    if motor is not None and external is not None and len(motor) == len(external):
+        through = np.abs(motor - external)
+        middle = np.argsort(through)[len(through) // 2]
+        found |= {"motor": float(motor[middle]), "external": float(external[middle])}
+    return found
+
+
+def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
+    """Return values of contact inputs in words.
+
+    Examples
+    --------
+    >>> inputs_text({"temperature": 35.0, "transmitted": 2.0}, turning=True)
+    'temperature 35 °C and transmitted 2 N m'
+    """
+    return joined(
+        [
+            f"{name} {quantity(value, unit_of_input(name, turning=turning))}"
+            for name, value in inputs.items()
+        ]
+    )

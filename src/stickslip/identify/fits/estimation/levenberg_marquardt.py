@@ -1,0 +1,209 @@
+"""Levenberg and Marquardt's least squares with bounds, from several starts."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError
+from stickslip.identify.fits.estimation.parameters import FreeParameters
+from stickslip.identify.fits.estimation.problem import LeastSquaresProblem, ResidualJacobian
+from stickslip.identify.fits.settings import ROUNDS, SETTLED
+from stickslip.show.formatting import count, number
+
+Array = NDArray[np.float64]
+Watch = Callable[[float], object]
+"""Called with the least root mean square so far; answers False to stop with what there is."""
+
+JITTER = 0.4
+"""Further starts are the first one times e^(+-JITTER), by coordinate."""
+AGREE = 0.01
+"""Starts agree if their root mean squares differ by less than this share."""
+FIRST_DAMPING, GROWTH = 1e-3, 10.0
+"""Damping of the first step, and what it is multiplied by when a step fails: after each further
+failure by as much again, since steps change little while damping is below 1."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OptimizeResult:
+    """The least cost found, and what each start came to."""
+
+    best: ResidualJacobian
+    """Residuals and Jacobian at the least cost."""
+    costs: tuple[float, ...]
+    """Cost each start ended with, the first start first."""
+    evaluations: int
+    """How often the record was predicted."""
+    cancelled: bool = False
+    """Whether the watcher ended the search."""
+
+    @property
+    def agreeing(self) -> int:
+        """How many starts came to the least cost."""
+        return _agreeing(self.costs)
+
+
+class _StoppedError(Exception):
+    """The watcher does not want to go on."""
+
+
+@dataclass
+class Counter:
+    """Counts predictions and tells a watcher of the least root mean square, which may end them."""
+
+    watch: Watch | None
+    """Called with the least root mean square so far, if given; False ends the search."""
+    least: float = math.inf
+    """Least root mean square so far."""
+    count: int = 0
+    """Predictions so far."""
+
+    def __call__(self, seen: ResidualJacobian) -> None:
+        """Note a prediction."""
+        self.count += 1
+        self.least = min(self.least, seen.rms)
+        if self.watch is not None and self.watch(self.least) is False:
+            raise _StoppedError
+
+
+def search(
+    problem: LeastSquaresProblem,
+    *,
+    starts: int = 1,
+    seed: int = 0,
+    start_values: Sequence[Array] = (),
+    watch: Watch | None = None,
+) -> OptimizeResult:
+    """Return the least cost over several starts.
+
+    The first is that of the problem, then come given values (p,), then as many jittered ones as
+    make `starts` of them.
+    """
+    counter, random = Counter(watch), np.random.default_rng(seed)
+    ends: list[ResidualJacobian] = []
+    costs: list[float] = []
+    cancelled = False
+    for place in range(max(starts, 1 + len(start_values))):
+        if cancelled:
+            break
+        values = _start(problem.free_parameters, place, start_values, random)
+        try:
+            end, cancelled = improve(problem, values, counter=counter)
+            gains = True
+            while gains and not cancelled:  # in a long valley damping grows too much
+                before = end.cost
+                end, cancelled = improve(problem, end.values, near=end, counter=counter)
+                gains = end.cost < (1.0 - AGREE) * before
+        except ConvergenceError:
+            costs.append(math.inf)
+            continue
+        ends.append(end)
+        costs.append(end.cost)
+    if not ends:
+        raise ConvergenceError(
+            f"the record cannot be simulated from any of {count(len(costs), 'starting point')} near"
+            f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.free_parameters.items)}."
+        )
+    return OptimizeResult(
+        best=min(ends, key=lambda end: end.cost),
+        costs=tuple(costs),
+        evaluations=counter.count,
+        cancelled=cancelled,
+    )
+
+
+def _agreeing(costs: Sequence[float]) -> int:
+    """Return how many starts came to the least cost."""
+    least = min(costs)
+    return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
+
+
+def _start(
+    free_parameters: FreeParameters,
+    number: int,
+    tried: Sequence[Array],
+    random: np.random.Generator,
+) -> Array:
+    """Return the values of a start: the first one, those tried, then jittered ones."""
+    if number == 0:
+        return free_parameters.start
+    if number <= len(tried):
+        return tried[number - 1]
+    factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(free_parameters)))
+    base = tried[(number - 1) % len(tried)] if tried else free_parameters.start
+    return free_parameters.values(free_parameters.coordinates(base * factors))
+
+
+def improve(
+    problem: LeastSquaresProblem,
+    values: Array,
+    *,
+    near: ResidualJacobian | None = None,
+    counter: Callable[[ResidualJacobian], None] | None = None,
+    rounds: int = ROUNDS,
+) -> tuple[ResidualJacobian, bool]:
+    """Descend from values (p,); return the end, and whether the watcher stopped it.
+
+    A descent that ended at these values, `near`, is continued.
+    """
+    free_parameters = problem.free_parameters
+    low, high = free_parameters.limits()
+    at = free_parameters.coordinates(values)
+    here = problem.linearise(free_parameters.values(at)) if near is None else near
+    if not here.finite:
+        raise ConvergenceError("the record cannot be simulated with these start values.")
+    damping, growth = FIRST_DAMPING, GROWTH
+    try:
+        if counter is not None and near is None:
+            counter(here)
+        for _ in range(rounds):
+            table = here.slopes @ free_parameters.slopes(at)
+            step, promised = step_of(table, here.residual, at, low, high, damping)
+            done = promised <= SETTLED * here.cost
+            trial = at if done else np.clip(at + step, low, high)
+            there = problem.linearise(free_parameters.values(trial), here)
+            if counter is not None:
+                counter(there)
+            gained = here.cost - there.cost
+            if gained > 0.0 and there.finite:
+                at, here = trial, there
+                damping, growth = damping * _eased(gained, promised), GROWTH
+            elif not done:
+                damping, growth = damping * growth, growth * GROWTH
+            if done and not gained > SETTLED * here.cost:
+                break  # nor did initial states, which follow one step behind, gain anything
+    except _StoppedError:
+        return here, True
+    return here, False
+
+
+def _eased(gained: float, promised: float) -> float:
+    """Return what damping is multiplied by after a step that gained so much of what it promised."""
+    if gained > 0.75 * promised:
+        return 1.0 / GROWTH
+    return 1.0 if gained > 0.25 * promised else math.sqrt(GROWTH)
+
+
+def step_of(
+    table: Array, residual: Array, at: Array, low: Array, high: Array, damping: float
+) -> tuple[Array, float]:
+    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost."""
+    slope = table.T @ residual
+    free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
+    step = np.zeros_like(at)
+    while free.any():
+        square = table[:, free].T @ table[:, free]
+        scale = np.maximum(np.diag(square), 1e-30 * max(float(np.trace(square)), 1e-300))
+        wanted = slope[free] - table[:, free].T @ (table[:, ~free] @ step[~free])
+        whole = np.linalg.lstsq(square + damping * np.diag(scale), wanted, rcond=None)[0]
+        reached = at[free] + whole
+        step[free] = np.clip(reached, low[free], high[free]) - at[free]
+        stopped = (reached < low[free]) | (reached > high[free])
+        if not stopped.any():
+            break
+        # The others went as far as they did to make up for what a bound now cuts short.
+        free[np.flatnonzero(free)[stopped]] = False
+    change = table @ step
+    return step, float(2.0 * residual @ change - change @ change)

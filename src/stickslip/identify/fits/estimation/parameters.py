@@ -1,0 +1,566 @@
+"""What a fit looks for: parameters with bounds and units, and how the optimiser sees them."""
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement, levels_at, tells_load
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, fields_of, parameters, shadow, turned, vary
+
+Array = NDArray[np.float64]
+
+WIDE = 100.0
+"""How far bounds lie from the size that is given, or that a record suggests."""
+LEVELS = frozenset({"level", "level+", "level-", "force", "stiffness"})
+"""Sizes that grow with friction."""
+ORDINARY = {
+    "level": 0.25,
+    "level+": 0.25,
+    "level-": 0.25,
+    "slope": 0.5 / 9.81,
+    "slope+": 0.5 / 9.81,
+    "slope-": 0.5 / 9.81,
+    "drag": 1.0 / 9.81,
+    "speed": 0.5,
+    "displacement": 0.25e-3,
+    "stiffness": 1e3,
+    "damping": 10.0,
+}
+"""Dry metal on metal; slopes and drag are over the load. Bristles give way by 0.25 mm."""
+SURPLUS_AT_REST = 0.4
+"""What a level has over that which it does not fall below, over the latter."""
+OFFSET = "measurement.offset.force."
+"""Path of the constant force of a joint, before its name."""
+JOINTS = "mechanism.joints."
+"""Path of the parameters of a joint of a robot, before its number."""
+MOVED = 1e-5
+"""Share of its size by which a parameter is moved for slopes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Range:
+    """Start value and bounds of a parameter, in its unit; bounds of a surplus where it has one."""
+
+    start: float
+    """Start value."""
+    low: float
+    """Lower bound."""
+    high: float
+    """Upper bound."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizes:
+    """What a measurement says of the sizes of `stickslip.quantities.SCALES` [SI], by name."""
+
+    typical: Mapping[str, float]
+    """What start values are multiples of."""
+    reach: Mapping[str, float]
+    """What bounds are multiples of."""
+
+    def of(self, quantity: Quantity) -> Range:
+        """Return start value and bounds of a parameter.
+
+        Examples
+        --------
+        >>> v_s = Quantity("v_s", "m/s", above=0, scale="speed", bounds=(1e-3, 1.0), start=0.1)
+        >>> Sizes(typical={"speed": 0.5}, reach={"speed": 2.0}).of(v_s)
+        Range(start=0.05, low=0.002, high=2.0)
+        """
+        assert quantity.bounds is not None
+        assert quantity.start is not None
+        reach = quantity.scaled_by(self.reach)
+        low, high = (reach * bound for bound in quantity.bounds)
+        start = quantity.start * quantity.scaled_by(self.typical)
+        if quantity.at_least is None:
+            low, high = max(low, quantity.low), min(high, quantity.high)
+        return Range(start=start, low=low, high=high)
+
+
+def is_level(quantity: Quantity) -> bool:
+    """Whether a parameter grows with friction as a whole: a level, a force or a stiffness.
+
+    Examples
+    --------
+    >>> from stickslip import LuGre
+    >>> [name for name, quantity in fields_of(LuGre).items() if is_level(quantity)]
+    ['kinetic_coefficient', 'static_coefficient', 'bristle_stiffness']
+    """
+    return any(name in LEVELS and power == 1 for name, power in quantity.powers.items())
+
+
+def with_ranges(law: FrictionLaw | type[FrictionLaw], name: str) -> Quantity:
+    """Return a parameter of a law, with a range: its own, or one about the value that is given.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> with_ranges(Stribeck, "stribeck_velocity").bounds
+    (0.001, 1.0)
+    """
+    kind = law if isinstance(law, type) else type(law)
+    quantity = fields_of(kind)[name]
+    if quantity.scale:
+        return quantity
+    value = None if isinstance(law, type) else getattr(law, name)
+    if not value:
+        raise InputError(_without_range(kind, name, quantity))
+    size = WIDE * abs(value)
+    low = abs(value) / WIDE if quantity.above is not None else max(quantity.low, -size)
+    above = quantity.at_least is not None
+    return replace(
+        quantity,
+        scale="none",
+        bounds=(0.0 if above else low, size if above else min(size, quantity.high)),
+        start=float(value),
+    )
+
+
+def _without_range(kind: type[FrictionLaw], name: str, quantity: Quantity) -> str:
+    limits = "".join(
+        f", {side}={value:g}"
+        for side, value in (("above", quantity.above), ("low", quantity.low))
+        if value is not None and math.isfinite(value)
+    )
+    unit = "" if quantity.unit == "1" else f', "{quantity.unit}"'
+    usual = {
+        "1": 'scale="level", bounds=(0.0, 100.0), start=1.0',
+        "m/s": 'scale="speed", bounds=(1e-3, 1.0), start=0.1',
+        "N s/m": 'scale="slope", bounds=(0.0, 100.0), start=1.0',
+        "1/m": 'scale="stiffness", bounds=(1e-2, 1e3), start=1.0',
+    }
+    text = usual.get(quantity.unit, 'scale="none", bounds=(LOW, HIGH), start=VALUE')
+    return (
+        f"{kind.__name__}.{name} ({quantity.symbol}) has no search range: complete its"
+        f' Quantity, such as Quantity("{quantity.symbol}"{unit}{limits}, {text}), where bounds and'
+        ' start are multiples of the scale as measured, or values with scale="none"; or give an'
+        f" instance of {kind.__name__}, whose values other than 0 are the start."
+    )
+
+
+def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
+    """Return the names of the parameters that a law cannot do without.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> required_of(Dahl)
+    ('kinetic_coefficient', 'bristle_stiffness')
+    """
+    fields = law.__dataclass_fields__
+    return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
+
+
+def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
+    """Return a law of that type with ordinary values for each parameter it needs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> starting_law(Coulomb)
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    """
+    per_load = ("slope", "slope+", "slope-", "drag")
+    typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
+    typical |= {"load": load, "force": ORDINARY["level"] * load}
+    sizes = Sizes(typical=typical, reach=typical)
+    values: dict[str, Any] = {}
+    for name in required_of(law):
+        quantity = with_ranges(law, name)
+        values[name] = sizes.of(quantity).start
+        if quantity.at_least in values:
+            values[name] = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
+    return law(**values)
+
+
+def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
+    """Return a law with the values that are known, by name, and others that keep its inequalities.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> with_known(Coulomb(kinetic_coefficient=0.3), {"static_coefficient": 0.21})
+    Coulomb(kinetic_coefficient=0.15, static_coefficient=0.21)
+    """
+    values = dict(known or {})
+    for name, value in (known or {}).items():
+        base = fields_of(type(law))[name].at_least
+        if base is not None and base not in values and getattr(law, base) > value:
+            values[base] = value / (1.0 + SURPLUS_AT_REST)
+    return vary(law, "friction", {f"friction.{name}": v for name, v in values.items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeParameter:
+    """One parameter that a fit looks for.
+
+    The optimiser sees its logarithm if `log`, the surplus over another parameter if `above`, else
+    the value itself.
+    """
+
+    path: str
+    """Parameter path."""
+    quantity: Quantity
+    """Symbol and unit."""
+    start: float
+    """Start value."""
+    low: float = -math.inf
+    """Least value looked at; with `above`, least surplus."""
+    high: float = math.inf
+    """Largest value looked at; with `above`, largest surplus."""
+    log: bool = False
+    """Whether its order of magnitude is what is looked for."""
+    above: str = ""
+    """Path of the parameter that it does not fall below, such as the kinetic level."""
+
+    def limits(self) -> tuple[float, float]:
+        """Return the bounds as the optimiser sees them."""
+        if not self.log:
+            return self.low, self.high
+        return (math.log(self.low) if self.low > 0.0 else -math.inf), (
+            math.log(self.high) if self.high > 0.0 else math.inf
+        )
+
+
+def not_whole(item: FreeParameter, value: float) -> float:
+    """Return a value; next to it if it is a whole exponent, which has no slope.
+
+    Whole exponents shape the equations.
+    """
+    whole = item.quantity.structural and value.is_integer()
+    return value * (1.0 + 0.1 * MOVED) if whole else value
+
+
+@dataclass(frozen=True)
+class FreeParameters:
+    """The unknowns of a fit in order, and the way between values and coordinates.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> both = FreeParameters(
+    ...     (
+    ...         FreeParameter(
+    ...             path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0
+    ...         ),
+    ...         FreeParameter(
+    ...             path="friction.static_coefficient",
+    ...             quantity=Quantity("mu_s"),
+    ...             start=2.5,
+    ...             above="friction.kinetic_coefficient",
+    ...         ),
+    ...     )
+    ... )
+    >>> both.coordinates(both.start)
+    array([2. , 0.5])
+    """
+
+    items: tuple[FreeParameter, ...]
+    """The free parameters, in the order of all arrays (p,)."""
+    known: Mapping[str, float] | None = None
+    """Values of parameters that are not looked for, as far as an unknown stands above one."""
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Paths in order."""
+        return tuple(item.path for item in self.items)
+
+    @property
+    def start(self) -> Array:
+        """Start values (p,)."""
+        return np.array([item.start for item in self.items])
+
+    def starting_at(self, values: Sequence[float] | Array) -> "FreeParameters":
+        """Return the same unknowns with other start values (p,)."""
+        items = (replace(item, start=float(v)) for item, v in zip(self.items, values, strict=True))
+        return replace(self, items=tuple(items))
+
+    def limits(self) -> tuple[Array, Array]:
+        """Return the bounds of the coordinates (p,), (p,)."""
+        pairs = np.array([item.limits() for item in self.items]).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+    def coordinates(self, values: Array) -> Array:
+        """Return what the optimiser sees (p,), inside the bounds."""
+        seen = np.empty(len(self))
+        for i, item in enumerate(self.items):
+            value = values[i] - self._base(item, values)
+            seen[i] = math.log(max(value, 1e-300)) if item.log else value
+        low, high = self.limits()
+        return np.clip(seen, low, high)
+
+    def values(self, coordinates: Array) -> Array:
+        """Return parameter values (p,) for coordinates."""
+        found = np.array(
+            [
+                math.exp(min(c, 700.0)) if item.log else c
+                for item, c in zip(self.items, coordinates, strict=True)
+            ]
+        )
+        for i, item in enumerate(self.items):
+            found[i] += self._base(item, found)
+        return found
+
+    def slopes(self, coordinates: Array) -> Array:
+        """Return the derivatives of the values by the coordinates (p, p)."""
+        table = np.zeros((len(self), len(self)))
+        for i, item in enumerate(self.items):
+            table[i, i] = math.exp(min(coordinates[i], 700.0)) if item.log else 1.0
+        for i, item in enumerate(self.items):
+            if item.above in self.paths:
+                table[i] += table[self.paths.index(item.above)]
+        return table
+
+    def _base(self, item: FreeParameter, values: Array) -> float:
+        """Return the value that an unknown stands above; 0 if on none."""
+        if not item.above:
+            return 0.0
+        if item.above in self.paths:
+            return float(values[self.paths.index(item.above)])
+        return (self.known or {})[item.above]
+
+
+def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> (
+    ...     reads_as_forces(Axis(inertia=1.0), table),
+    ...     reads_as_forces(Axis(inertia=1.0, load=5.0), table),
+    ... )
+    (True, False)
+    """
+    unit_load = levels_at(mechanism) != "per load"
+    return unit_load and not tells_load(measurement)
+
+
+def in_forces(
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
+    """Return the unknowns with the units that their values read in.
+
+    A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
+    the number is the force, and is said in N.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.quantities import Quantity
+    >>> path = "friction.kinetic_coefficient"
+    >>> level = FreeParameters(
+    ...     (FreeParameter(path=path, quantity=Quantity("mu_k", per_load=True), start=2.0),)
+    ... )
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
+    'N'
+    """
+    if not reads_as_forces(mechanism, measurement):
+        return free_parameters
+    return replace(free_parameters, items=tuple(_in_forces(free_parameters.items)))
+
+
+def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
+    """Return the unknowns in the units of what was measured: about an axis, forces are torques.
+
+    Parameters of a mechanism say themselves which other unit they have then, if any: the mass and
+    the length of a pendulum stay a mass and a length.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> units = {"mass": Quantity("m", "kg"), "offset": Quantity("o", "N", or_unit="N m")}
+    >>> unknowns = FreeParameters(
+    ...     tuple(
+    ...         FreeParameter(path=f"mechanism.{name}", quantity=unit, start=0.0)
+    ...         for name, unit in units.items()
+    ...     )
+    ... )
+    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
+    >>> [item.quantity.unit for item in turned_as(swing, unknowns).items]
+    ['kg', 'N m']
+    """
+    pairs = [(item, _unit_of(item, turning=measurement.turning)) for item in free_parameters.items]
+    items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    return replace(free_parameters, items=tuple(items))
+
+
+def _unit_of(item: FreeParameter, *, turning: bool) -> str:
+    """Return the unit of an unknown where motion is straight, or about an axis."""
+    if item.path.startswith("mechanism."):
+        return (turning and item.quantity.or_unit) or item.quantity.unit
+    return turned(item.quantity.unit, turning)
+
+
+def told(
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
+    """Return the unknowns of a record with the units that their values read in."""
+    if measurement.joint_names():
+        return by_joint(free_parameters, mechanism)
+    return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
+
+
+def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
+    """Return the unknowns of several joints with the units that their values read in.
+
+    Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
+    """
+    turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
+    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
+    items = []
+    for item in free_parameters.items:
+        quantity, turning = item.quantity, False
+        if item.path.startswith("friction."):
+            contact = contacts[item.path.split(".")[1]]
+            turning = turns[contact.slips[0]]
+            if contact.load == 1.0:
+                quantity = replace(quantity, unit=quantity.force_unit)
+        elif item.path.startswith(OFFSET):
+            turning = turns[item.path.removeprefix(OFFSET)]
+        elif item.path.startswith(JOINTS) and quantity.or_unit:
+            number = int(item.path.removeprefix(JOINTS).partition(".")[0])
+            if mechanism.units[number] != "rad":
+                quantity = replace(quantity, unit=quantity.or_unit)
+        unit = turned(quantity.unit, turning)
+        items.append(replace(item, quantity=replace(quantity, unit=unit)))
+    return replace(free_parameters, items=tuple(items))
+
+
+def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
+    for item in items:
+        quantity = item.quantity
+        if item.path.startswith("friction."):
+            quantity = replace(quantity, unit=quantity.force_unit)
+        yield replace(item, quantity=quantity)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PerturbedLaws:
+    """A law at some values, copies with one parameter moved each, and plain ones for bristles.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> from stickslip.identify.fits.estimation.parameters import FreeParameter
+    >>> from stickslip.quantities import Quantity
+    >>> level = FreeParameter(
+    ...     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5
+    ... )
+    >>> own = PerturbedLaws.of(
+    ...     Coulomb(kinetic_coefficient=0.5), FreeParameters((level,)), np.array([0.4]), constant=""
+    ... )
+    >>> forces = own.law.force(np.array([[-0.1], [0.1]]), 10.0)
+    >>> forces[:, 0], own.slopes_of(forces).round(6)[:, 0]
+    (array([-4.,  4.]), array([-10.,  10.]))
+    """
+
+    law: Any
+    """The law; parameters that are looked for are arrays (copies,)."""
+    base: FrictionLaw
+    """The same law with numbers."""
+    constant: int | None
+    """Which unknown is the constant force beside the law."""
+    offset: float | None
+    """Value of that unknown."""
+    moved: Array
+    """By how much the parameter of each moved copy was moved (m,)."""
+    columns: tuple[int, ...]
+    """Which unknown each moved copy is of."""
+    free_parameters: int
+    """Number of unknowns."""
+
+    @property
+    def bristles(self) -> int:
+        """Number of bristles, for each of which there is one more copy."""
+        return len(self.base.states)
+
+    @property
+    def count(self) -> int:
+        """Number of copies."""
+        return 1 + len(self.moved) + self.bristles
+
+    @classmethod
+    def of(
+        cls,
+        law: FrictionLaw,
+        free_parameters: FreeParameters,
+        values: Array,
+        *,
+        constant: str,
+        slopes: bool = True,
+    ) -> "PerturbedLaws":
+        """Return the copies of a law at values (p,) of the unknowns."""
+        items = free_parameters.items
+        own = [i for i, item in enumerate(items) if item.path.startswith("friction.")]
+        numbers = {items[i].path: float(values[i]) for i in own}
+        base = vary(law, "friction", numbers)
+        sizes = [_size(float(values[i]), items[i].start, items[i].high) for i in own]
+        moved = MOVED * np.array(sizes) if slopes else np.zeros(0)
+        table = {
+            path: np.full(1 + len(moved) + len(base.states), value)
+            for path, value in numbers.items()
+        }
+        for k in range(len(moved)):
+            table[items[own[k]].path][1 + k] += moved[k]
+        at = next((i for i, item in enumerate(items) if item.path == constant), None)
+        return cls(
+            law=with_arrays(base, table),
+            base=base,
+            constant=at,
+            offset=None if at is None else float(values[at]),
+            moved=moved,
+            columns=tuple(own) if slopes else (),
+            free_parameters=len(items),
+        )
+
+    def slopes_of(self, forces: Array) -> Array:
+        """Return slopes by the unknowns (n, p) from the forces of the copies (n, copies)."""
+        table = np.zeros((len(forces), self.free_parameters))
+        moved = forces[:, 1 : 1 + len(self.moved)]
+        table[:, list(self.columns)] = (moved - forces[:, :1]) / self.moved
+        if self.constant is not None:
+            table[:, self.constant] = 1.0
+        return table
+
+
+def _size(value: float, start: float, high: float) -> float:
+    """Return the size that a parameter is moved by a share of; it may be 0 at a bound."""
+    room = 1e-3 * high if np.isfinite(high) else 0.0
+    return max(
+        abs(value), abs(start) if value == 0.0 else 0.0, room if value == 0.0 else 0.0, 1e-12
+    )
+
+
+def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
+    """Return a law with arrays (copies,) for some of its parameters, by path.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> both = with_arrays(
+    ...     Coulomb(kinetic_coefficient=0.5),
+    ...     {"friction.kinetic_coefficient": np.array([0.5, 0.6])},
+    ... )
+    >>> both.force(np.array([[0.1]]), 10.0)
+    array([[5., 6.]])
+    """
+    known = {path: value for path, _, value in parameters(law, "friction")}
+    # a whole exponent is part of the equations' shape and would not be replaced
+    whole = {path: float(v[0]) * (1.0 + 1e-12) for path, v in table.items() if path not in known}
+    return shadow(
+        vary(law, "friction", whole), "friction", lambda path: table.get(path, known.get(path))
+    )

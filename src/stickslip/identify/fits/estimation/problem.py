@@ -1,0 +1,270 @@
+"""A record as residuals that depend on unknowns: what every route gives to the optimiser."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.engine.trajectory import Trajectory
+from stickslip.identify.fits.estimation.parameters import FreeParameters
+from stickslip.identify.fits.settings import PROMPT, SensorResponse
+
+Array = NDArray[np.float64]
+
+
+STEEPEST = float(np.sqrt(np.finfo(float).max))
+"""Slopes from here on, whose squares overflow, are those of predictions that leave all bounds."""
+
+
+class ResidualJacobian:
+    """Residuals and their slopes at some values, with what is local to a segment eliminated."""
+
+    def __init__(
+        self,
+        *,
+        values: Array,
+        residual: Array,
+        slopes: Array | Callable[[], Array],
+        segment: NDArray[np.intp],
+        memory: Any = None,
+    ) -> None:
+        """Take residuals; slopes may be what finds them, when they are asked for."""
+        self.values = values
+        """Values of the unknowns (p,)."""
+        self.residual = residual
+        """Measured less predicted (n,); infinite where the prediction failed."""
+        self.segment = segment
+        """Segment each row belongs to (n,)."""
+        self.memory = memory
+        """What the problem wants to be handed when it linearises near by."""
+        self._slopes = slopes
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives of the prediction by the values (n, p)."""
+        if callable(self._slopes):
+            self._slopes = self._slopes()
+        return self._slopes
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: slopes that are found."""
+        return {**self.__dict__, "_slopes": self.slopes}
+
+    def with_residual(self, residual: Array) -> "ResidualJacobian":
+        """Return the same with other residuals (n,)."""
+        return ResidualJacobian(
+            values=self.values,
+            residual=residual,
+            slopes=lambda: self.slopes,
+            segment=self.segment,
+            memory=self.memory,
+        )
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def finite(self) -> bool:
+        """Whether the record is predicted, and slopes are not beyond what can be squared."""
+        if not np.isfinite(self.cost):
+            return False
+        steepest = float(np.max(np.abs(self.slopes), initial=0.0))  # NaN stays
+        return steepest < STEEPEST
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals."""
+        return float(np.sqrt(self.cost / len(self.residual)))
+
+
+class LeastSquaresProblem(Protocol):
+    """What a search needs."""
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What is looked for."""
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals and slopes at values (p,), from an answer for near values if any."""
+
+
+class Problem(ABC):
+    """Residuals of one or several records as a function of unknowns, segment by segment."""
+
+    free_parameters: FreeParameters
+    """What is looked for."""
+
+    @property
+    @abstractmethod
+    def spans(self) -> Array:
+        """Record, first and last time of each segment (segments, 3)."""
+
+    @property
+    @abstractmethod
+    def quantity(self) -> str:
+        """Name of what the residuals are of, as in `QUANTITIES`."""
+
+    @property
+    @abstractmethod
+    def times(self) -> Array:
+        """Time of each row (n,) [s]."""
+
+    @abstractmethod
+    def linearise(
+        self,
+        values: Array,
+        near: ResidualJacobian | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> ResidualJacobian:
+        """Return what predictions with values (p,) leave, and their slopes; of some segments.
+
+        Slopes are not looked at where they are not asked for.
+        """
+
+
+class FrictionSamples(NamedTuple):
+    """Friction that a law is compared with, along a stretch of the measured motion."""
+
+    time: Array | None
+    """Times (n,) [s]; None in a table."""
+    velocity: Array
+    """Slip velocities (n,) [m/s]."""
+    friction: Array
+    """Friction forces (n,) [N]."""
+    load: Array
+    """Normal forces (n,) [N]."""
+    beside: Mapping[str, Array] = MappingProxyType({})
+    """What else friction may depend on (n,), by the name of the contact input [SI]."""
+
+
+class RecordProblem(Problem):
+    """A problem whose rows are samples of a record, which predictions stand beside."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> Array:
+        """What was measured of the quantity compared, of each row (n,)."""
+
+    @property
+    @abstractmethod
+    def variation(self) -> float:
+        """Sum of squares of what a law is to explain: of what was measured, less what is free."""
+
+    @property
+    def simulates(self) -> bool:
+        """Whether motion is predicted from its start; else friction along the measured motion."""
+        return False
+
+    @property
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        """Friction along the measured motion, by stretch; empty where motion is simulated."""
+        return ()
+
+    @property
+    def response(self) -> SensorResponse:
+        """How the channel of measured friction shows a force."""
+        return PROMPT
+
+    @property
+    def joints(self) -> NDArray[np.str_] | None:
+        """Name of the joint that each row is of (n,); None where there is only one."""
+        return None
+
+    @property
+    def row_weights(self) -> Array | float:
+        """Factor that residuals were multiplied by (n,); 1 where all count alike."""
+        return 1.0
+
+    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:  # noqa: ARG002
+        """Return the rows of an answer by joint, without weights; empty where there is only one."""
+        return {}
+
+    @property
+    def held_offset(self) -> float | None:
+        """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
+        return None
+
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:  # noqa: ARG002
+        """Return the segments simulated again from their fitted states, each with its certificate.
+
+        Times of a run count from the start of its segment. There are none along measured motion.
+        """
+        return ()
+
+    @abstractmethod
+    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
+        """Return the same with other bounds or start values of the unknowns."""
+
+    @abstractmethod
+    def carried(self, seen: ResidualJacobian) -> Array:
+        """Return the residuals (n,) at the values, and from the local states, of an answer.
+
+        The answer may be that of the same record with another mechanism: the local states stay
+        where they are, so that the difference of the residuals is smooth in what was changed.
+        """
+
+
+class SubsetProblem:
+    """Some segments of a problem, for a search that begins near an earlier answer.
+
+    Parameters
+    ----------
+    whole : Problem
+        The problem with all segments.
+    chosen : sequence of int
+        Indices of the segments that are kept.
+    known : ResidualJacobian
+        Its residuals and Jacobian at some values, from which local states are carried on.
+    """
+
+    def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
+        self.whole, self.chosen, self.known = whole, chosen, known
+        self.free_parameters = whole.free_parameters
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals and slopes at values (p,)."""
+        near = self.known if near is None else near
+        return self.whole.linearise(values, near, only=self.chosen)
+
+
+class FixedParameterProblem:
+    """A problem with one unknown held at a value, for a search.
+
+    Parameters
+    ----------
+    whole : Problem
+        The problem with all p free parameters.
+    index : int
+        Position of the parameter that is held.
+    value : float
+        Its value [SI].
+    """
+
+    def __init__(self, whole: Problem, index: int, value: float) -> None:
+        self.whole, self.index, self.value = whole, index, value
+        items = whole.free_parameters.items
+        known = {**(whole.free_parameters.known or {}), items[index].path: value}
+        self.free_parameters = FreeParameters(items[:index] + items[index + 1 :], known)
+
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
+        """Return residuals and slopes at the values (p - 1,) of the others."""
+        full = np.insert(values, self.index, self.value)
+        before = near.memory if near is not None else None
+        assert before is None or isinstance(before, ResidualJacobian)
+        seen = self.whole.linearise(full, before)
+        return ResidualJacobian(
+            values=values,
+            residual=seen.residual,
+            slopes=lambda: np.delete(seen.slopes, self.index, axis=1),
+            segment=seen.segment,
+            memory=seen,
+        )

@@ -1,0 +1,555 @@
+"""Friction from motion and force: what a force leaves when inertia and springs are taken off.
+
+Force, acceleration and the friction that a law predicts pass the same filter, forward and backward:
+what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count:
+friction there balances the other forces, as far as a law can hold it.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import (
+    Measurement,
+    as_recorded,
+    between_gaps,
+    noise_of,
+    step_of,
+    usual_top_speed,
+    with_voltage,
+)
+from stickslip.errors import InputError
+from stickslip.identify.fits.contact_inputs import inputs_along
+from stickslip.identify.fits.estimation.bristle_integration import Path
+from stickslip.identify.fits.force_map.data import (
+    BEYOND,
+    FINEST,
+    QUIET,
+    SEGMENTS,
+    SLOW,
+    MotionSegment,
+    blur_of,
+    check_loads,
+    load_along,
+    reach_of,
+    smoothed,
+    weighs,
+)
+from stickslip.identify.fits.force_map.model import ForceMap
+from stickslip.identify.fits.series.applied_force import applied_force, goes_straight
+from stickslip.identify.fits.series.inverse_dynamics import (
+    HARMONICS,
+    HIGHEST,
+    LEAST,
+    check_even,
+    known_forces,
+    mass_of,
+    positions_of,
+    times_of,
+)
+from stickslip.identify.fits.settings import Hold
+from stickslip.identify.fits.signals import derivative, play
+from stickslip.mechanisms import Mechanism, motor_of
+from stickslip.quantities import vary
+
+Array = NDArray[np.float64]
+
+GLIMPSE = 0.1
+"""Share of a row that is seen through the filter and overlooked: of slow samples, in a row that
+slips, and of the memory of the filter, a rest."""
+FEW_SLIPPING = 0.05
+"""Share of rows that slip below which a record is one of presliding, and all rows are fitted."""
+SAMPLES = 10_000
+"""Samples of a record along which friction is predicted, unless the filter asks for more."""
+LEAK = 1e-3
+"""Share of the accelerations' variance that may be noise."""
+FEWEST = 5.0
+"""The common filter passes at least so many times the mean frequency of the motion."""
+PATH = 4.0
+"""What a filter of positions passes, over that of what is made of them: it changes nothing that
+passes, and leaves out noise that accelerations or bristles would see."""
+CHATTER = 2.0
+"""Reach within which positions that bristles follow are chatter, over the noise that is left."""
+OVERSAMPLED = 0.25
+"""Most that the filter passes over half the frequency of these samples."""
+
+
+def balanced(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    hold: Hold,
+    segment: float | None = None,
+    samples: float = SAMPLES,
+    slipping: bool = False,
+    wider: float = 1.0,
+    resolved: bool = False,
+    winding: float = 0.0,
+) -> tuple[MotionSegment, ...]:
+    """Return stretches of friction by inverse dynamics, with the acceleration they came from.
+
+    Those that are to be `resolved`, as bristles ask for, pass what the noise of positions allows.
+    With a torque per current for `winding`, a record of a current and a voltage is driven by the
+    voltage, and the current is compared with that of the winding: driven by the current, whose
+    noise the torque constant multiplies, least squares found all that has its scale too small.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> t = np.arange(0.0, 20.0, 0.01)
+    >>> v = np.cos(2.0 * t)
+    >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
+    >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
+    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
+    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
+    True
+    """
+    check_loads(measurement)
+    found: list[MotionSegment] = []
+    for number, given in enumerate(measurement.records()):
+        t = times_of(given)
+        record = with_voltage(mechanism, given, hold)
+        both = bool(winding) and {"voltage", "current"} <= {*record.quantities()}
+        driven = replace(record, current=None) if both else record
+        set_up = as_recorded(mechanism, driven)
+        length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
+        for piece in between_gaps(record):
+            if np.asarray(piece.time).size >= LEAST:
+                x = positions_of(piece)
+                band, finest = (
+                    min(wider * passed_by_balance(x, resolved=fine), HIGHEST)
+                    for fine in (resolved, True)
+                )
+                own_drive = replace(piece, current=None) if both else piece
+                stretch = partial(_stretch, set_up, own_drive, hold, samples, slipping=slipping)
+                one = stretch(passed=band, finest=finest, resolved=resolved)
+                first = max((int(one.segment.max()) + 1 for one in found), default=0)
+                for own in _cut(replace(one, record=number), length, first):
+                    found.append(own)
+                    if both:
+                        found.append(_in_winding(set_up, piece, own, band, winding))
+    if not found:
+        raise InputError(
+            f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
+            " the body moves for longer than the memory of the filter of motion and force: record"
+            " longer, or choose the route shooting."
+        )
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class RederivedBalance:
+    """Derives the friction of a record with other values of parameters of the mechanism."""
+
+    paths: tuple[str, ...]
+    """Paths of these parameters."""
+    mechanism: Mechanism
+    """Has all other values."""
+    measurement: Measurement
+    """The record."""
+    derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]]
+    """`balanced` with its settings."""
+
+    def __call__(self, values: Mapping[str, float]) -> tuple[MotionSegment, ...]:
+        """Return the stretches at values by path."""
+        return self.derive(vary(self.mechanism, "mechanism", values), self.measurement)
+
+
+@dataclass(frozen=True)
+class BalanceProblemBuilder:
+    """Builds the problem of a record that friction is derived from."""
+
+    mechanism: Mechanism
+    """Its mass times the acceleration is taken off the force."""
+    problem: ForceMap
+    """The problem that was fitted, whose law and free parameters others share."""
+    hold: Hold
+    """Whether a force keeps its value until the next sample or goes straight to it."""
+    slipping: bool = True
+    """Whether only rows that slip are fitted."""
+    resolved: bool = False
+    """Whether the common filter passes what the noise of positions allows."""
+    winding: float = 0.0
+    """Torque per current by which the balance of a winding counts; 0 where it does not."""
+    wider: float = 1.0
+    """Factor on the band of the common filter."""
+
+    def __call__(self, record: Measurement, length: float | None) -> ForceMap:
+        """Return the problem of a record, in segments of a length [s]."""
+        derive = partial(
+            balanced,
+            hold=self.hold,
+            segment=length,
+            resolved=self.resolved,
+            winding=self.winding,
+        )
+        return self._along(derive, record)
+
+    def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
+        """Return the problem that is fitted: usually of rows that slip, as rests judge a law."""
+        derive = partial(
+            balanced,
+            hold=self.hold,
+            segment=length,
+            slipping=self.slipping,
+            resolved=self.resolved,
+            winding=self.winding,
+            wider=self.wider,
+        )
+        return self._along(derive, record)
+
+    def _along(
+        self,
+        derive: Callable[[Mechanism, Measurement], tuple[MotionSegment, ...]],
+        record: Measurement,
+    ) -> ForceMap:
+        mass, rederived = mass_of(self.mechanism), self.problem.rederived
+        if rederived is not None:
+            rederived = RederivedBalance(rederived.paths, self.mechanism, record, derive)
+        problem = self.problem.along(derive(self.mechanism, record), record)
+        return replace(problem, mass=mass, derived=(mass,), rederived=rederived)
+
+    def at(self, values: Array) -> "BalanceProblemBuilder":
+        """Return what derives friction with the mass, and others of the mechanism, of values (p,).
+
+        Residuals stay the same.
+        """
+        again = () if self.problem.rederived is None else self.problem.rederived.paths
+        paths = self.problem.free_parameters.paths
+        own = {path: float(values[paths.index(path)]) for path in (*self.problem.linear, *again)}
+        return replace(self, mechanism=vary(self.mechanism, "mechanism", own)) if own else self
+
+
+def _stretch(
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    samples: float,
+    *,
+    slipping: bool,
+    passed: float,
+    finest: float,
+    resolved: bool,
+) -> MotionSegment:
+    """Return friction by inverse dynamics; rows that are not compared have no segment (-1).
+
+    Bristles follow the motion as finely as noise allows even where the common filter passes less:
+    unlike friction, what they do is not linear in the motion, and no filter makes up for it.
+    """
+    time = np.asarray(record.time)
+    dt = check_even(time)
+    raw = positions_of(record)
+    tracked = "position" in record.quantities()
+    motion = filtered_motion(raw, dt, passed, tracked=tracked, resolved=resolved)
+    x, v = motion.position, motion.velocity
+    a = second_differences(raw, dt)
+    applied = applied_force(mechanism, record)
+    joined = goes_straight(record, hold)
+    force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
+    mass, rest = known_forces(mechanism, x, v, force)
+    inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)
+    kept = compared(motion, passed, slipping=slipping)
+    every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
+    picked = slice(None, None, every)
+    return MotionSegment(
+        record=0,
+        path=Path(
+            time=time[picked],
+            velocity=v[picked],
+            load=load_along(mechanism, record, len(x))[picked],
+            travel=np.diff(travelled(raw, finest)[picked]),
+            inputs={name: one[picked] for name, one in inputs.items()},
+        ),
+        friction=smoothed(rest - mass * a, passed)[picked],
+        segment=np.where(kept, 0, -1)[picked],
+        regressors=smoothed(a, passed)[picked, None],
+        resting=motion.resting[picked],
+        held=rest[picked],
+        resolution=motion.resolution,
+        passed=passed * every,
+        blur=blur_of(every),
+        weighed=weighs(mechanism, record),
+    )
+
+
+def _in_winding(
+    mechanism: Mechanism,
+    record: Measurement,
+    own: MotionSegment,
+    passed: float,
+    per_current: float,
+) -> MotionSegment:
+    """Return the recorded current less that of the recorded voltage, as torque (n,) [N m].
+
+    It has the filter of the balance of forces, and rests count too: at rest, R alone is told.
+    """
+    motor = motor_of(mechanism)
+    assert motor is not None
+    raw, dt = positions_of(record), check_even(np.asarray(record.time))
+    tracked = "position" in record.quantities()
+    motion = filtered_motion(raw, dt, passed, tracked=tracked)
+    v = np.gradient(motion.position, dt)
+    model = motor.current(np.asarray(record.values("voltage")), motion.position, v)
+    left = per_current * (np.asarray(record.values("current")) - model)
+    picked = slice(None, None, max(1, round(own.passed / passed)))
+    kept, known = compared(motion, passed, slipping=False)[picked], np.flatnonzero(own.segment >= 0)
+    last = np.searchsorted(known, np.arange(len(kept)), side="right") - 1
+    numbers = own.segment[known[np.maximum(last, 0)]]
+    return MotionSegment(
+        record=own.record,
+        path=own.path,
+        friction=smoothed(left, passed)[picked],
+        segment=np.where(kept, numbers, -1),
+        passed=own.passed,
+        winding=True,
+    )
+
+
+def travelled(raw: Array, finest: float) -> Array:
+    """Return positions (n,) along which bristles move, freed of chatter.
+
+    Noise of positions at rest relaxes a bristle: they stay where they are within its reach. Beyond
+    it they are the measured ones again: left behind by the reach, as by play, they would lose a way
+    at each reversal, and Dahl friction seemed 7 to 20 % stiffer than it was, with 80 um to yield
+    and 0.6 to 2 um of noise; so, 2 to 3 %.
+    """
+    band = widened(finest)
+    x = smoothed(raw, band)
+    moved = np.diff(play(x, CHATTER * positive_noise(raw) * math.sqrt(band)), prepend=math.inf)
+    found: Array = x[np.maximum.accumulate(np.where(moved, np.arange(len(x)), 0))]
+    return found
+
+
+def widened(passed: float) -> float:
+    """Return what a filter of positions passes, of what is made of them and filtered again."""
+    return PATH * min(passed, HIGHEST)
+
+
+def torque_along(mechanism: Mechanism, record: Measurement, hold: Hold) -> Array:
+    """Return the force (n,) [N] of a motor along the motion of a record without gaps.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> from stickslip.mechanisms import DCMotor
+    >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5))
+    >>> t = np.arange(0.0, 1.0, 0.01)
+    >>> record = Measurement(time=t, position=3.0 * t, voltage=0.0 * t + 6.0)
+    >>> round(float(torque_along(servo, record, "zero")[50]), 6)  # 0.5 (6 - 0.5 * 3) / 2
+    1.125
+    """
+    motor, command, raw = (
+        motor_of(mechanism),
+        applied_force(mechanism, record),
+        positions_of(record),
+    )
+    if motor is None or command is None or len(raw) < LEAST:
+        return 0.0 * raw
+    motion = filtered_motion(
+        raw,
+        check_even(np.asarray(record.time)),
+        passed_by_balance(raw, resolved=True),
+        tracked="position" in record.quantities(),
+    )
+    mean = mean_force(command, joined=goes_straight(record, hold))
+    return np.asarray(motor.force(mean, motion.position, motion.velocity))
+
+
+def mean_force(force: Array, *, joined: bool) -> Array:
+    """Return the mean force (n,) [N] about each sample that second differences of position see.
+
+    These weigh accelerations from one sample before to one after as a triangle: of a force that is
+    held, that is half of the one before; of one whose samples are joined, nearly its own.
+
+    Examples
+    --------
+    >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=False)
+    array([0., 0., 3., 6.])
+    >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=True)
+    array([0., 1., 5., 6.])
+    """
+    before = np.concatenate([force[:1], force[:-1]])
+    if not joined:
+        held: Array = 0.5 * (before + force)
+        return held
+    after = np.concatenate([force[1:], force[-1:]])
+    mean: Array = (before + 4.0 * force + after) / 6.0
+    return mean
+
+
+def second_differences(x: Array, dt: float) -> Array:
+    """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
+    inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
+    return np.concatenate([inner[:1], inner, inner[-1:]])
+
+
+def positive_noise(x: Array, time: Array | None = None) -> float:
+    """Return the standard deviation of white noise of positions (n,); at least their rounding.
+
+    Between the steps of a coarse encoder most third differences are 0, and so would their median.
+    Positions are to be those that were recorded, at their times (n,) if these are uneven: on lines
+    between them, there are no steps of an encoder.
+    Third differences alone, unlike for the velocities of a force map: the shares of noise that the
+    filters leave (`LEAK`, `QUIET`) were chosen with them.
+    """
+    return max(noise_of(x, step_of(x), time=time), 1e-12 * float(np.ptp(x)), 1e-150)
+
+
+def mean_frequency(x: Array, noise: float) -> float:
+    """Return the mean frequency of a motion (n,) with white noise [rad per sample].
+
+    That of the sine with the same mean squares of position, seen from its mean, and of steps.
+    """
+    steps = float(np.var(np.diff(x))) - 2.0 * noise**2
+    return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
+
+
+def passed_by_balance(x: Array, *, resolved: bool = False) -> float:
+    """Return what the common filter passes along positions (n,), over half their frequency.
+
+    A multiple of the mean frequency of the motion; less where accelerations would be noise, as
+    least squares would find too small a mass. White noise s has accelerations of variance
+    s^2 w^5 / (5 pi) up to w rad per sample. Where bristles are to be `resolved`, all that this
+    allows: of an axis that sticks and slips a filter of 2 Hz left 23 N of 39 N at the true law, one
+    of 70 Hz the noise of the force, 0.06 N.
+    """
+    noise, spread = positive_noise(x), float(np.std(x))
+    mean = mean_frequency(x, noise)
+    share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
+    quiet = math.pow(share, 0.2) / math.pi
+    least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
+    most = HIGHEST if resolved else most
+    return float(min(max(min(max(quiet, least), most), 2.0 * HARMONICS / len(x)), HIGHEST))
+
+
+def _passed_of_motion(x: Array, noise: float, least: float) -> float:
+    """Return what the filter of the motion passes: as much as the noise of positions allows.
+
+    White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
+    """
+    speed = usual_top_speed(np.diff(x))
+    share = (3.0 * np.pi * (QUIET * speed / noise) ** 2) ** (1.0 / 3.0) / np.pi
+    return float(min(max(share, least), PATH * HIGHEST))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FilteredMotion:
+    """A measured motion, filtered, and where it rests."""
+
+    position: Array
+    """Filtered positions (n,) [m]."""
+    velocity: Array
+    """Their rates (n,) [m/s], 0 at rest."""
+    resting: NDArray[np.bool_]
+    """Samples (n,) at which the sensor does not resolve any motion."""
+    resolution: float
+    """Displacement [m] that it may not resolve."""
+
+    def within(self, rows: slice) -> "FilteredMotion":
+        """Return some of the samples."""
+        return replace(
+            self,
+            position=self.position[rows],
+            velocity=self.velocity[rows],
+            resting=self.resting[rows],
+        )
+
+
+def filtered_motion(
+    raw: Array,
+    dt: float,
+    passed: float,
+    *,
+    tracked: bool,
+    resolved: bool = False,
+    noise: float | None = None,
+) -> FilteredMotion:
+    """Return the motion that positions (n,) show, whose noise is given if they are interpolated.
+
+    A sample is at rest if it is slow and if positions stay within the sensor's resolution for
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion. What is to
+    be `resolved`, as bristles ask for, rests only where the noise of measured positions explains
+    all motion: a heavy body that swings on bristles by 10 um after a stop does not. Its velocities
+    are those of the fourth order, which overshoot where others break away.
+    """
+    noise = positive_noise(raw) if noise is None else noise
+    x = smoothed(raw, _passed_of_motion(raw, noise, passed))
+    v = derivative(x, dt) if resolved else np.gradient(x, dt)
+    resting = np.abs(v) <= SLOW * usual_top_speed(v)
+    reach = FINEST * float(np.ptp(raw))
+    if tracked:
+        reach = BEYOND * noise if resolved else reach_of(raw, noise)
+        steps = np.diff(play(raw, reach), prepend=raw[0])
+        moved = np.flatnonzero(steps)
+        number = np.searchsorted(moved, np.arange(len(raw)), side="right")
+        edges = np.concatenate([[-len(raw)], moved, [2 * len(raw)]])
+        ways = np.concatenate([[0.0], np.sign(steps[moved]), [0.0]])
+        # between two displacements of one direction slow slip has that direction, too
+        known = resting & (ways[number] == ways[number + 1])
+        v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
+        least = max(GLIMPSE / passed, 1.0)
+        resting &= edges[number + 1] - edges[number] > least
+        resting = _lasting(resting, least)
+    return FilteredMotion(
+        position=x,
+        velocity=np.where(resting, 0.0, v),
+        resting=resting,
+        resolution=2.0 * reach,
+    )
+
+
+def resting_motion(raw: Array, noise: float) -> FilteredMotion:
+    """Return positions (n,) with noise as those of a body at rest, which at most drifts."""
+    return FilteredMotion(
+        position=smoothed(raw, min(2.0 * HARMONICS / len(raw), HIGHEST)),
+        velocity=np.zeros_like(raw),
+        resting=np.ones(len(raw), dtype=bool),
+        resolution=2.0 * reach_of(raw, noise),
+    )
+
+
+def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+    """Return rests (n,) of more than so many samples: shorter ones are reversals.
+
+    There a body accelerates, while friction at rest is what balances forces without acceleration.
+    """
+    runs = np.flatnonzero(np.diff(resting, prepend=False, append=False)).reshape(-1, 2)
+    found = np.zeros(len(resting), dtype=bool)
+    for first, end in runs[runs[:, 1] - runs[:, 0] > least].tolist():
+        found[first:end] = True
+    return found
+
+
+def compared(
+    motion: FilteredMotion, passed: float, *, slipping: bool, throughout: bool = False
+) -> NDArray[np.bool_]:
+    """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
+
+    None are where nothing moves, unless asked for.
+    """
+    v = motion.velocity
+    kept = np.full(len(v), throughout or not motion.resting.all())
+    ends = int(np.ceil(2.0 / passed))
+    kept[:ends] = kept[max(len(v) - ends, 0) :] = False
+    if slipping:
+        slow = np.abs(v) <= SLOW * usual_top_speed(v)
+        sure = kept & (smoothed(slow.astype(float), passed) < GLIMPSE)
+        kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
+    return kept
+
+
+def _cut(one: MotionSegment, length: float, first: int) -> Iterator[MotionSegment]:
+    """Yield a stretch with its segments numbered from one on; none if no row says anything."""
+    kept, time = one.segment >= 0, one.path.time
+    if not kept.any():
+        return
+    span = float(np.ptp(time))
+    count = max(1, round(span / length))
+    share = np.minimum((time - time[0]) / span * count, count - 1).astype(np.intp)
+    numbers = np.full(len(time), -1, dtype=np.intp)
+    numbers[kept] = first + np.unique(share[kept], return_inverse=True)[1]
+    yield replace(one, segment=numbers)

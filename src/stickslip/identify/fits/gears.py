@@ -1,0 +1,99 @@
+"""Torques through the gear of one coordinate along its records, for laws that depend on them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
+from stickslip.identify.fits.contact_inputs import inputs_along
+from stickslip.identify.fits.force_map.data import smoothed
+from stickslip.identify.fits.force_map.force_balance import (
+    PATH,
+    filtered_motion,
+    mean_force,
+    passed_by_balance,
+    second_differences,
+)
+from stickslip.identify.fits.force_map.gear_torques import gear_torques
+from stickslip.identify.fits.force_map.joint_balance import AHEAD
+from stickslip.identify.fits.series.applied_force import applied_force, driven, goes_straight
+from stickslip.identify.fits.series.inverse_dynamics import (
+    HIGHEST,
+    LEAST,
+    known_forces,
+    positions_of,
+)
+from stickslip.identify.fits.series.measured_load import VARIES
+from stickslip.mechanisms import Mechanism, input_names
+from stickslip.quantities import vary
+
+Array = NDArray[np.float64]
+
+
+def transmitted_along(mechanism: Mechanism, measurement: Measurement) -> list[Array] | None:
+    """Return what a gear transmits along each record (n,).
+
+    None where nothing drives the motion, where the mechanism does not tell both sides of the gear,
+    or where what it transmits does not change.
+    """
+    if not (driven(measurement) and {"motor", "external"} <= {*input_names(mechanism)}):
+        return None
+    if "friction" in measurement.quantities() or not varies_load(mechanism, measurement):
+        return None
+    found = [_transmitted(mechanism, record) for record in measurement.records()]
+    size = np.abs(np.concatenate(found))
+    return found if np.ptp(size) > VARIES * np.median(size) else None
+
+
+def varies_load(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether forces other than the drive's change along a record, as weight does.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9])
+    >>> varies_load(Pendulum(mass=0.5, length=0.1), record), varies_load(Axis(inertia=1.0), record)
+    (True, False)
+    """
+    told = []
+    for record in measurement.records():
+        own, x = as_recorded(mechanism, record), positions_of(record)
+        inputs = inputs_along(own, record, np.asarray(record.time), position=x, velocity=0.0)
+        told.append(inputs.get("external", 0.0 * x))
+    return bool(np.ptp(np.concatenate(told)) > 0.0)
+
+
+def _transmitted(mechanism: Mechanism, record: Measurement) -> Array:
+    """Return what the gear transmits along a record (n,); 0 in what is too short."""
+    record = with_voltage(mechanism, record, "zero")
+    own, times = as_recorded(mechanism, record), np.asarray(record.time, dtype=float)
+    weighs = "offset" in own.__dataclass_fields__
+    if weighs:  # the constant force of the record is found beside friction
+        own = vary(own, "mechanism", {"mechanism.offset": 0.0})
+    x, known = positions_of(record), record.quantities()
+    v = np.asarray(record.values("velocity")) if "velocity" in known else np.gradient(x, times)
+    told = inputs_along(own, record, times, position=x, velocity=v, force=0.0)
+    given = as_recorded(mechanism, record)
+    applied = applied_force(given, record)
+    mass, still = known_forces(given, x, v, 0.0 * x)
+    force = still if applied is None else known_forces(given, x, v, applied)[1]
+    drives = mean_force(force - still, joined=goes_straight(record, "zero"))
+    found = np.zeros_like(x)
+    for piece in between_gaps(record):
+        time = np.asarray(piece.time, dtype=float)
+        if len(time) < LEAST:
+            continue
+        rows = np.searchsorted(times, time)
+        raw, dt = positions_of(piece), float(np.ptp(time)) / (len(time) - 1)
+        passed = passed_by_balance(raw)
+        a = second_differences(smoothed(raw, min(AHEAD * passed, PATH * HIGHEST)), dt)
+        torques = gear_torques(
+            filtered_motion(raw, dt, passed, tracked="position" in piece.quantities()),
+            drives[rows],
+            mass * a - still[rows],
+            told["external"][rows],
+            passed,
+            within=told["motor"][rows],
+            weighs=weighs,
+        )
+        found[rows] = torques["transmitted"]
+    return found

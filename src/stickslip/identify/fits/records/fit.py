@@ -1,0 +1,669 @@
+"""A fit to records in time, and what it says of records it has not seen."""
+
+import math
+import numbers
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import TypeVar, override
+
+from stickslip.data import (
+    QUANTITIES,
+    LawEstimates,
+    Measurement,
+    levels_at,
+    refuse_lack,
+    refuse_unused,
+)
+from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.friction import FrictionLaw, Laws, bound
+from stickslip.identify.fits.contact_inputs import typical_inputs
+from stickslip.identify.fits.estimation.jackknife import Displaced, Inference, bootstrap
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, improve
+from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters, told
+from stickslip.identify.fits.estimation.problem import (
+    FixedParameterProblem,
+    Problem,
+    RecordProblem,
+    ResidualJacobian,
+)
+from stickslip.identify.fits.force_map.holds import HoldFinding
+from stickslip.identify.fits.force_map.model import ForceMap
+from stickslip.identify.fits.force_map.problem import MECHANISM, SENSOR
+from stickslip.identify.fits.outliers import outlying
+from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
+from stickslip.identify.fits.rig_uncertainties import uncertainties_of
+from stickslip.identify.fits.series.applied_force import inside
+from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters, turned, vary
+from stickslip.show.described import Described
+from stickslip.show.display import plots
+from stickslip.show.formatting import Scale, count, joined, quantity
+from stickslip.show.formatting import scale_of as shown_in
+from stickslip.show.tables import Tabular
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stickslip.show.display import Drawing, Target
+
+
+Array = NDArray[np.float64]
+AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
+"""What was fitted: a law, or the laws of several contacts."""
+
+
+class ProblemBuilder(Protocol):
+    """Makes problems of other records, with the same unknowns."""
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record, all of it, in segments of a length [s]."""
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
+
+    def at(self, values: Array) -> Self:
+        """Return what builds problems from here on, where the fit ended (p,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score(metaclass=Described):
+    """How far predictions are off, each segment started from its own fitted state."""
+
+    rms: float
+    """Root mean square of measured less predicted."""
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    horizon: float
+    """Length of the segments [s]."""
+    blocks: tuple[float, ...]
+    """Root mean square of each segment."""
+    turning: bool = False
+    """Whether what was predicted turns about an axis."""
+    joints: Mapping[str, "Score"] = field(default_factory=dict)
+    """The same of each joint; empty where there is only one."""
+
+    @classmethod
+    def of(
+        cls, residual: Array, segment: NDArray[np.intp], problem: RecordProblem, *, turning: bool
+    ) -> "Score":
+        """Return the error of rows of a problem.
+
+        Parameters
+        ----------
+        residual : array (n,)
+            Measured less predicted.
+        segment : array of int (n,)
+            Segment of each row.
+        problem : RecordProblem
+            Where they are from.
+        turning : bool
+            Whether what was predicted turns about an axis.
+
+        Returns
+        -------
+        Score
+            Root mean square of all rows, and of each segment that has some.
+        """
+        blocks = [residual[segment == k] for k in range(len(problem.spans))]
+        return cls(
+            rms=float(np.sqrt(residual @ residual / len(residual))),
+            quantity=problem.quantity,
+            horizon=float(np.median(problem.spans[:, 2] - problem.spans[:, 1])),
+            blocks=tuple(math.sqrt(float(np.mean(one**2))) for one in blocks if len(one)),
+            turning=turning,
+        )
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return turned(QUANTITIES[self.quantity].unit, self.turning)
+
+    @property
+    def scales(self) -> Mapping[str, Scale]:
+        """What errors of joints are shown in, by SI unit; the largest of each unit chooses."""
+        units = {one.unit for one in self.joints.values()}
+        return {
+            unit: shown_in([one.rms for one in self.joints.values() if one.unit == unit], unit)
+            for unit in units
+        }
+
+    @override
+    def __str__(self) -> str:
+        """Return the error and what it is of, in one line; that of each joint, if there are any."""
+        error = quantity(self.rms, self.unit)
+        if self.joints:
+            scales = self.scales
+            each = (f"{n} {scales[one.unit].quantity(one.rms)}" for n, one in self.joints.items())
+            error = ", ".join(each)
+        return (
+            f"{error} ({self.quantity}, {len(self.blocks)} segments of"
+            f" {quantity(self.horizon, 's')})"
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Prediction(Tabular):
+    """Predicted segments beside what was measured; rows stand in the order of time.
+
+    What is local to a segment, such as the position and velocity that it starts from, is fitted:
+    `predicted` holds its last correction to first order, as `residual` does.
+    """
+
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    record: NDArray[np.intp]
+    """Record of each row (n,)."""
+    segment: NDArray[np.intp]
+    """Segment of each row (n,)."""
+    t: Array
+    """Times (n,) [s]."""
+    residual: Array
+    """Measured less predicted (n,)."""
+    predicted: Array
+    """Predicted (n,), in the SI unit of the quantity."""
+    measured: Array
+    """Measured (n,), in the same unit."""
+    joint: NDArray[np.str_] | None = None
+    """Name of the joint of each row (n,); None where there is only one."""
+
+    @override
+    def __repr__(self) -> str:
+        segments = len({*zip(self.record.tolist(), self.segment.tolist(), strict=True)})
+        return (
+            f"<Prediction of {self.quantity}: {len(self.t)} rows in"
+            f" {count(segments, 'segment')}; columns {', '.join(map(str, self.to_dataframe()))}>"
+        )
+
+    def of(self, joint: str) -> "Prediction":
+        """Return the rows of a joint.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none of that name.
+        """
+        known = [] if self.joint is None else list(dict.fromkeys(self.joint.tolist()))
+        if self.joint is None or joint not in known:
+            raise UnknownNameError("joint", joint, known)
+        own = self.joint == joint
+        columns = ("record", "segment", "t", "residual", "predicted", "measured", "joint")
+        return replace(self, **{name: getattr(self, name)[own] for name in columns})
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                **({} if self.joint is None else {"joint": self.joint}),
+                "record": self.record,
+                "segment": self.segment,
+                "t": self.t,
+                "measured": self.measured,
+                "predicted": self.predicted,
+                "residual": self.residual,
+            }
+        )
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s"}
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class RecordFit(Fit[AnyLaw_co]):
+    """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
+
+    route: str
+    """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
+    measurement: Measurement
+    """What was fitted."""
+    problem: RecordProblem = field(repr=False)
+    """The record as residuals."""
+    build: ProblemBuilder = field(repr=False)
+    """Makes the same problem of other records."""
+    optimum: OptimizeResult
+    """Least cost and where it is; of a free decay, those of the last and longest segments."""
+    inference: Inference
+    """Covariance, condition and effective sample size."""
+    at_bounds: Mapping[str, str]
+    """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    sentences: tuple[str, ...]
+    """What the record cannot tell, in words."""
+    hold: HoldFinding | None = None
+    """How the recorded force runs between its samples, as given or estimated from the record."""
+    first: OptimizeResult | None = None
+    """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
+    displaced: tuple[Displaced, ...] = ()
+    """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
+    left_out: Mapping[str, int] = field(default_factory=dict)
+    """How many samples far off those beside were replaced before the fit, by column."""
+
+    @property
+    def model_errors(self) -> tuple[ModelError, ...]:
+        """What is wrong with the record and was left out of the fit; `select` looks for more."""
+        return outlying(self.left_out)
+
+    @property
+    def friction_was_measured(self) -> bool:
+        """Whether friction itself was measured and fitted, with no force that acts beside it."""
+        return self.route == "force-map"
+
+    @property
+    def offset_estimate(self) -> Estimate | None:
+        """The constant force beside friction, where it was fitted."""
+        return next((one for one in self.estimates if one.path in (MECHANISM, SENSOR)), None)
+
+    @property
+    def offset(self) -> float:
+        """The constant force that stands beside friction [N], fitted or held."""
+        if self.offset_estimate is not None:
+            return self.offset_estimate.value
+        held = self.problem.held_offset
+        return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
+
+    @property
+    @override
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        mechanism, records = self.mechanism, self.measurement.records()
+        pairs = zip(records, uncertainties_of(mechanism, self.measurement), strict=True)
+        return [
+            (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+            for record, (own, shared) in pairs
+        ]
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        draw = plots().plot_friction_map if self.problem.joints is None else plots().plot_joints
+        return cast("Drawing", draw(self, ax))
+
+    @property
+    def restarts(self) -> OptimizeResult:
+        """The search that began from all starts."""
+        return self.optimum if self.first is None else self.first
+
+    @property
+    def one_way(self) -> bool:
+        """Whether a constant force that nobody gave is a part of the friction level."""
+        return isinstance(self.problem, ForceMap) and self.problem.one_way
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        records = self.measurement.records()
+        weighed = any("load" in record.quantities() for record in records)
+        weighed = weighed or any("mechanism.load" in record.overrides for record in records)
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.inference.correlation,
+            levels="per load" if weighed else levels_at(self.mechanism),
+            largest_speed=self._largest_speeds(records),
+        )
+
+    def _largest_speeds(self, records: Sequence[Measurement]) -> float | dict[str, float] | None:
+        """Return the largest slip speed in the records; by contact of laws by contact."""
+        if not isinstance(self.law, Laws):
+            return _largest(records)
+        joints = {
+            one.name: _largest(
+                [r.joints[one.slips[0]] for r in records if one.slips[0] in r.joints]
+            )
+            for one in self.mechanism.contacts()
+            if one.name in dict(self.law.members)
+        }
+        return {name: speed for name, speed in joints.items() if speed is not None} or None
+
+    @override
+    def __str__(self) -> str:
+        """Return the law, its estimates and how far off it is, in one line."""
+        joints = self.problem.joints is not None
+        unit = "" if joints else self.measurement.unit(self.problem.quantity)
+        error = str(self.score()).partition(" (")[0] if joints else quantity(self.rms, unit)
+        findings = (one.finding.removesuffix(".") for one in self.model_errors)
+        fitted = (
+            f"{self.law.title} fitted to {self.problem.quantity}:"
+            f" {', '.join(map(str, self.shown))}; residual {error}"
+        )
+        return ". ".join((fitted, *findings))
+
+    @override
+    def _notes(self) -> Sequence[str]:
+        return (*self.assumptions, *map(str, self.model_errors), *self.sentences)
+
+    @property
+    def held(self) -> FreeParameters:
+        """Friction that acts and was not fitted, with its values as start values.
+
+        That is damping of a joint or of a single coordinate, such as that of a robot's file, and
+        parameters of the law that were given. The view of one joint of several has none.
+        """
+        if self.route == "joints" and self.problem.joints is None:
+            return FreeParameters(())
+        free = self.free_parameters.paths
+        joints = tuple(getattr(self.mechanism, "joints", ()))
+        whole = [] if joints or len(self.mechanism.coordinates) > 1 else ["mechanism.damping"]
+        damping = {f"mechanism.joints.{i}.damping" for i in range(len(joints))}.union(whole)
+        own = [one for one in parameters(self.mechanism, "mechanism") if one[0] in damping]
+        law = [one for one in parameters(self.law, "friction") if not one[1].structural]
+        items = (
+            FreeParameter(path=path, quantity=quantity, start=value, low=value, high=value)
+            for path, quantity, value in (*own, *law)
+            if value and path not in free
+        )
+        return told(FreeParameters(tuple(items)), self.mechanism, self.measurement)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the estimates rest on beside the record, in sentences.
+
+        Friction that is held and acts, and how the force runs between samples.
+        """
+        joints = tuple(getattr(self.mechanism, "joints", ()))
+        names = {f"mechanism.joints.{i}.damping": one.joint for i, one in enumerate(joints)}
+        shown = [
+            f"{one.path}{f' ({names[one.path]})' if one.path in names else ''}"
+            f" = {quantity(one.start, one.quantity.unit)}"
+            for one in self.held.items
+        ]
+        held = f"Held, and acting beside what is fitted: {joined(shown)}." if shown else ""
+        if any(
+            path.endswith(".viscous_coefficient") for path in self.free_parameters.paths
+        ) and any(one.path.endswith(".damping") for one in self.held.items):
+            held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
+        between = self.hold.sentence if self.hold else ""
+        return tuple(one for one in (held, between) if one)
+
+    @property
+    def typical_inputs(self) -> Mapping[str, float]:
+        """Medians of the contact inputs of the law, at which curves of it are drawn."""
+        if not isinstance(self.law, FrictionLaw):
+            return {}
+        return typical_inputs(self.law, self.mechanism, self.measurement)
+
+    @property
+    def typical_law(self) -> AnyLaw_co:
+        """The law at these inputs."""
+        law = self.law
+        return bound(law, self.typical_inputs) if isinstance(law, FrictionLaw) else law
+
+    @property
+    def free_parameters(self) -> FreeParameters:
+        """What was looked for."""
+        return self.problem.free_parameters
+
+    @property
+    def values(self) -> Array:
+        """Best values of the unknowns (p,)."""
+        return self.optimum.best.values
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the unit of the quantity compared."""
+        return self.optimum.best.rms
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted (n,), what is local to segments taken out."""
+        return self.optimum.best.residual
+
+    @property
+    def scale(self) -> Array:
+        """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
+        return scale_of(self.free_parameters, self.optimum.best.values, self.at_bounds)
+
+    def predict(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Prediction:
+        """Predict a record segment by segment, each from its own fitted initial state.
+
+        Parameters
+        ----------
+        measurement : Measurement, optional
+            What is predicted; what was fitted if not given.
+        horizon : float, optional
+            Length of the segments [s]; that of the fit if not given.
+
+        Returns
+        -------
+        Prediction
+            Measured and predicted values and their residuals, by record, segment and time.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Coulomb, Measurement, fit
+        >>> v = np.linspace(-1.0, 1.0, 8)
+        >>> found = fit(
+        ...     Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=2.0 * np.sign(v))
+        ... )
+        >>> seen = found.predict()
+        >>> seen.measured[-2:].tolist(), seen.predicted[-2:].round(6).tolist()
+        ([2.0, 2.0], [2.0, 2.0])
+        """
+        problem, seen = self._seen(measurement, horizon)
+        measured, residual = problem.measured, seen.residual / problem.row_weights
+        return Prediction(
+            quantity=problem.quantity,
+            record=problem.spans[seen.segment, 0].astype(int),
+            segment=seen.segment,
+            t=problem.times,
+            residual=residual,
+            predicted=measured - residual,
+            measured=measured,
+            joint=problem.joints,
+        )
+
+    def score(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Score:
+        """Return the error of predictions, arguments as in `predict`.
+
+        Parameters
+        ----------
+        measurement : Measurement, optional
+            Records to predict; those that were fitted if not given.
+        horizon : float, optional
+            Length of the predicted segments [s]; that of the fit if not given.
+
+        Returns
+        -------
+        Score
+            Root mean square of all residuals and of each segment.
+        """
+        problem, seen = self._seen(measurement, horizon)
+        residual, parts = seen.residual / problem.row_weights, problem.by_joint(seen)
+        turning = self.measurement.turning
+        whole = Score.of(residual, seen.segment, problem, turning=turning)
+        if not parts:
+            return whole
+        units = dict(zip(self.mechanism.coordinates, self.mechanism.units, strict=True))
+        of_joints = {
+            name: Score.of(own.residual, own.segment, problem, turning=units[name] == "rad")
+            for name, own in parts.items()
+        }
+        alike = all(one.turning for one in of_joints.values())
+        return replace(whole, joints=of_joints, turning=turning or alike)
+
+    def _seen(
+        self, measurement: Measurement | None, horizon: float | None
+    ) -> tuple[RecordProblem, ResidualJacobian]:
+        if measurement is None and horizon is None:
+            return self.problem, self.optimum.best
+        if horizon is not None:
+            check_horizon(horizon)
+        if measurement is not None:
+            refuse_unused(measurement, inside(self.mechanism, measurement))
+            compared = self.problem.quantity if self.problem.simulates else ""
+            refuse_lack(self.measurement, measurement, compared=compared)
+        problem = self.build(self.measurement if measurement is None else measurement, horizon)
+        return problem, settled(problem, self.values)
+
+    def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
+        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds.
+
+        What the record does not tell is not a number in all draws, as its interval has no ends.
+        Stated uncertainties of the mechanism move each draw as well.
+
+        Parameters
+        ----------
+        draws : int
+            Number of draws.
+        seed : int
+            Seed of the random weights.
+
+        Returns
+        -------
+        array (draws, p)
+            Estimates [SI], in the order of the free parameters; NaN where a standard error is
+            infinite.
+        """
+        free_parameters = self.free_parameters
+        low, high = free_parameters.limits()
+        steps = bootstrap(
+            self.optimum.best, self.scale, draws=draws, seed=seed, held=self.inference.held
+        )
+        at = np.clip(free_parameters.coordinates(self.values) + steps, low, high)
+        found = np.array([free_parameters.values(one) for one in at])
+        found[:, ~np.isfinite(self.inference.errors)] = np.nan
+        return found
+
+    def profile(self, name: str, values: Sequence[float]) -> Array:
+        """Return the least sum of squares (n,) with one parameter held at each of the values.
+
+        Parameters
+        ----------
+        name : str
+            Path or last name of an unknown.
+        values : sequence of float
+            Where it is held.
+
+        Returns
+        -------
+        array (n,)
+            Sums of squares.
+        """
+        index = self.free_parameters.paths.index(self.estimate(name).path)
+        costs = []
+        for value in values:
+            held = FixedParameterProblem(self.problem, index, float(value))
+            end, _ = improve(held, np.delete(self.values, index))
+            costs.append(end.cost)
+        return np.array(costs)
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        found, restarts = self.optimum, self.restarts
+        rows = len(restarts.best.residual)
+        return {
+            "law": self.law.name,
+            "route": self.route,
+            "hold": self.hold.to_dict() if self.hold else None,
+            "held": [
+                {"parameter": one.path, "unit": one.quantity.unit, "value": one.start}
+                for one in self.held.items
+            ],
+            "quantity": self.problem.quantity,
+            "residual_rms": self.rms,
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "correlation": self.inference.correlation.tolist(),
+            "condition": self.inference.condition,
+            "effective_samples": self.inference.effective,
+            "at_bounds": dict(self.at_bounds),
+            "restarts": [math.sqrt(cost / rows) for cost in restarts.costs],
+            "restarts_agreeing": restarts.agreeing,
+            "evaluations": found.evaluations,
+            "cancelled": found.cancelled,
+            "model_errors": [one.to_dict() for one in self.model_errors],
+            "cannot_tell": list(self.sentences),
+            "remarks": list(self.remarks),
+        }
+
+
+def _largest(records: Iterable[Measurement]) -> float | None:
+    """Return the largest slip speed of several records, if one of them tells it."""
+    return max((one for one in map(_largest_speed, records) if one is not None), default=None)
+
+
+def _largest_speed(record: Measurement) -> float | None:
+    """Return the largest slip speed of a record: as measured, or as positions change."""
+    if record.velocity is not None:
+        return float(np.max(np.abs(record.velocity)))
+    if record.position is None or record.time is None:
+        return None
+    x, t = np.asarray(record.position), np.asarray(record.time)
+    lag = max(len(x) // RESOLUTION, 1)
+    return (
+        float(np.max(np.abs((x[lag:] - x[:-lag]) / (t[lag:] - t[:-lag])))) if len(x) > 1 else None
+    )
+
+
+def check_horizon(horizon: float) -> None:
+    """Refuse a length that no prediction has.
+
+    Examples
+    --------
+    >>> check_horizon(4.0)
+    """
+    given: object = horizon  # a text with a unit is a likely mistake, whatever the types say
+    known = isinstance(given, numbers.Real) and not isinstance(given, bool)
+    if not (known and 0.0 < horizon < math.inf):
+        raise ParameterError(
+            "horizon must be a finite time above 0 s, a number of seconds such as 1.0, got"
+            f" {horizon!r}."
+        )
+
+
+def settled(
+    problem: Problem,
+    values: Array,
+    *,
+    only: Sequence[int] | None = None,
+    rounds: int = ROUNDS,
+) -> ResidualJacobian:
+    """Return residuals at values with the segments' initial states fitted.
+
+    Where a segment begins at rest, each round takes three quarters off the error of its first
+    state only: after two, one such segment could outweigh all others in a held-out score.
+    """
+    seen = problem.linearise(values, only=only, slopes=False)
+    best = seen
+    for _ in range(rounds - 1):
+        if not math.isfinite(seen.cost):
+            break
+        seen = problem.linearise(values, seen, only=only, slopes=False)
+        before, best = best, _better(best, seen)
+        if best.cost > (1.0 - SETTLED) * before.cost:
+            break
+    return best
+
+
+def _better(one: ResidualJacobian, other: ResidualJacobian) -> ResidualJacobian:
+    """Return by segment the residuals that are less: a long step of a first state may go astray."""
+    residual = one.residual.copy()
+    for k in np.unique(one.segment):
+        rows = one.segment == k
+        if not other.residual[rows] @ other.residual[rows] > residual[rows] @ residual[rows]:
+            residual[rows] = other.residual[rows]
+    return other.with_residual(residual)
+
+
+def scale_of(free_parameters: FreeParameters, values: Array, at_bounds: Mapping[str, str]) -> Array:
+    """Return the derivatives of values by coordinates, 0 for sizes that ran to a bound.
+
+    A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
+    what trades off with it would seem better known than it is.
+    """
+    scale = free_parameters.slopes(free_parameters.coordinates(values))
+    for i, item in enumerate(free_parameters.items):
+        if item.path in at_bounds and item.log:
+            scale[:, i] = 0.0
+    return scale

@@ -1,0 +1,448 @@
+"""Fits a law to records in time or to measured friction, by one of three routes."""
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement, refuse_faults, refuse_unused, with_doubts
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.fits.contact_inputs import (
+    as_informed,
+    check_inputs,
+    recorded_inputs,
+    unvaried,
+)
+from stickslip.identify.fits.estimation.estimates import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
+)
+from stickslip.identify.fits.estimation.jackknife import NORMAL_95, Displaced, Inference, infer
+from stickslip.identify.fits.estimation.levenberg_marquardt import (
+    FIRST_DAMPING,
+    OptimizeResult,
+    Watch,
+    search,
+    step_of,
+)
+from stickslip.identify.fits.estimation.parameters import told
+from stickslip.identify.fits.estimation.problem import RecordProblem, ResidualJacobian
+from stickslip.identify.fits.force_map.force_balance import BalanceProblemBuilder, positive_noise
+from stickslip.identify.fits.force_map.holds import HoldFinding
+from stickslip.identify.fits.force_map.model import ForceMap
+from stickslip.identify.fits.outliers import without_outliers
+from stickslip.identify.fits.records.fit import RecordFit, scale_of
+from stickslip.identify.fits.records.problems import (
+    FitSetup,
+    RouteChoice,
+    Wanted,
+    held_otherwise,
+    prepared,
+)
+from stickslip.identify.fits.records.route_choice import route_of
+from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
+from stickslip.identify.fits.series.applied_force import driven, inside
+from stickslip.identify.fits.series.measured_load import as_loaded
+from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.shooting.multiple_shooting import Shooting
+from stickslip.identify.fits.validation import LAW, Parameters
+from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms.drives import SampledSwing
+from stickslip.quantities import vary
+from stickslip.show.formatting import joined, number, quantity
+
+Array = NDArray[np.float64]
+
+LOAD = "mechanism.load"
+"""What a measured load takes the place of."""
+NARROW = 0.6
+"""Band of the filter, over the usual one, in which a balance is fitted again."""
+
+
+def displacements(
+    again: Callable[[Measurement], RecordProblem],
+    best: ResidualJacobian,
+    mechanism: Mechanism,
+    measurement: Measurement,
+) -> tuple[Displaced, ...]:
+    """Return how far stated uncertainties of a mechanism move the residuals of a fit.
+
+    A parameter that is looked for, as a constant force is without being asked for, is known from
+    the record; what was stated of it is not used.
+    """
+    uncertainties = uncertainties_of(mechanism, measurement)
+    stated = dict.fromkeys(path for pair in uncertainties for one in pair for path in one)
+    if not stated:
+        return ()
+    _refuse_load(stated, measurement)
+    problem = again(measurement)
+    paths = [path for path in stated if path not in problem.free_parameters.paths]
+    record_of = problem.spans[:, 0].astype(int)[best.segment]
+    found = []
+    for path in paths:
+        errors = [{**shared, **own}.get(path, 0.0) for own, shared in uncertainties]
+        rows = _moved_by_rig(again, best, mechanism, measurement, path, errors, record_of)
+        common = np.array([path in shared for _, shared in uncertainties])[record_of]
+        if common.any():
+            found.append(Displaced(path=path, rows=rows * common))
+        for own in (~common & (record_of == k) for k, error in enumerate(errors) if error):
+            if own.any():
+                found.append(Displaced(path=path, rows=rows * own, shared=False))
+    return tuple(found)
+
+
+def _refuse_load(paths: Collection[str], measurement: Measurement) -> None:
+    if LOAD in paths and "load" in measurement.quantities():
+        raise InputError(
+            f"the uncertainty of {LOAD} was stated, but the measured load replaces its value:"
+            " leave the uncertainty out."
+        )
+
+
+def _moved_by_rig(
+    again: Callable[[Measurement], RecordProblem],
+    best: ResidualJacobian,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    path: str,
+    errors: Sequence[float],
+    record_of: NDArray[np.intp],
+) -> Array:
+    """Return by how much the uncertainty of a parameter in each record moves the residuals (n,)."""
+    records = measurement.records()
+    spans = np.array(
+        [
+            span_of(vary(mechanism, "mechanism", record.overrides), path, error)
+            if error
+            else (0.0, 1.0)
+            for record, error in zip(records, errors, strict=True)
+        ]
+    )
+    sides = []
+    for ends in spans.T.tolist():
+        changed = tuple(
+            replace(record, overrides={**record.overrides, path: end}) if error else record
+            for record, end, error in zip(records, ends, errors, strict=True)
+        )
+        whole = replace(measurement, trials=changed) if measurement.trials else changed[0]
+        sides.append(again(whole).carried(best))
+    if not all(np.all(np.isfinite(side)) for side in sides):
+        raise ConvergenceError(
+            f"the uncertainty of {path} cannot be propagated: the record cannot be simulated with"
+            " values close to the stated one. Leave the uncertainty out."
+        )
+    slopes = np.array(errors) / (spans[:, 1] - spans[:, 0])
+    return np.asarray((sides[1] - sides[0]) * slopes[record_of])
+
+
+def fit_records(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    route: str | None = None,
+    settings: RecordSettings | None = None,
+    progress: Watch | None = None,
+) -> RecordFit:
+    """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> table = Measurement(
+    ...     velocity=[-0.2, -0.1, 0.1, 0.2] * 3, friction=[-2.0, -2.0, 2.0, 2.0] * 3
+    ... )
+    >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
+    'force-map'
+    """
+    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    refuse_faults(measurement, chosen.mechanism, chosen.unknown)
+    with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
+        return fit_record(
+            chosen.mechanism,
+            chosen.law,
+            measurement,
+            unknown=chosen.unknown,
+            free=chosen.free,
+            known=chosen.known,
+            route=route,
+            settings=settings,
+            held=chosen.held,
+            watch=progress,
+        )
+
+
+def fit_record(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = (),
+    free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
+    route: str | None = None,
+    settings: RecordSettings | None = None,
+    held: Sequence[str] = (),
+    watch: Watch | None = None,
+) -> RecordFit:
+    """Fit a law to records in time or to measured friction."""
+    check_inputs(law, mechanism, measurement)
+    measurement, left_out = without_outliers(measurement)
+    choice = RouteChoice.of(
+        route_of(mechanism, measurement, vary=[LAW, *unknown], asked=route),
+        mechanism,
+        measurement,
+        settings or RecordSettings(),
+    )
+    refuse_unused(measurement, inside(mechanism, measurement))
+    wanted: Wanted = Parameters(
+        mechanism=mechanism,
+        law=law,
+        free=None if free is None else tuple(free),
+        known=known or {},
+        unknown=tuple(unknown),
+        held=tuple(held),
+    )
+    with with_doubts(measurement, mechanism):
+        ready = prepared(choice, wanted, measurement)
+    found = first = searched(ready, choice.settings, watch)
+    if ready.problem.simulates and not driven(measurement):
+        ready, found = _lengthened(ready, found, measurement, choice.settings, watch)
+    build = ready.build.at(found.best.values)
+    if build is not ready.build:
+        ready = replace(ready, build=build, problem=build.fitted(measurement, None))
+    fit = finished(choice.route, measurement, ready, found, first, hold=choice.hold)
+    return replace(fit, left_out=left_out)
+
+
+def searched(ready: FitSetup, settings: RecordSettings, watch: Watch | None) -> OptimizeResult:
+    """Search from the start values of a problem, and from as many more as settings ask for."""
+    return search(ready.problem, starts=settings.starts, seed=settings.seed, watch=watch)
+
+
+def _thinned(problem: RecordProblem, measurement: Measurement) -> Iterator[str]:
+    """Yield that friction is compared at some of the samples only."""
+    if not isinstance(problem, ForceMap):
+        return
+    rows = sum(len(one.path.time) for one in problem.stretches if one.timed and not one.winding)
+    present = {one.record for one in problem.stretches}  # a trial at rest has no rows
+    samples = sum(
+        record.time.size
+        for index, record in enumerate(measurement.records())
+        if record.time is not None and index in present
+    )
+    if rows and samples >= 2 * rows:  # the ends alone are fewer
+        yield (
+            f"The record was thinned from {samples:,} to {rows:,} rows: friction was compared at"
+            " these."
+        )
+
+
+def _lengthened(
+    ready: FitSetup,
+    found: OptimizeResult,
+    measurement: Measurement,
+    settings: RecordSettings,
+    watch: Watch | None,
+) -> tuple[FitSetup, OptimizeResult]:
+    """Fit a free decay again in longer segments, at last as a whole.
+
+    The whole tells the most, but only from near the truth: from farther off, a swing more or less
+    is as good a fit. What is returned is how the last search ended, whose residuals are those of
+    the fit: costs over longer segments cannot be compared with costs over short ones.
+    """
+    spans = ready.problem.spans
+    whole = float(np.max(spans[:, 2]) - np.min(spans[:, 1]))
+    for length in (math.sqrt(settings.segment * whole), whole):
+        if found.cancelled or length <= settings.segment or length > whole:
+            continue
+        longer = ready.build(measurement, length)
+        near = longer.free_parameters.starting_at(found.best.values)
+        problem = longer.with_free_parameters(near)
+        try:
+            again = search(problem, starts=1, watch=watch)
+        except ConvergenceError as error:
+            raise ConvergenceError(
+                f"segments of {number(settings.segment)} s of this free decay are too short to"
+                f" predict {quantity(length, 's')}: {error} Give longer segments."
+            ) from None
+        ready = replace(ready, problem=problem, length=length)
+        found = replace(again, evaluations=found.evaluations + again.evaluations)
+    return ready, found
+
+
+def finished(
+    route: str,
+    measurement: Measurement,
+    ready: FitSetup,
+    found: OptimizeResult,
+    first: OptimizeResult,
+    *,
+    hold: HoldFinding | None = None,
+) -> RecordFit:
+    """Return a fit from the end of its search, which began with a first one."""
+    free_parameters, best = ready.problem.free_parameters, found.best
+    at_bounds = bounds_met(free_parameters, best.values)
+    values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))
+    law, own = (
+        {path: value for path, value in values.items() if path.startswith(f"{room}.")}
+        for room in ("friction", "mechanism")
+    )
+    mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
+    again = partial(ready.build.fitted, length=ready.length)
+    doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
+    moved = displacements(again, best, mechanism, measurement) if doubted else ()
+    inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
+    mechanism, said = as_loaded(mechanism, measurement)
+    mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
+    fit = RecordFit(
+        law=vary(ready.start, "friction", law),
+        mechanism=mechanism,
+        estimates=(),
+        remarks=(*([said] if said else []), *told_inputs, *_thinned(ready.problem, measurement)),
+        route=route,
+        measurement=measurement,
+        problem=ready.problem,
+        build=ready.build,
+        optimum=found,
+        first=None if first is found else first,
+        inference=inference,
+        displaced=moved,
+        at_bounds=at_bounds,
+        cancelled=found.cancelled,
+        sentences=(),
+        hold=hold,
+    )
+    inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
+    told_by = told(free_parameters, ready.mechanism, measurement)
+    estimates = estimates_of(told_by, best, inference, at_bounds)
+    return replace(
+        fit,
+        estimates=estimates,
+        inference=inference,
+        sentences=(
+            *sentences_of(told_by, best, inference, at_bounds, estimates),
+            *offset_left_out(ready.start, ready.mechanism, free_parameters),
+            *_zeros(ready, best, inference),
+            *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
+            *_of_recorded_swing(mechanism),
+            *_of_one_way(fit),
+        ),
+    )
+
+
+def _moved_by_hold(fit: RecordFit) -> list[Array]:
+    """Return how far estimates (p,) move if the force acts as early, or late, as it may."""
+    hold = fit.hold
+    build = held_otherwise(fit.build) if hold is not None and hold.unsure > 0.0 else None
+    if hold is None or build is None or fit.optimum.cancelled:
+        return []
+    return [hold.unsure * one for one in _moved(fit, build.fitted(fit.measurement, None))]
+
+
+def _moved_by_filter(fit: RecordFit) -> list[Array]:
+    """Return how far estimates (p,) of a balance move in a narrower band and with more noise.
+
+    What the filter takes off a peak, and what noise of positions and currents does to columns, are
+    errors that repeat from block to block, which blocks do not show. As much noise again moves
+    estimates about as far once more (simulation extrapolation).
+
+    Source: J. R. Cook, L. A. Stefanski, "Simulation-extrapolation estimation in parametric
+    measurement error models", 1994.
+    """
+    build, records = fit.build, fit.measurement.records()
+    if not isinstance(build, BalanceProblemBuilder) or fit.optimum.cancelled:
+        return []
+    if not all("position" in one.quantities() for one in records):
+        return []
+    narrow = replace(build, wider=NARROW).fitted(fit.measurement)
+    return [*_moved(fit, narrow), *_moved(fit, build.fitted(_noisier(fit.measurement)))]
+
+
+def _noisier(measurement: Measurement) -> Measurement:
+    """Return a measurement whose positions, and currents of a motor, have as much noise again."""
+    random, records = np.random.default_rng(0), []
+    for one in measurement.records():
+        noisy = {
+            name: x + positive_noise(x) * random.standard_normal(len(x))
+            for name in ("position", "current")
+            if name in one.quantities()
+            for x in [np.asarray(one.values(name))]
+        }
+        records.append(replace(one, **noisy))  # type: ignore[arg-type]
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+def _moved(fit: RecordFit, problem: RecordProblem) -> list[Array]:
+    """Return how far one step moves the estimates (p,) in another problem of the same record."""
+    free = fit.free_parameters
+    here = problem.with_free_parameters(free).linearise(fit.values)
+    if not here.finite:
+        return []
+    at, (low, high) = free.coordinates(fit.values), free.limits()
+    table = here.slopes @ free.slopes(at)
+    step, _ = step_of(table, here.residual, at, low, high, FIRST_DAMPING)
+    return [free.values(at + step) - fit.values]
+
+
+def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:
+    """Return a sentence on the place from which positions of a free motion count."""
+    if not isinstance(ready.problem, Shooting):
+        return ()
+    autocorrelation = math.sqrt(max(len(best.residual) / max(inference.effective, 1.0), 1.0))
+    found = ready.problem.zeros(best, autocorrelation)
+    if not found:
+        return ()
+    unit = ready.mechanism.units[ready.mechanism.coordinates.index(slip_of(ready.mechanism))]
+    shown = [
+        f"{quantity(one.value, unit, 2)} ± {quantity(NORMAL_95 * one.error, unit, 2)}"
+        for one in found.values()
+    ]
+    more = "" if len(shown) == 1 else " for each record"
+    return (
+        f"The zero of the position is not known and is estimated with the fit{more}:"
+        f" {joined(shown)}. Levels of friction that differ by direction would look alike. If the"
+        " zero is known, set position_zeros to False (--no-position-zeros).",
+    )
+
+
+def _inputs_of(problem: RecordProblem, measurement: Measurement) -> Sequence[Mapping[str, Array]]:
+    """Return contact inputs along stretches; of simulated segments, what was recorded."""
+    if isinstance(problem, ForceMap):
+        return [one.path.inputs for one in problem.stretches]
+    records = measurement.records()
+    return [recorded_inputs(one, np.asarray(one.time)) for one in records]
+
+
+def _of_one_way(fit: RecordFit) -> tuple[str, ...]:
+    """Return a sentence where a constant force is a part of the friction level."""
+    if not fit.one_way:
+        return ()
+    return (
+        "The rows that are compared slip in one direction only: a constant force (gravity, a cable,"
+        " a sensor offset) and the friction level cannot be told apart. The level includes it, and"
+        " its interval does not allow for it. Move in the other direction, too, or give the force"
+        " in fixed.",
+    )
+
+
+def _of_recorded_swing(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a sentence where a recorded motion drives, whose error no interval holds."""
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    drives = mechanism.drives()
+    guided = ((name, drives[guide.drive]) for name, guide in mechanism.guided().items())
+    return tuple(
+        f"The motion of {name} is a recorded one, whose acceleration has a standard error of"
+        f" {quantity(drive.acceleration_error, f'{units[name]}/s^2')} from noise, beside what its"
+        " smoothing flattens: neither is part of the intervals."
+        for name, drive in guided
+        if isinstance(drive, SampledSwing)
+    )

@@ -1,0 +1,760 @@
+"""Fits laws to several joints at once, from one record of positions and forces."""
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement, refuse_faults, refuse_unused, with_doubts
+from stickslip.engine.formulation import JointTorques
+from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.friction import CandidateSpec, FrictionLaw, Laws, Viscous, given_to, specification
+from stickslip.identify.fits.contact_inputs import check_inputs
+from stickslip.identify.fits.estimation.levenberg_marquardt import OptimizeResult, Watch
+from stickslip.identify.fits.estimation.parameters import (
+    OFFSET,
+    WIDE,
+    FreeParameter,
+    FreeParameters,
+)
+from stickslip.identify.fits.force_map.data import MotionSegment
+from stickslip.identify.fits.force_map.force_balance import SAMPLES
+from stickslip.identify.fits.force_map.holds import HoldFinding, hold_of
+from stickslip.identify.fits.force_map.joint_balance import (
+    JointBalance,
+    JointBalanceBuilder,
+    check_joints,
+    contacts_along,
+    joint_stretches,
+    regression_of,
+)
+from stickslip.identify.fits.force_map.model import ForceMap, moved
+from stickslip.identify.fits.force_map.problem import FEW, SENSOR, ConstantForce, map_along
+from stickslip.identify.fits.records.fit import RecordFit
+from stickslip.identify.fits.records.fitting import finished, searched
+from stickslip.identify.fits.records.links import told_links
+from stickslip.identify.fits.records.problems import SOME, FitSetup
+from stickslip.identify.fits.series.inverse_dynamics import positions_of
+from stickslip.identify.fits.series.start_values import MOST
+from stickslip.identify.fits.settings import NEGLIGIBLE, ROUNDS, SETTLED, Hold, RecordSettings
+from stickslip.identify.fits.validation import (
+    LAW,
+    fixed_values,
+    law_quantities,
+    names_of,
+    varied_paths,
+)
+from stickslip.mechanisms import LINKS, Mechanism
+from stickslip.quantities import Quantity, all_paths, parameters, vary
+from stickslip.show.formatting import joined, percent
+
+Array = NDArray[np.float64]
+JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | None
+
+JOINTS = "joints"
+"""The route of records of several joints."""
+SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
+"""What may be exchanged, and the quantities of a record that it is."""
+OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
+    "rad": {"positions": ("degrees", math.pi / 180.0), "forces": ("mN m", 1e-3)},
+    "m": {"positions": ("millimetres", 1e-3), "forces": ("mN", 1e-3)},
+}
+"""Units that columns may be in by mistake, and what they are in SI, by the unit of a joint."""
+
+
+def fit_joints(
+    mechanism: Mechanism,
+    laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    settings: RecordSettings | None = None,
+    progress: Watch | None = None,
+) -> RecordFit[Laws]:
+    """Fit the laws of several contacts, and parameters of the mechanism, in one problem.
+
+    Friction along each joint is the applied force less what the motion takes, ``M q'' - h``, by
+    inverse dynamics. Where the forces that a motion takes are not linear in the parameters of the
+    mechanism that are looked for, slopes are taken anew where a search ended. A constant force of
+    each joint is fitted too, unless positions count from a zero of each record.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, TwoLinkArm
+    >>> t = np.linspace(0.0, 10.0, 2001)
+    >>> upper, bend = np.sin(5.0 * t), 0.8 * np.sin(7.3 * t)
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
+    ... )  # fmt: skip
+    >>> rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
+    >>> places = np.column_stack([upper, bend])
+    >>> takes = JointTorques.of(arm, [])
+    >>> forces, _ = takes.along(arm, t, places, rates, places * [-25.0, -(7.3**2)])
+    >>> forces = forces + np.sign(rates) * [0.3, 0.1]
+    >>> record = Measurement(
+    ...     time=t,
+    ...     position={"shoulder": upper, "elbow": bend},
+    ...     force={"shoulder": forces[:, 0], "elbow": forces[:, 1]},
+    ... )
+    >>> both = {"shoulder": CoulombViscous, "elbow": CoulombViscous}
+    >>> found = fit_joints(arm, both, record, vary=["friction.*", "upper_inertia"])
+    >>> round(found.law["elbow"].kinetic_coefficient, 2)
+    0.1
+    """
+    fitter = JointFitter.of(
+        mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings or RecordSettings()
+    )
+    return fitter.fitted(laws, progress=progress)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """What records say whatever the laws are: motions, and the forces that these take."""
+
+    torques: JointTorques
+    """What a motion takes."""
+    mechanism: Mechanism
+    """The mechanism with the start values of what is looked for."""
+    linear: tuple[FreeParameter, ...]
+    """Parameters of the mechanism that are fitted, from linear regression."""
+    left: Array
+    """What the regression leaves of the force of each joint (m,)."""
+    share: Array
+    """What it leaves with parameters within their bounds, over the spread of the force (m,)."""
+    inertias: Array
+    """What moves with each joint (m,)."""
+    stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
+    """By samples of a record, stretches of each joint at the parameters' start."""
+
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """Coordinates that rest in all records, or hardly move: nothing tells their friction."""
+        names, whole = self.torques.coordinates, self.stretches[SAMPLES]
+        return tuple(n for n, own in zip(names, whole, strict=True) if not _rows(own))
+
+    @classmethod
+    def of(
+        cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
+    ) -> "_Motion":
+        """Derive the motions; with the finer samples that bristles are integrated along."""
+        torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
+        for _ in range(ROUNDS):
+            own = cls.along(torques, asked, measurement, hold, bristles=bristles)
+            if not torques.bent:
+                return own
+            start = {item.path: item.start for item in own.linear}
+            change = _change(asked.mechanism, start)
+            asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", start))
+            if change < SETTLED:
+                break
+        return cls.along(torques, asked, measurement, hold, bristles=bristles)
+
+    @classmethod
+    def along(
+        cls,
+        torques: JointTorques,
+        asked: "_Asked",
+        measurement: Measurement,
+        hold: Hold,
+        *,
+        bristles: bool,
+    ) -> "_Motion":
+        """Derive the motions with slopes at the values of the mechanism."""
+        samples = (SAMPLES, min(SAMPLES, SOME), *((FEW,) if bristles else ()))
+        derived = joint_stretches(
+            torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
+        )
+        linear, left, within = _start(asked, torques, derived[0])
+        found = {
+            count: tuple(tuple(one for one in own) for own in whole)
+            for count, whole in zip(samples, derived, strict=True)
+        }
+        values = {path: v for path, _, v in parameters(asked.mechanism, "mechanism")}
+        at = np.array([values[path] for path in torques.linear])
+        first = np.array([item.start for item in linear])
+        mechanism = vary(
+            asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
+        )
+        own = cls(
+            torques=torques,
+            mechanism=mechanism,
+            linear=linear,
+            left=left,
+            share=within / _spread(derived[0]),
+            inertias=torques.inertias(mechanism, _middle(measurement, torques.coordinates)),
+            stretches=found,
+        )
+        return replace(own, stretches=own.moved(first - at))
+
+    def moved(self, change: Array) -> Mapping[float, tuple[tuple[MotionSegment, ...], ...]]:
+        """Return the stretches as if the parameters of the mechanism had changed by (k,)."""
+        return {
+            count: tuple(tuple(moved(one, change) for one in own) for own in whole)
+            for count, whole in self.stretches.items()
+        }
+
+    def at(self, values: Array) -> "_Motion":
+        """Return the same with other start values of the parameters of the mechanism (k,)."""
+        change = values - np.array([item.start for item in self.linear])
+        linear = tuple(
+            replace(item, start=value)
+            for item, value in zip(self.linear, values.tolist(), strict=True)
+        )
+        started = dict(zip(self.torques.linear, values.tolist(), strict=True))
+        mechanism = vary(self.mechanism, "mechanism", started)
+        return replace(self, mechanism=mechanism, linear=linear, stretches=self.moved(change))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointFitter:
+    """Fits laws by contact to records of several joints, whose motion is derived once for all."""
+
+    mechanism: Mechanism
+    """Mechanism that was measured, as it was given."""
+    measurement: Measurement
+    """Records in time of positions and forces by joint."""
+    vary: str | Sequence[str] | None
+    """Parameters to fit."""
+    fixed: Mapping[str, float] | None
+    """Values of parameters that are held."""
+    settings: RecordSettings
+    """Starts, seed and hold."""
+    motion: _Motion
+    """What the records say whatever the laws are."""
+    hold: HoldFinding | None = None
+    """How forces run between samples, as given or estimated from the records."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        measurement: Measurement,
+        *,
+        vary: str | Sequence[str] | None = None,
+        fixed: Mapping[str, float] | None = None,
+        settings: RecordSettings | None = None,
+        bristles: bool = False,
+    ) -> "JointFitter":
+        """Check the records and derive their motion."""
+        settings = settings or RecordSettings()
+        for record in measurement.records():
+            check_joints(record, mechanism.coordinates)
+        zeros = bool(settings.position_zeros)
+        if vary is not None and LINKS in names_of(vary):
+            mechanism, links = told_links(mechanism, measurement, settings.holding, zeros=zeros)
+            vary = [*(one for one in names_of(vary) if one != LINKS), *links]
+        asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=zeros)
+        refuse_unused(measurement)
+        refuse_faults(measurement, asked.mechanism)
+        bristles = bristles or any(map(_has_bristles, asked.laws.values()))
+        with with_doubts(measurement, asked.mechanism):
+            hold = hold_of(asked.mechanism, measurement, settings.hold, vary=asked.linear)
+            settings = settings if hold is None else hold.applied(settings)
+            motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
+        return cls(
+            mechanism=mechanism,
+            measurement=measurement,
+            vary=vary,
+            fixed=fixed,
+            settings=settings,
+            motion=motion,
+            hold=hold,
+        )
+
+    @property
+    def contacts(self) -> Mapping[str, str]:
+        """Contacts by coordinate: the joints that rub and move."""
+        known = contacts_along(self.mechanism).items()
+        return {along: one.name for along, one in known if along not in self.motion.resting}
+
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """What is to be said of joints that rest, whose friction is not fitted: sentences."""
+        return tuple(
+            f"The joint {name} rests throughout: its friction is not identified, and was not"
+            " fitted. Record it moving."
+            for name in self.motion.resting
+        )
+
+    def wrong_columns(self, laws: Mapping[str, JointLaw] | str) -> str:
+        """Return which signals would explain the forces if exchanged or converted, as a sentence.
+
+        Looked for where a regression leaves most of the force of some joint; empty elsewhere, and
+        if none takes most of that away.
+        """
+        names, units = self.mechanism.coordinates, self.mechanism.units
+        share = float(np.max(self.motion.share))
+        if share < MOST:
+            return ""
+        zeros = bool(self.settings.position_zeros)
+        found = []
+        for finding, other in _suspected(self.measurement, names, units):
+            try:
+                asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, other, zeros=zeros)
+                seen = _Motion.of(asked, other, self.settings.holding, bristles=False)
+            except InputError:
+                continue
+            found.append((float(np.max(seen.share)), finding))
+        left, finding = min(found, default=(np.inf, ""))
+        if left > MOST * min(share, 1.0):
+            return ""
+        falls = (
+            f"what the mechanism does not explain of the forces falls from {percent(share)}"
+            f" to {percent(left)}"
+        )
+        return finding.replace("{falls}", falls)
+
+    def fitted(
+        self,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        *,
+        progress: Watch | None = None,
+    ) -> RecordFit[Laws]:
+        """Fit laws by contact."""
+        if isinstance(laws, Mapping):  # of what rests, none has to be given
+            known = contacts_along(self.mechanism)
+            laws = {
+                **{known[one].name: None for one in self.motion.resting if one in known},
+                **laws,
+            }
+        asked = _Asked.of(
+            self.mechanism,
+            laws,
+            self.vary,
+            self.fixed,
+            self.measurement,
+            zeros=bool(self.settings.position_zeros),
+        )
+        with with_doubts(self.measurement, asked.mechanism):
+            ready, found = self._searched(asked, progress)
+        paths = ready.problem.free_parameters.paths
+        ends = dict(zip(paths, found.best.values.tolist(), strict=True))
+        if not _allows(ready.mechanism, {path: ends[path] for path in self.motion.torques.linear}):
+            raise ConvergenceError(
+                "the links that explain the forces best have no positive mass matrix: record a"
+                " motion that moves them more, or leave 'links' out of vary."
+            )
+        build = ready.build.at(found.best.values)
+        ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
+        fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
+        return replace(fit, sentences=(*self.resting, *fit.sentences), hold=self.hold)
+
+    def _searched(
+        self,
+        asked: "_Asked",
+        progress: Watch | None,
+    ) -> tuple[FitSetup, OptimizeResult]:
+        """Search, again with slopes where it ended if forces are not linear in parameters."""
+        motion = self.motion
+        for _ in range(ROUNDS):
+            start = self._prepared(asked, motion)
+            ready, found = start, searched(start, self.settings, progress)
+            if not motion.torques.bent or found.cancelled:
+                break
+            known = dict(zip(ready.problem.free_parameters.paths, found.best.values, strict=True))
+            own = {path: float(known[path]) for path in motion.torques.linear}
+            at = {item.path: item.start for item in motion.linear}
+            if _change(vary(asked.mechanism, "mechanism", at), own) < SETTLED:
+                break
+            asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", own))
+            bristles = any(map(_has_bristles, asked.laws.values()))
+            motion = _Motion.along(
+                motion.torques, asked, self.measurement, self.settings.holding, bristles=bristles
+            ).at(np.array(list(own.values())))
+        return ready, found
+
+    def _prepared(
+        self,
+        asked: "_Asked",
+        motion: _Motion,
+    ) -> FitSetup[JointBalance]:
+        """Return the problem of all joints, with start values from the record."""
+        first = [item.start for item in motion.linear]
+        torques, contacts = motion.torques, self.contacts
+        samples = FEW if any(map(_has_bristles, asked.laws.values())) else SAMPLES
+        mechanism = vary(
+            asked.mechanism, "mechanism", dict(zip(torques.linear, first, strict=True))
+        )
+        maps, names = {}, {}
+        for i, coordinate in enumerate(torques.coordinates):
+            if coordinate in motion.resting:
+                continue
+            contact = contacts.get(coordinate, "")
+            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
+            check_inputs(
+                asked.laws.get(contact),
+                asked.mechanism,
+                self.measurement,
+                [k for k in whole[0].path.inputs if all(k in s.path.inputs for s in whole)],
+                contact=contact,
+                fitted=torques.linear,
+            )
+            one = maps[coordinate] = _map_of(asked, contact, coordinate, (whole, some), motion)
+            names[coordinate] = tuple(
+                _among_all(path, contact, coordinate) for path in one.free_parameters.paths
+            )
+        free = _joined(maps, names, contacts)
+        every = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        left = {name: one for name, one in every if name in maps}
+        size = float(np.sqrt(np.mean(np.square([*left.values()]))))
+        problem = JointBalance(
+            maps=maps,
+            names=names,
+            weights={name: size / one for name, one in left.items()},
+            free_parameters=free,
+        )
+        slips = {name: coordinate for coordinate, name in contacts.items()}
+        laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
+        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
+        return FitSetup(mechanism, laws, problem, build)  # type: ignore[arg-type]
+
+
+def _members(
+    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None],
+    slips: Mapping[str, str],
+    maps: Mapping[str, ForceMap],
+) -> Iterator[tuple[str, FrictionLaw]]:
+    """Yield the laws of contacts: those that are fitted, and what was given of one that rests."""
+    for name, law in laws.items():
+        if law is not None and name in slips:
+            yield name, maps[slips[name]].law
+        elif isinstance(law, FrictionLaw):
+            yield name, law
+
+
+def _suspected(
+    measurement: Measurement, names: Sequence[str], units: Sequence[str]
+) -> Iterator[tuple[str, Measurement]]:
+    """Yield what may be wrong with columns, as a sentence, and the records without it."""
+    for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
+        if units[i] == units[j]:
+            yield (
+                f"The {what} of {names[i]} and {names[j]} seem to be exchanged: with the one as the"
+                " other, {falls}. Check which column is of which joint.",
+                _with_exchanged(measurement, names[i], names[j], SIGNALS[what]),
+            )
+    for name, unit in zip(names, units, strict=True):
+        for what, signals in SIGNALS.items():
+            yield (
+                f"The {what} of {name} seem to have the opposite sign: with the other one,"
+                " {falls}. Check the sign of the column.",
+                _multiplied(measurement, name, signals, -1.0),
+            )
+        for what, (scale, factor) in OTHER_UNITS.get(unit, {}).items():
+            yield (
+                f"The {what} of {name} seem to be in {scale}: as such, {{falls}}. Check the unit of"
+                " the column.",
+                _multiplied(measurement, name, SIGNALS[what], factor),
+            )
+
+
+def _multiplied(
+    measurement: Measurement, name: str, signals: Sequence[str], factor: float
+) -> Measurement:
+    """Return records in which some signals of a joint are multiplied by a factor."""
+    records = []
+    for record in measurement.records():
+        own = record.joints[name]
+        known = {one: factor * getattr(own, one) for one in signals if one in own.quantities()}
+        offset = {one: factor * size if one in known else size for one, size in own.offset.items()}
+        joints = {**record.joints, name: replace(own, **known, offset=offset)}
+        records.append(replace(record, joints=joints))
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+def _with_exchanged(
+    measurement: Measurement, one: str, other: str, names: Sequence[str]
+) -> Measurement:
+    """Return records in which two joints have each other's signals of some names."""
+    records = []
+    for record in measurement.records():
+        joints = dict(record.joints)
+        for a, b in ((one, other), (other, one)):
+            own, from_ = record.joints[a], record.joints[b]
+            signals = {name: getattr(from_, name) for name in names}
+            kept = {name: size for name, size in own.offset.items() if name not in names}
+            moved = {name: size for name, size in from_.offset.items() if name in names}
+            joints[a] = replace(own, **signals, offset={**kept, **moved})
+        records.append(replace(record, joints=joints))
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Asked:
+    """What is fitted, by contact."""
+
+    mechanism: Mechanism
+    """The mechanism with its fixed values."""
+    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None]
+    """By contact, in their order."""
+    free: Mapping[str, tuple[str, ...]]
+    """Parameters of each law that are fitted, called as if there were no other; `LAW` for all."""
+    known: Mapping[str, Mapping[str, float]]
+    """Values of each law that are held, by name."""
+    linear: tuple[str, ...]
+    """Paths of the mechanism's parameters that are fitted."""
+    zeros: bool
+    """Whether positions of each record count from a place that is not known."""
+    offsets: Mapping[str, float]
+    """Constant forces that are held, by coordinate."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        vary_: str | Sequence[str] | None,
+        fixed: Mapping[str, float] | None,
+        measurement: Measurement,
+        *,
+        zeros: bool,
+    ) -> "_Asked":
+        """Resolve names to full paths."""
+        contacts = tuple(one.name for one in contacts_along(mechanism).values())
+        if isinstance(laws, FrictionLaw):
+            raise InputError(
+                "a law given alone would be shared by all joints, which fits do not do: give its"
+                f" type {type(laws).__name__}, or laws by contact, as"
+                f" {{{', '.join(f'{name!r}: ...' for name in contacts)}}}."
+            )
+        if not isinstance(laws, Mapping):
+            laws = dict.fromkeys(contacts, laws)
+        usual: dict[str, tuple[str, ...]] = {}
+        kinds: dict[str, FrictionLaw | type[FrictionLaw] | None] = {}
+        for name, given in given_to(contacts, laws).items():
+            law, usual[name] = _law_of(name, given)
+            kinds[name] = law
+        quantities = {
+            path.replace("friction.", f"friction.{name}.", 1): quantity
+            for name, law in kinds.items()
+            for path, quantity in law_quantities(law).items()
+        }
+        own = all_paths(mechanism, "mechanism")
+        held = [OFFSET + name for name in mechanism.coordinates]
+        known: dict[str, Quantity] = {
+            **quantities, **own, **dict.fromkeys(held, Quantity("o", "N"))
+        }  # fmt: skip
+        values = fixed_values(fixed, known, lambda path: path.partition(".")[0])
+        names = (LAW,) if vary_ is None else names_of(vary_)
+        whole_laws = (LAW, *(f"friction.{name}.*" for name in kinds))
+        varied = varied_paths(names, {**quantities, **own}, values, whole_laws)
+        linear = tuple(path for path in varied if path in own)
+        for record in measurement.records():
+            for path in record.overrides:
+                if path in linear or path in values:
+                    raise InputError(
+                        f"trial {record.name or 'without a name'} overrides {path}, which is one"
+                        " value for all trials here: leave the override out, or do not name it in"
+                        " vary or fixed."
+                    )
+        held_own = {path: value for path, value in values.items() if path in own}
+        free, held_laws = {}, {}
+        for name, law in kinds.items():
+            prefix = f"friction.{name}."
+            mine = {p.removeprefix(prefix): v for p, v in values.items() if p.startswith(prefix)}
+            if isinstance(law, FrictionLaw) and mine:
+                changes = {f"friction.{field}": value for field, value in mine.items()}
+                kinds[name] = vary(law, "friction", changes)
+            held_laws[name] = mine
+            whole = LAW in varied or f"friction.{name}.*" in varied
+            named = [f"friction.{p.removeprefix(prefix)}" for p in varied if p.startswith(prefix)]
+            whole |= isinstance(law, type) and not named and not mine  # no values of it were given
+            free[name] = (*(usual[name] if whole else ()), *(p for p in named if "*" not in p))
+        return cls(
+            mechanism=vary(mechanism, "mechanism", held_own) if held_own else mechanism,
+            laws=kinds,
+            free=free,
+            known=held_laws,
+            linear=linear,
+            zeros=zeros,
+            offsets={
+                path.removeprefix(OFFSET): values.get(path, 0.0)
+                for path in held
+                if zeros or path in values  # a zero and a constant force are hardly told apart
+            },
+        )
+
+
+def _law_of(
+    name: str, given: object
+) -> tuple[FrictionLaw | type[FrictionLaw] | None, tuple[str, ...]]:
+    """Return a law that was given for a contact, and which of its parameters are fitted."""
+    if given is None:
+        return None, ()
+    if isinstance(given, str | CandidateSpec):
+        found = specification(given) if isinstance(given, str) else given
+        own = (LAW,) if found.free is None else tuple(f"friction.{one}" for one in found.free)
+        return found.law, own
+    kind = given if isinstance(given, type) else type(given)
+    if not issubclass(kind, FrictionLaw):
+        raise InputError(
+            f"the law of the contact {name!r} must be a FrictionLaw, its type or its name, got"
+            f" {given!r}."
+        )
+    return cast("FrictionLaw | type[FrictionLaw]", given), (LAW,)
+
+
+def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
+    """Return the largest change of parameters from those of a mechanism, over their values."""
+    before = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    return max(
+        (abs(value - before[path]) / max(abs(value), 1e-300) for path, value in values.items()),
+        default=0.0,
+    )
+
+
+def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
+    """Return the standard deviation of the applied force of each joint (m,)."""
+    columns = [[one.applied[one.segment >= 0] for one in own] for own in stretches]  # type: ignore[index]
+    sizes = [np.std(np.concatenate(own)) if sum(map(len, own)) else 0.0 for own in columns]
+    found: Array = np.maximum(np.array(sizes, dtype=float), 1e-300)
+    return found
+
+
+def _rows(stretches: Sequence[MotionSegment]) -> int:
+    """Return how many rows of a joint are fitted."""
+    return sum(int(np.count_nonzero(one.segment >= 0)) for one in stretches)
+
+
+def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
+    """Return the root mean square of the rows of each joint (m,); 0 where it has none."""
+    squares = np.bincount(joint, residual**2, minlength=count)
+    found: Array = np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
+    return found
+
+
+def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
+    return law is not None and bool(law.states)
+
+
+def _start(
+    asked: _Asked, torques: JointTorques, stretches: Sequence[Sequence[MotionSegment]]
+) -> tuple[tuple[FreeParameter, ...], Array, Array]:
+    """Return the parameters of the mechanism with start values, and what is left of each joint.
+
+    From linear regression with Coulomb and viscous friction, and a constant force, of every joint.
+    What is left comes twice: by the regression as it is, and with these parameters in bounds.
+    """
+    count, k = len(torques.coordinates), len(torques.linear)
+    table, target, joint = regression_of(stretches, k)
+    size = np.linalg.norm(table, axis=0)
+    scaled = table / np.where(size > 0.0, size, 1.0)
+    if torques.bent:
+        _refuse_alike(torques.linear, scaled[:, :k])
+    found = np.linalg.lstsq(scaled, target, rcond=1e-8)[0] / np.where(size > 0.0, size, 1.0)
+    residual = target - table @ found
+    left = _by_joint(residual, joint, count)
+    values = {path: (quantity, v) for path, quantity, v in parameters(asked.mechanism, "mechanism")}
+    force = float(np.sqrt(np.mean(target**2)))
+    items = []
+    for j, path in enumerate(torques.linear):
+        quantity, nominal = values[path]
+        seen = float(size[j]) / np.sqrt(len(target))
+        reach = WIDE * max(force / max(seen, 1e-300), abs(nominal))
+        least = quantity.low if quantity.above is None else quantity.above + 1e-6 * abs(nominal)
+        low, high = max(least, nominal - reach), min(quantity.high, nominal + reach)
+        start = min(max(nominal + float(found[j]), low), high)
+        items.append(FreeParameter(path=path, quantity=quantity, start=start, low=low, high=high))
+    if not _allows(asked.mechanism, {item.path: item.start for item in items}):
+        items = [replace(item, start=values[item.path][1]) for item in items]
+    change = np.array([item.start - values[item.path][1] for item in items])
+    held = target - table[:, :k] @ change
+    rest = scaled[:, k:]
+    residual = held - rest @ np.linalg.lstsq(rest, held, rcond=1e-8)[0]
+    within = _by_joint(residual, joint, count)
+    least = 1e-12 * max(force, 1e-300)
+    return tuple(items), np.maximum(left, least), np.maximum(within, least)
+
+
+def _allows(mechanism: Mechanism, values: Mapping[str, float]) -> bool:
+    """Whether a mechanism takes parameters together, as links with mass."""
+    try:
+        vary(mechanism, "mechanism", values)
+    except ParameterError:
+        return False
+    return True
+
+
+def _refuse_alike(names: Sequence[str], slopes: Array) -> None:
+    """Refuse parameters that do the same to all forces, or nothing: searches would not settle."""
+    _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
+    if sizes[-1] < NEGLIGIBLE:
+        same = [
+            name for name, part in zip(names, directions[-1], strict=True) if abs(part) > NEGLIGIBLE
+        ]
+        if len(same) == 1:
+            raise InputError(f"the forces of this motion do not depend on {same[0]}: fix it.")
+        raise InputError(
+            f"the motion does not tell {joined(same)} apart: fix one of them, such as {same[-1]}."
+        )
+
+
+def _middle(measurement: Measurement, names: Sequence[str]) -> Array:
+    """Return the mean of each coordinate over all records (m,)."""
+    records = measurement.records()
+    return np.array(
+        [
+            np.mean(np.concatenate([positions_of(record.joints[name]) for record in records]))
+            for name in names
+        ]
+    )
+
+
+def _map_of(
+    asked: _Asked,
+    contact: str,
+    coordinate: str,
+    stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
+    motion: _Motion,
+) -> ForceMap:
+    """Return the force map of one joint."""
+    law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
+    inertia = float(motion.inertias[motion.torques.coordinates.index(coordinate)])
+    problem, _ = map_along(
+        Viscous(viscous_coefficient=0.0) if law is None else law,
+        *stretches,
+        free=() if law is None else asked.free[contact],
+        known=asked.known.get(contact) if isinstance(law, type) else None,
+        held=() if offset is None else (SENSOR,),
+        beside=ConstantForce(SENSOR, offset or 0.0),
+        linear=motion.linear,
+        derived=[item.start for item in motion.linear],
+        mass=inertia,
+    )
+    return replace(problem, of_applied=True)
+
+
+def _among_all(path: str, contact: str, coordinate: str) -> str:
+    """Return what an unknown of one joint is called among those of all."""
+    if path == SENSOR:
+        return OFFSET + coordinate
+    return path.replace("friction.", f"friction.{contact}.", 1)
+
+
+def _joined(
+    maps: Mapping[str, ForceMap], names: Mapping[str, Sequence[str]], contacts: Mapping[str, str]
+) -> FreeParameters:
+    """Return the unknowns of all joints, those of the mechanism last and once."""
+    items: dict[str, FreeParameter] = {}
+    shared: dict[str, FreeParameter] = {}
+    known: dict[str, float] = {}
+    for coordinate, one in maps.items():
+        contact = contacts.get(coordinate, "")
+        for item, path in zip(one.free_parameters.items, names[coordinate], strict=True):
+            if path == item.path:
+                shared[path] = item
+                continue
+            above = item.above and _among_all(item.above, contact, coordinate)
+            symbol = f"{item.quantity.symbol}_{contact or coordinate}"
+            quantity = replace(item.quantity, symbol=symbol)
+            items[path] = replace(item, path=path, above=above, quantity=quantity)
+        for path, value in (one.free_parameters.known or {}).items():
+            known[_among_all(path, contact, coordinate)] = value
+    return FreeParameters((*items.values(), *shared.values()), known)

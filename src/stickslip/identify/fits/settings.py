@@ -1,0 +1,192 @@
+"""How records are fitted, and how a force channel shows a force."""
+
+import math
+import numbers
+from dataclasses import dataclass, fields
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ParameterError, UnknownNameError, not_whole
+from stickslip.quantities import Quantity
+from stickslip.show.described import Described
+
+Array = NDArray[np.float64]
+
+Hold: TypeAlias = Literal["zero", "first"]
+"""What an applied force does between samples: keeps its value, or goes straight to the next."""
+RESOLUTION = 100
+"""Samples a segment is compared at, pieces its drive has, and poses and stretches of a record that
+are looked at, at most."""
+LEAST = 8
+"""Rows that a segment must have to say anything beside its initial state."""
+SEGMENT = 1.0
+"""Length of a segment [s] that is simulated from a state of its own."""
+
+# What several rules ask alike has one answer.
+ROUNDING = 1e-9
+"""Share by which numbers differ that are the same but for their units and for sums."""
+NEGLIGIBLE = 1e-7
+"""Share below which slopes, and singular values of slopes, are not told from 0: they are exact to
+seven or eight digits."""
+TAKES_PART = 0.01
+"""Share of a direction from which a parameter takes part in it, and of a slope that is its own."""
+SETTLED = 1e-4
+"""Share by which a step lowers a cost, or changes values, at which an iteration ends."""
+ROUNDS = 200
+"""Steps of an iteration at most: all end by themselves."""
+STEP = 1e-3
+"""Share by which a parameter of a mechanism is moved to see what depends on it: neither the error
+of a run, 1e-8, nor curvature changes more than the third digit of a difference."""
+CHANCE = 0.05
+"""Chance with which an interval misses, and with which a test finds what is not there."""
+SURE = 3.0
+"""Standard errors from 0 beyond which a single number is something."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorResponse:
+    """How a force channel shows a force: after a delay, or through a lag of first order.
+
+    Examples
+    --------
+    >>> t = np.arange(6.0)
+    >>> step = np.array([0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+    >>> SensorResponse(delay=2.0).shown(t, step).tolist()
+    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0]
+    >>> SensorResponse(lag=1.0).shown(t, step).round(2).tolist()
+    [0.0, 0.0, 0.37, 0.77, 0.91, 0.97]
+    """
+
+    delay: float = 0.0
+    """Time [s] after which the channel shows the force; below 0 where the motion is shown late."""
+    lag: float = 0.0
+    """Time constant [s] of a low-pass filter of first order."""
+
+    @property
+    def late(self) -> float:
+        """Mean time [s] by which the force is shown late."""
+        return self.delay + self.lag
+
+    def __bool__(self) -> bool:
+        """Whether the channel changes anything."""
+        return self.delay != 0.0 or self.lag != 0.0
+
+    def shown(self, time: Array, force: Array) -> Array:
+        """Return what the channel shows of forces."""
+        if self.delay:
+            force = _at(time - self.delay, time, force)
+        return self.filtered(time, force)
+
+    def filtered(self, time: Array, force: Array) -> Array:
+        """Return forces as `shown` does, without the delay."""
+        if not self.lag:
+            return force
+        from scipy.signal import lfilter
+
+        step = float(np.mean(np.diff(time)))
+        a = float(np.exp(-step / self.lag))
+        last = 1.0 - (1.0 - a) * self.lag / step  # between samples the force goes straight
+        weights = [last, (1.0 - a) - last]
+        return np.asarray(force[:1] + lfilter(weights, [1.0, -a], force - force[:1], axis=0))
+
+    def acted(self, time: Array, force: Array) -> Array:
+        """Return the forces that a channel shows, when they acted.
+
+        Examples
+        --------
+        >>> t = 0.01 * np.arange(100)
+        >>> late = SensorResponse(delay=0.02, lag=0.03)
+        >>> ramp = late.acted(t, late.shown(t, t))
+        >>> bool(np.max(np.abs(ramp - t)[30:90]) < 1e-3)
+        True
+        """
+        if self.lag:
+            force = force + self.lag * np.gradient(force, time)
+        return _at(time + self.delay, time, force) if self.delay else force
+
+    def known(self, time: Array) -> NDArray[np.bool_]:
+        """Return at which samples of a force the motion that came with it was measured."""
+        shown = time - self.delay
+        return np.asarray((shown >= time[0]) & (shown <= time[-1]))
+
+    def moved(self, time: Array, values: Array) -> Array:
+        """Return what was measured of a motion when the force was that which is shown."""
+        return np.interp((time - self.delay)[self.known(time)], time, values)
+
+
+PROMPT = SensorResponse()
+"""A channel without delay."""
+
+
+def _at(when: Array, time: Array, force: Array) -> Array:
+    """Return columns at other times, linear between samples."""
+    right = np.clip(np.searchsorted(time, when), 1, len(time) - 1)
+    share = np.clip((when - time[right - 1]) / (time[right] - time[right - 1]), 0.0, 1.0)
+    share = share.reshape(-1, *(1,) * (force.ndim - 1))
+    return np.asarray((1.0 - share) * force[right - 1] + share * force[right])
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordSettings(metaclass=Described):
+    """How records are fitted."""
+
+    segment: float = SEGMENT
+    """Length of a segment [s] that is simulated; the usual second becomes 20 samples of a record
+    that has fewer in it."""
+    resolution: int = RESOLUTION
+    """Rows of a segment at most, 8 or more."""
+    hold: Hold | None = None
+    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes straight
+    there, None if that is to be estimated from the record.
+
+    Simulated segments and inverse dynamics heed it; measured friction has no force beside it.
+    """
+    starts: int = 1
+    """Starts of the search: beyond the first, jittered ones."""
+    seed: int = 0
+    """Of the jitter of further starts."""
+    position_zeros: bool | None = None
+    """Whether positions of each record count from a place that is not known, as where encoders are
+    set to 0 wherever an arm rests; where not given, those of a body that swings or slides freely
+    do. True is for records of several joints, whose constant forces are then 0."""
+
+    friction_delay: float = 0.0
+    """Time [s] by which measured friction is recorded after the motion; below 0 if before it."""
+    friction_lag: float = 0.0
+    """Time constant [s] of a first-order filter of measured friction."""
+
+    @property
+    def response(self) -> SensorResponse:
+        """How the force channel shows friction that was measured."""
+        return SensorResponse(delay=self.friction_delay, lag=self.friction_lag)
+
+    @property
+    def holding(self) -> Hold:
+        """The hold; ``"zero"``, as of commands, where none was given or estimated."""
+        return self.hold or "zero"
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Names of the settings that differ from the usual ones."""
+        return tuple(f.name for f in fields(self) if getattr(self, f.name) != f.default)
+
+    def __post_init__(self) -> None:
+        """Check all: a hold that is not known would pass for ``"zero"``."""
+        segment = Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
+        object.__setattr__(self, "segment", segment)
+        for name, low in (("friction_delay", -math.inf), ("friction_lag", 0.0)):
+            value = Quantity(name, "s", low=low).check("RecordSettings", name, getattr(self, name))
+            object.__setattr__(self, name, value)
+        for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
+            value = getattr(self, name)
+            whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+            if not (whole and value >= least):
+                raise ParameterError(not_whole(f"RecordSettings.{name}", least, value))
+        if not (self.position_zeros is None or isinstance(self.position_zeros, bool)):
+            raise ParameterError(
+                f"RecordSettings.position_zeros must be True or False, got {self.position_zeros!r}."
+            )
+        if self.hold is not None and self.hold not in get_args(Hold):
+            raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))

@@ -1,0 +1,513 @@
+"""Multiple shooting: a record is simulated segment by segment, each from a state of its own.
+
+The initial states of segments are eliminated to first order: their part of the slopes is projected
+out, and they follow the other unknowns from one linearisation to the next. The place from which
+positions count, where it is not known, only adds a constant: means are taken off instead.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.engine.executors import on_threads
+from stickslip.engine.solver import BareRun, EventDriven
+from stickslip.engine.trajectory import Trajectory
+from stickslip.errors import InputError, ParameterError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, not_whole
+from stickslip.identify.fits.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
+from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
+from stickslip.identify.fits.shooting.first_deflections import FirstDeflections, RecordedMotion
+from stickslip.identify.fits.shooting.initial_states import (
+    LocalState,
+    Ways,
+    followed,
+    settled,
+)
+from stickslip.identify.fits.shooting.sampled_loops import (
+    LoopInSegment,
+    run_through,
+    without_steps,
+)
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
+from stickslip.quantities import parameters, vary
+
+Array = NDArray[np.float64]
+
+SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
+"""Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
+thousands, parameters have gone where nothing moves as measured."""
+
+
+FIRST = 20
+"""First rows of a segment from whose slope it is seen whether the body may be at rest, and from
+whose parabola its first velocity is guessed."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Segment:
+    """A stretch of a record and what drives the mechanism in it."""
+
+    record: int
+    """Which record it is of."""
+    start: float
+    """First time in the record [s]."""
+    mechanism: Mechanism
+    """As set in this record, with the drive of this stretch; times count from its start."""
+    times: Array
+    """Times (n,) [s] from the start, at which it is compared."""
+    measured: Array
+    """What was measured there (n,)."""
+    guess: Array
+    """First guess of coordinates and rates (m,)."""
+    known: NDArray[np.bool_]
+    """Which of these are known, and no guess (m,)."""
+    zero: bool = False
+    """Whether positions count from a place that is not known."""
+    loop: LoopInSegment | None = None
+    """The loop that makes a voltage of the motion at its samples; None if none does."""
+
+    @property
+    def rest(self) -> Array:
+        """The guess with rates of 0, but those that are known."""
+        moves = np.arange(len(self.guess)) >= len(self.guess) // 2
+        return np.where(moves & ~self.known, 0.0, self.guess)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZeroEstimate:
+    """Where the positions of a record count from."""
+
+    value: float
+    """What is measured where the mechanism is at 0 [m or rad]."""
+    error: float
+    """Its standard error."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shooting(RecordProblem):
+    """Positions (or velocities) of segments simulated with the measured drive."""
+
+    law: FrictionLaw
+    """Holds the parameters that are not fitted."""
+    free_parameters: FreeParameters
+    """The free parameters."""
+    segments: tuple[Segment, ...]
+    """Stretches of the records that are simulated."""
+    quantity_: str = "position"
+    """What is compared: ``"position"`` or ``"velocity"``."""
+    motions: tuple[RecordedMotion, ...] = ()
+    """The measured motion of each record between gaps, as far as bristles are followed along it."""
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return self.quantity_
+
+    @property
+    @override
+    def spans(self) -> Array:
+        return np.array(
+            [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
+        )
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.concatenate([s.start + s.times for s in self.segments])
+
+    @property
+    @override
+    def measured(self) -> Array:
+        return np.concatenate([s.measured for s in self.segments])
+
+    @property
+    @override
+    def variation(self) -> float:
+        """That of the motion about a straight line: first position and velocity are fitted."""
+        return sum(curvature_of(segment) for segment in self.segments)
+
+    @property
+    @override
+    def simulates(self) -> bool:
+        return True
+
+    def shortened(self, share: float) -> "Shooting":
+        """Return the same with the first rows of each segment only."""
+        rows = [max(min(FIRST, len(s.times)), round(share * len(s.times))) for s in self.segments]
+        return replace(
+            self,
+            segments=tuple(
+                replace(s, times=s.times[:count], measured=s.measured[:count])
+                for s, count in zip(self.segments, rows, strict=True)
+            ),
+        )
+
+    def starting_from(self, seen: ResidualJacobian) -> "Shooting":
+        """Return the same with the initial states of an answer as first guesses."""
+        segments = enumerate(self.segments)
+        guesses = (replace(s, guess=seen.memory[k].state) for k, s in segments)
+        return replace(self, segments=tuple(guesses))
+
+    @override
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
+        return replace(self, free_parameters=free_parameters)
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: ResidualJacobian | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> ResidualJacobian:
+        chosen = range(len(self.segments)) if only is None else only
+        known: Mapping[int, LocalState] = near.memory if near is not None else {}
+        change = np.zeros(len(values)) if near is None else values - near.values
+        try:
+            law, mechanisms = self._changed(values)
+        except ParameterError:
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+        begun = self._begun(law, values, chosen)
+
+        def one(k: int, before: LocalState | None) -> LocalState | None:
+            segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
+            shoot = partial(self._shot, segment, mechanism, law, begun[k])
+            at_rest = _may_rest(segment, self.quantity)
+            if before is None:
+                return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
+            return followed(before, change, segment.rest, shoot, at_rest=at_rest)
+
+        shots = on_threads(lambda k: one(k, known.get(k)), chosen)
+        found = dict(zip(chosen, shots, strict=True))
+        return self._joined(values, chosen, list(found.values()))
+
+    def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
+        """Return the law and, by identity, the segments' mechanisms with other values."""
+        items = zip(self.free_parameters.items, map(float, values), strict=True)
+        pairs = {item.path: not_whole(item, value) for item, value in items}
+        own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
+        law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
+        return law, {
+            id(s.mechanism): vary(s.mechanism, "mechanism", own) if own else s.mechanism
+            for s in self.segments
+        }
+
+    def _begun(
+        self, law: FrictionLaw, values: Array, chosen: Sequence[int]
+    ) -> Mapping[int, "_Begun"]:
+        """Return how the bristles of segments begin, by number."""
+        if not law.states:
+            return dict.fromkeys(chosen, _Begun())
+        of: dict[RecordedMotion, list[int]] = {}
+        for k in chosen:
+            one = self.segments[k]
+            known = (own for own in self.motions if own.covers(one.record, one.start))
+            own = next(known, None) or RecordedMotion.unknown(one.record, one.start)
+            of.setdefault(own, []).append(k)
+        found: dict[int, _Begun] = {}
+        for motion, numbers in of.items():
+            first = FirstDeflections(
+                law=law,
+                free_parameters=self.free_parameters,
+                values=values,
+                motion=motion,
+                starts=np.array([self.segments[k].start for k in numbers]),
+                length=float(self.segments[numbers[0]].times[-1]),
+            )
+            found |= {k: _Begun(first, place) for place, k in enumerate(numbers)}
+        return found
+
+    def _shot(
+        self,
+        segment: Segment,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        begun: "_Begun",
+        state: Array,
+    ) -> LocalState | None:
+        """Return a segment simulated from a state; None if the run fails."""
+        run = _bare(segment, mechanism, law, begun, state)
+        if run is None:
+            return None
+        column = run.states.index(_state_of(mechanism, self.quantity))
+        sense = partial(_sensed, run, segment, mechanism, law, begun, state, column)
+        left = segment.measured - run.at(segment.times)[:, column]
+        units = np.ones(len(state))
+        units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
+        units[segment.known] = 0.0
+
+        def ways() -> Ways | None:
+            local = sense([f"initial.{name}" for name in run.states[: len(state)]])
+            if not np.max(np.abs(local)) < STEEPEST:  # NaN included
+                return None
+            return Ways(*np.linalg.svd(local * units, full_matrices=False))
+
+        return LocalState(
+            state=state,
+            residual=left - left.mean() if segment.zero else left,
+            size=float(np.ptp(segment.measured)),
+            sense=cache(partial(sense, self.free_parameters.paths)),
+            units=units,
+            ways=cache(ways),
+        )
+
+    @override
+    def carried(self, seen: ResidualJacobian) -> Array:
+        law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, range(len(self.segments)))
+        found = []
+        for k, one in enumerate(self.segments):
+            state = np.where(one.known, one.guess, seen.memory[k].state)
+            mechanism = mechanisms[id(one.mechanism)]
+            run = _bare(one, mechanism, law, begun[k], state)
+            column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
+            predicted = np.inf if run is None else run.at(one.times)[:, column]
+            left = one.measured - predicted
+            found.append(left - left.mean() if one.zero and run is not None else left)
+        return np.concatenate(found)
+
+    def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
+        """Return where positions count from, by the last segment of each record that tells it."""
+        law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, range(len(self.segments)))
+        found = {}
+        for k, one in enumerate(self.segments):
+            if not one.zero or k not in seen.memory:
+                continue
+            mechanism, state = mechanisms[id(one.mechanism)], seen.memory[k].state
+            run = _bare(one, mechanism, law, begun[k], state)
+            if run is None:
+                continue
+            column = run.states.index(_state_of(mechanism, self.quantity))
+            left = one.measured - run.at(one.times)[:, column]
+            paths = [f"initial.{name}" for name in run.states[: len(state)]]
+            counted = replace(one, zero=False)
+            paths += self.free_parameters.paths
+            slopes = _sensed(run, counted, mechanism, law, begun[k], state, column, paths)
+            own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
+            freedom = max(len(left) - slopes.shape[1] - 1, 1)
+            if own @ own > ROUNDING * len(left):
+                error = math.sqrt(float(np.sum((left - left.mean()) ** 2)) / freedom / (own @ own))
+                found[one.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
+        return found
+
+    @override
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
+        law, mechanisms = self._changed(seen.values)
+        begun = self._begun(law, seen.values, list(seen.memory))
+        found = []
+        for k, one in enumerate(self.segments):
+            if k in seen.memory:
+                mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
+                start = _start(mechanism, begun[k], seen.memory[k].state)
+                if one.loop is not None:
+                    _, mechanism = run_through(
+                        SOLVER, mechanism, law, one.loop, y0=start, t_end=end
+                    )
+                found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
+        return tuple(run for run in found if run.status.complete)
+
+    def _joined(
+        self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
+    ) -> ResidualJacobian:
+        done = [shot for shot in shots if shot is not None]
+        if len(done) < len(shots):
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+        return ResidualJacobian(
+            values=values,
+            residual=np.concatenate([shot.residual for shot in done]),
+            slopes=lambda: np.concatenate(
+                on_threads(lambda shot: shot.projected(shot.slopes), done)
+            ),
+            segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
+            memory=dict(zip(chosen, done, strict=True)),
+        )
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """How the bristles of one segment begin."""
+
+    continued: FirstDeflections | None = None
+    """Those of all segments of the record, along its motion; None of a law without."""
+    place: int = 0
+    """Which of these segments it is."""
+
+    def at(self, velocity: float) -> tuple[FirstDeflections | None, int, bool]:
+        """Return deflections, which of them, and whether the initial velocity [m/s] makes them."""
+        one = self.continued
+        if one is None or one.starts[self.place] > one.motion.start:
+            return one, self.place, False
+        own = replace(
+            one, motion=one.motion.begun(velocity), starts=one.starts[self.place : self.place + 1]
+        )
+        return own, 0, True
+
+    def deflections(self, velocity: float) -> list[float]:
+        """Return deflections [m], or whatever unit the states of the law have."""
+        first, place, _ = self.at(velocity)
+        return [] if first is None else first.states[place].tolist()
+
+    def slopes(self, velocity: float, path: str, paths: Sequence[str]) -> Array:
+        """Return their slopes (b, paths) by the law's parameters, and by the path of a velocity."""
+        first, place, own = self.at(velocity)
+        assert first is not None
+        known = dict(zip(first.free_parameters.paths, first.slopes[place].T, strict=True))
+        if own:
+            known[path] = first.velocity_slopes[place]
+        none = np.zeros(first.states.shape[1])
+        return np.column_stack([known.get(one, none) for one in paths])
+
+
+def curvature_of(segment: Segment) -> float:
+    """Return the sum of squares of the motion of a segment less a straight line."""
+    line = np.polyfit(segment.times, segment.measured, 1)
+    return float(np.sum((segment.measured - np.polyval(line, segment.times)) ** 2))
+
+
+def _may_rest(segment: Segment, quantity: str) -> bool:
+    """Whether the first samples of a segment are those of a body at rest, as far as one can see."""
+    count = min(len(segment.times), FIRST)
+    t, x = segment.times[:count], segment.measured[:count]
+    columns = np.vander(t - t.mean(), 2 if quantity == "position" else 1)
+    found = np.linalg.lstsq(columns, x, rcond=None)[0]
+    left = x - columns @ found
+    error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
+    return bool(abs(found[0]) <= SURE * error)
+
+
+def _bare(
+    segment: Segment, mechanism: Mechanism, law: FrictionLaw, begun: _Begun, state: Array
+) -> BareRun | None:
+    """Return a segment simulated from a state; None if the run fails."""
+    if not np.all(np.isfinite(state)):
+        return None
+    return _solved(segment, mechanism, law, _start(mechanism, begun, state))
+
+
+def _solved(
+    segment: Segment, mechanism: Mechanism, law: FrictionLaw, start: Sequence[float]
+) -> BareRun | None:
+    """Return a segment simulated from its first states; None if the run fails."""
+    end, steps = float(segment.times[-1]), SOLVER.max_steps * len(segment.times) // RESOLUTION
+    solver = SOLVER if steps <= SOLVER.max_steps else replace(SOLVER, max_steps=steps)
+    if segment.loop is not None:
+        return run_through(solver, mechanism, law, segment.loop, y0=start, t_end=end)[0]
+    run = solver.bare(mechanism, law, y0=start, t_end=end)
+    return run if run.status.complete else None
+
+
+def _sensed(
+    run: BareRun,
+    segment: Segment,
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    begun: _Begun,
+    state: Array,
+    column: int,
+    paths: Sequence[str],
+) -> Array:
+    """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
+    bristles = [f"initial.{name}" for name in run.states[len(state) :]]
+    known = [*paths, *bristles]
+    if segment.loop is None:
+        table = run.differentiate(segment.times, known)[:, column, :]
+    else:  # the kernels know nothing of what the loop does about a change
+        table = np.full((len(segment.times), len(known)), np.nan)
+        mechanism = without_steps(mechanism)
+        run = _solved(segment, mechanism, law, _start(mechanism, begun, state)) or run
+    for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
+        table[:, k] = _differenced(run, segment, mechanism, law, begun, state, column, known[k])
+    if segment.zero:
+        table = table - table.mean(axis=0)
+    if not bristles:
+        return table
+    slip = _slip_velocity(mechanism)
+    moved = begun.slopes(float(state[slip]), f"initial.{run.states[slip]}", paths)
+    return np.asarray(table[:, : len(paths)] + table[:, len(paths) :] @ moved)
+
+
+def _differenced(
+    run: BareRun,
+    segment: Segment,
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    begun: _Begun,
+    state: Array,
+    column: int,
+    path: str,
+) -> Array:
+    """Return the slopes (n,) along one path by a difference of runs; NaN if none can be made."""
+    start = np.array(_start(mechanism, begun, state))
+    root, _, name = path.partition(".")
+    if root == "initial":
+        own = run.states.index(name)
+        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or MOVED
+    else:
+        known = parameters(law if root == "friction" else mechanism, root)
+        value = next(value for other, _, value in known if other == path)
+        size = abs(value) or 1e-3
+    ends = []
+    sides = (1.0,) if segment.loop else (-1.0, 1.0)  # such runs take ten times as long
+    for change in (side * MOVED * size for side in sides):
+        try:
+            first, rig, own_law = start, mechanism, law
+            if root == "initial":
+                first = start + change * (np.arange(len(start)) == own)
+            elif root == "friction":
+                own_law = vary(law, root, {path: value + change})
+            else:
+                rig = vary(mechanism, root, {path: value + change})
+            moved = _solved(segment, rig, own_law, first.tolist())
+        except InputError:  # out of its range, or beyond a stop
+            continue
+        if moved is not None:
+            ends.append((change, moved.at(segment.times)[:, column]))
+    if len(ends) == 1:
+        ends.append((0.0, run.at(segment.times)[:, column]))
+    if not ends:
+        return np.full(len(segment.times), np.nan)
+    (less, low), (more, high) = ends
+    return (high - low) / (more - less)
+
+
+def _start(mechanism: Mechanism, begun: _Begun, state: Array) -> list[float]:
+    """Return the first states of a segment: coordinates, rates and bristles."""
+    first = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
+    velocity = float(state[_slip_velocity(mechanism)])
+    for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it
+        nearer = min if stop.side == "upper" else max
+        first[stop.coordinate] = nearer(first[stop.coordinate], float(stop.position))
+    return [*first.values(), *state[len(first) :].tolist(), *begun.deflections(velocity)]
+
+
+def _slip_velocity(mechanism: Mechanism) -> int:
+    """Return the place of the slip velocity among coordinates and rates."""
+    coordinates = mechanism.coordinates
+    return coordinates.index(slip_of(mechanism)) + len(coordinates)
+
+
+def _state_of(mechanism: Mechanism, quantity: str) -> str:
+    """Return the name of the state that a quantity is of the slipping body."""
+    slip = slip_of(mechanism)
+    if quantity == "position":
+        return slip
+    return mechanism.rates[mechanism.coordinates.index(slip)]
+
+
+def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> ResidualJacobian:
+    sizes = [len(s.times) for s in segments]
+    return ResidualJacobian(
+        values=values,
+        residual=np.full(sum(sizes), np.inf),
+        slopes=np.zeros((sum(sizes), len(values))),
+        segment=np.repeat(chosen, sizes),
+        memory={},
+    )

@@ -1,0 +1,247 @@
+"""Cuts records into the segments that are simulated."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
+from stickslip.errors import InputError, ParameterError
+from stickslip.identify.fits.contact_inputs import with_inputs
+from stickslip.identify.fits.series.applied_force import (
+    applied_force,
+    driven,
+    drives_itself,
+    goes_straight,
+    inside,
+)
+from stickslip.identify.fits.series.measured_load import loaded
+from stickslip.identify.fits.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
+from stickslip.identify.fits.shooting.multiple_shooting import FIRST, Segment
+from stickslip.identify.fits.shooting.sampled_loops import LoopInSegment
+from stickslip.identify.fits.signals import GAP
+from stickslip.mechanisms import Mechanism, motor_of, slip_of
+from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Sampled
+from stickslip.show.formatting import joined, number
+
+Array = NDArray[np.float64]
+
+
+def measured_quantity(measurement: Measurement) -> str:
+    """Return what simulated runs are compared with: the position, or else the velocity."""
+    for record in measurement.records():
+        if record.time is None:
+            raise InputError(
+                f"simulations are compared in time, and record {record.name!r} has no time."
+            )
+    for quantity in ("position", "velocity"):
+        if all(quantity in record.quantities() for record in measurement.records()):
+            return quantity
+    raise InputError(
+        "simulations are compared with position or velocity, and the records have only"
+        f" {joined(measurement.quantities())}.{_other_way(measurement)}"
+    )
+
+
+def _other_way(measurement: Measurement) -> str:
+    """Return how a record without motion is fitted all the same, if it can be."""
+    if "spring_force" in measurement.quantities():
+        return " The force of a spring that pulls a block is fitted by the route 'features'."
+    return ""
+
+
+def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
+    """Return a mechanism driven by what was measured."""
+    if "drive" not in mechanism.__dataclass_fields__:
+        raise InputError(
+            f"{type(mechanism).__name__} has no drive that a measured force can replace; use Axis"
+            " or SpringBlock."
+        )
+    motor = motor_of(mechanism)
+    return replace(mechanism, drive=drive if motor is None else replace(motor, drive=drive))  # type: ignore[call-arg]  # it has one, as was seen
+
+
+def segments_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    length: float,
+    resolution: int = RESOLUTION,
+    hold: Hold = "zero",
+    quantity: str | None = None,
+    zeros: bool = True,
+) -> tuple[Segment, ...]:
+    """Return segments of about the same length that cover all records."""
+    if not 0.0 < length < np.inf:
+        raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
+    quantity = measured_quantity(measurement) if quantity is None else quantity
+    found: list[Segment] = []
+    for index, record in enumerate(loaded(mechanism, measurement).records()):
+        set_up = as_recorded(mechanism, record)
+        time, loop = np.asarray(record.time), loop_samples(set_up, record, hold)
+        for first, last in _stretches(time, length):
+            rows = _rows(first, last, resolution)
+            one = _segment(index, record, quantity, set_up, rows, hold, loop)
+            free = not (driven(record) or drives_itself(set_up, record))
+            found.append(replace(one, zero=zeros and free and quantity == "position"))
+    if not found:
+        steps = [interval_of(np.asarray(one.time)) for one in measurement.records()]
+        raise InputError(
+            f"no segment of {number(length)} s has {LEAST} samples without a gap, with one every"
+            f" {number(min(steps))} s: give segments of at least"
+            f" {number(LEAST * min(steps))} s, record longer, or check that time is in seconds."
+        )
+    return tuple(found)
+
+
+def usual_segment(measurement: Measurement) -> float:
+    """Return the length of a segment [s] where none was asked for: longer if samples are few.
+
+    Examples
+    --------
+    >>> usual_segment(Measurement(time=[0.0, 0.01], position=[0.0, 1.0]))
+    1.0
+    >>> usual_segment(Measurement(time=[0.0, 1.0], position=[0.0, 1.0]))
+    20.0
+    """
+    times = [one.time for one in measurement.records() if one.time is not None]
+    return max([SEGMENT, *(FIRST * interval_of(time) for time in times if time.size > 1)])
+
+
+def with_usual_segment(settings: RecordSettings, measurement: Measurement) -> RecordSettings:
+    """Return settings with the segment of a record, unless another length was asked for."""
+    if settings.segment != SEGMENT:
+        return settings
+    return replace(settings, segment=usual_segment(measurement))
+
+
+def _stretches(time: Array, length: float) -> Iterator[tuple[int, int]]:
+    """Yield first and last index of each segment."""
+    steps = np.diff(time)
+    breaks = np.flatnonzero(steps > GAP * np.median(steps))
+    for first, last in zip([0, *(breaks + 1)], [*breaks, len(time) - 1], strict=True):
+        count = max(1, round((time[last] - time[first]) / length))
+        edges = time[first] + length * np.arange(count + 1)
+        cuts = np.searchsorted(time[first : last + 1], edges - 1e-6 * length) + first
+        for one, other in zip(cuts[:-1], np.minimum(cuts[1:], last), strict=True):
+            if other - one >= LEAST:
+                yield int(one), int(other)
+
+
+def _segment(
+    index: int,
+    record: Measurement,
+    quantity: str,
+    mechanism: Mechanism,
+    rows: NDArray[np.intp],
+    hold: Hold,
+    loop: LoopSamples | None,
+) -> Segment:
+    assert isinstance(record.time, np.ndarray)
+    first, last = int(rows[0]), int(rows[-1])
+    stride = int(rows[1] - rows[0])
+    times = record.time[rows] - record.time[first]
+    values = np.asarray(record.values(quantity))
+    if drives_itself(mechanism, record):
+        told = with_inputs(mechanism, record, np.append(0.0, record.time[record.time > 0.0]))
+        return _from_the_start(index, record, quantity, told, rows)
+    force = None if loop else applied_force(mechanism, record)
+    if force is not None:
+        part = slice(first, last + 1)
+        joined = goes_straight(record, hold)
+        pushed = bool(np.any(force))  # a force of 0 is no drive, and takes the mechanism's own off
+        drive = _drive(record.time[part], force[part], stride, joined=joined) if pushed else None
+        mechanism = with_drive(mechanism, drive)
+    return Segment(
+        record=index,
+        start=float(record.time[first]),
+        mechanism=with_inputs(mechanism, record, record.time[rows]),
+        times=times,
+        measured=values[rows],
+        guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),
+        known=np.zeros(2 * len(mechanism.coordinates), dtype=bool),
+        loop=LoopInSegment(samples=loop, start=float(record.time[first])) if loop else None,
+    )
+
+
+def _from_the_start(
+    index: int,
+    record: Measurement,
+    quantity: str,
+    mechanism: Mechanism,
+    rows: NDArray[np.intp],
+) -> Segment:
+    """Return a segment of a mechanism with a drive of its own: it runs from time 0 on.
+
+    Nobody measured what moves inside, which begins as the mechanism or the record says; only the
+    body that slips may begin elsewhere, or move.
+    """
+    assert isinstance(record.time, np.ndarray)
+    if record.time[0] < 0.0:
+        raise InputError(
+            f"the record begins at {number(float(record.time[0]))} s, but the drive of"
+            f" {type(mechanism).__name__} begins at 0 s: shift the times of the record."
+        )
+    names = (*mechanism.coordinates, *mechanism.rates)
+    guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))
+    told = {**mechanism.start(), **record.initial}
+    hidden = inside(mechanism, record)
+    known = np.array([name in hidden for name in names])
+    return Segment(
+        record=index,
+        start=0.0,
+        mechanism=mechanism,
+        times=record.time[rows],
+        measured=np.asarray(record.values(quantity))[rows],
+        guess=np.where(known, [told.get(name, 0.0) for name in names], guess),
+        known=known,
+    )
+
+
+def _rows(first: int, last: int, resolution: int) -> NDArray[np.intp]:
+    """Return the samples at which a segment is compared."""
+    return np.arange(first, last + 1, max(1, (last - first) // resolution))
+
+
+def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
+    """Return a sampled force with fewer pieces.
+
+    Where every sample is a piece it is taken as it is. Else each piece is the straight line of the
+    same impulse and the same moment: to a free mass it is the same force at the ends of pieces.
+    """
+    t = time - time[0]
+    if stride == 1 and joined:
+        return Sampled(times=tuple(t.tolist()), values=tuple(force.tolist()), hold="first")
+    if stride == 1:
+        return Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
+    rise = np.diff(force) if joined else np.zeros(len(force) - 1)
+    held = force[:-1] + 0.5 * rise
+    ends = t[::stride]
+    first = np.arange(0, len(t) - 1, stride)
+    length, middle = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+    steps = np.diff(t)
+    impulse = np.add.reduceat(held * steps, first)
+    moments = held * steps * 0.5 * (t[1:] + t[:-1]) + rise * steps**2 / 12.0
+    moment = np.add.reduceat(moments, first)
+    slope = 12.0 * (moment - middle * impulse) / length**3
+    value = impulse / length - 0.5 * slope * length
+    return PiecewiseAffine(
+        times=tuple(ends.tolist()),
+        values=(*value.tolist(), float(force[-1])),
+        slopes=(*slope.tolist(), 0.0),
+    )
+
+
+def _guess(mechanism: Mechanism, quantity: str, time: Array, values: Array) -> Array:
+    """Return the first coordinates and rates, from a parabola through the first samples."""
+    count = min(len(time), FIRST + 1)
+    t = time[:count] - time[0]
+    slope, value = np.polyfit(t, values[:count], 2)[1:]
+    slip = mechanism.coordinates.index(slip_of(mechanism))
+    state = np.zeros(2 * len(mechanism.coordinates))
+    if quantity == "position":
+        state[slip], state[slip + len(mechanism.coordinates)] = value, slope
+    else:
+        state[slip + len(mechanism.coordinates)] = value
+    return state

@@ -1,0 +1,421 @@
+"""The route of scarce data: travels of a body that comes to rest."""
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import QUANTITIES, Measurement, scale_of
+from stickslip.engine.simulation import ensemble, simulate
+from stickslip.engine.solver import EventDriven, Samples
+from stickslip.errors import ConvergenceError, InputError, ParameterError, SimulationError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.fits.contact_inputs import with_inputs
+from stickslip.identify.fits.rig_uncertainties import uncertainties_of
+from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
+from stickslip.quantities import parameters, structure, vary
+from stickslip.show.formatting import number, quantity
+
+Array: TypeAlias = NDArray[np.float64]
+
+AFTER = 201
+"""Evenly spaced times after the end at which it is seen whether a body is at rest, beside the
+solver's own."""
+CLEARLY = 0.5
+"""Way after the end over the error of a reading up to which a body is at rest, whatever it does
+between the times at which that is looked at."""
+STEADY = 1.98
+"""Way in a time over that in its first half, from which on a body does not slow down."""
+LEAST_ERROR = 1e-5
+"""Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
+travel was ever measured to this."""
+
+
+SOLVER = EventDriven(tier="compiled", tolerance=1e-8, stiff_tolerance=1e-6)
+"""Travels are wrong by 1e-6 of themselves, a tenth of what readings are told apart by at best."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One measured travel and how the rig was set for it."""
+
+    mechanism: Mechanism
+    """The rig as it was set."""
+    initial: Mapping[str, float]
+    """Initial states by name [SI]."""
+    travel: float
+    """Measured travel, to rest or over the cycles [m]."""
+    half_width: float
+    """Uncertainty of the travel [m]; 0 if none was given."""
+    quantity: str = "travel"
+    """As what the travel was measured, one of `TRAVELS`."""
+    scale: float = 1.0
+    """The travel over the number that was read."""
+    cycles: int | None = None
+    """Whole cycles of the drives after which its run ends; None if it lasts until ``t_end``."""
+    kind: str = "standard"
+    """What the uncertainty is, as in `Measurement`."""
+    doubts: Mapping[str, float] = field(default_factory=dict)
+    """Standard uncertainties of the mechanism's parameters that are of this trial alone."""
+    shared: Mapping[str, float] = field(default_factory=dict)
+    """Those that all trials share."""
+
+    def with_mechanism(self, mechanism: Mechanism) -> "Trial":
+        """Return the trial as if it had been made with another mechanism."""
+        return replace(self, mechanism=mechanism)
+
+    def until(self, t_end: float) -> float:
+        """Return when the run of this trial ends [s]."""
+        if self.cycles is None:
+            return t_end
+        end = self.cycles * cycle_of(self.mechanism)
+        return t_end if math.isclose(end, t_end, rel_tol=WHOLE) else end
+
+    def start(self, law: FrictionLaw) -> Mapping[str, float]:
+        """Return the initial states that a mechanism with a law has."""
+        known = {*self.mechanism.coordinates, *self.mechanism.rates}
+        known.update(law.states)
+        return {name: value for name, value in self.initial.items() if name in known}
+
+    def as_read(self, travel: float) -> str:
+        """Return a travel [m] of this trial as what was read, with its unit."""
+        return quantity(travel / self.scale, QUANTITIES[self.quantity].unit)
+
+    @property
+    def setting(self) -> Hashable:
+        """What the experimenter set: trials of one setting are repeats."""
+        return self.mechanism, frozenset(self.initial.items())
+
+    @property
+    def run(self) -> Hashable:
+        """What tells runs apart: their setting, and when they end."""
+        return self.setting, self.cycles
+
+
+def is_rig(path: str) -> bool:
+    """Whether a parameter is one of the mechanism, not of the law."""
+    return path.startswith("mechanism.")
+
+
+def quantities_read(trials: Sequence[Trial]) -> str:
+    """Return what was read in place of travels, in words; empty if travels were read.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> quantities_read(trials_of(SpringBlock(mass=1.0), Measurement(mean_velocity=0.1), 2.0))
+    'mean velocity'
+    """
+    names = dict.fromkeys(trial.quantity for trial in trials)
+    return "" if list(names) == ["travel"] else " or ".join(names).replace("_", " ")
+
+
+def driven_on(mechanism: Mechanism) -> bool:
+    """Whether a drive moves the body for as long as a run lasts, so that it has no travel to rest.
+
+    That is so where a drive repeats itself, and in a cart or capsule that carries its drive.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, SpringBlock
+    >>> from stickslip.mechanisms.drives import Pulse
+    >>> from stickslip.mechanisms import Torque
+    >>> push = Pulse(level=10.0, duration=0.1)
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=push))
+    >>> driven_on(capsule), driven_on(SpringBlock(mass=1.0, drive=push))
+    (True, False)
+    """
+    parts = (getattr(mechanism, one.name) for one in dataclasses.fields(mechanism))
+    carried = any(isinstance(part, Motor) for part in parts)
+    return repeats(mechanism) or (carried and bool(mechanism.drives()))
+
+
+def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:
+    """Return the trials of a measurement of travels, mean velocities or travels per cycle.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> (one,) = trials_of(SpringBlock(mass=1.0), Measurement(mean_velocity=0.1), 2.0)
+    >>> one.travel
+    0.2
+    """
+    trials = []
+    uncertainties = uncertainties_of(mechanism, measurement)
+    pairs = zip(measurement.records(), uncertainties, strict=True)
+    for index, (record, (own, shared)) in enumerate(pairs, 1):
+        name = record.travelled
+        if not name:
+            raise InputError(
+                "a fit to travels needs travels, and record"
+                f" {record.name or 'without a name'!r} has none;"
+                f" it has {', '.join(record.quantities())}."
+            )
+        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or index}")
+        trials += [
+            Trial(
+                mechanism=with_inputs(
+                    vary(mechanism, "mechanism", record.overrides), record, np.zeros(1)
+                ),
+                initial=record.initial,
+                travel=scale * float(value),
+                half_width=scale * record.uncertainty.get(name, 0.0),
+                quantity=name,
+                scale=scale,
+                cycles=cycles,
+                kind=record.uncertainty_kind,
+                doubts=own,
+                shared=shared,
+            )
+            for value in np.atleast_1d(record.values(name))
+        ]
+    return tuple(trials)
+
+
+def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
+    """Return a standard error of each travel [m], and whether any uncertainty was stated.
+
+    That of a rounding range is that of a uniform distribution; repeats of a setting that were all
+    rounded to one number share one error, and so tell no more than one of them. Readings without a
+    stated uncertainty beside others with one have the largest stated one. Where none is stated the
+    errors are lower bounds, for the true ones to be estimated from the residuals: nobody reads
+    better than the last digit that is written down.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> one = Trial(mechanism=rig, initial={}, travel=0.204, half_width=0.0)
+    >>> errors, stated = standard_errors([one])
+    >>> f"{1e3 * errors[0]:.2f} mm", stated
+    ('0.29 mm', False)
+    """
+    rounded = 1.0 / math.sqrt(3.0)
+    widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
+    least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials])) or LEAST_ERROR
+    groups = Counter((t.setting, t.travel) for t in trials if t.kind == "rounding")
+    settings = Counter(trial.setting for trial in trials)
+    for i, t in enumerate(trials):
+        if groups[t.setting, t.travel] == settings[t.setting]:
+            widths[i] *= math.sqrt(settings[t.setting])
+    if np.any(widths > 0.0):
+        return np.maximum(np.where(widths > 0.0, widths, widths.max()), 1e-3 * least), True
+    digit = min(trial.scale * _last_digit(trial.travel / trial.scale) for trial in trials)
+    return np.full(len(trials), max(min(digit, 0.01) / math.sqrt(12.0), least)), False
+
+
+def _last_digit(reading: float) -> float:
+    """Return the unit of the last digit that is written down."""
+    exponent = Decimal(f"{reading:.12g}").normalize().as_tuple().exponent
+    return 10.0 ** int(exponent)
+
+
+def under_cycles(trials: Sequence[Trial]) -> bool:
+    """Whether a drive that repeats itself moves the body again and again.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, SpringBlock
+    >>> from stickslip.mechanisms.drives import Square
+    >>> from stickslip.mechanisms import Torque
+    >>> wave = Torque(drive=Square(high=6.0, low=-1.0, period=0.4))
+    >>> rigs = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=wave), SpringBlock(mass=1.0)
+    >>> trials = [Trial(mechanism=rig, initial={}, travel=0.2, half_width=0.0) for rig in rigs]
+    >>> under_cycles(trials), under_cycles(trials[1:])
+    (True, False)
+    """
+    return any(repeats(trial.mechanism) for trial in trials)
+
+
+def durations(trials: Sequence[Trial], t_end: float) -> Array:
+    """Return how long runs last that end with a cycle of their drive (n,) [s]; 1 of all others.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> trial = Trial(mechanism=SpringBlock(mass=1.0), initial={}, travel=0.2, half_width=0.0)
+    >>> durations([trial], 10.0)
+    array([1.])
+    """
+    return np.array([1.0 if one.cycles is None else one.until(t_end) for one in trials])
+
+
+@dataclass
+class TravelModel:
+    """Travel as a function of the free parameters of a law, and of its mechanism."""
+
+    law: FrictionLaw
+    """Holds the parameters that are not free."""
+    free: Sequence[str]
+    """Full paths of the p free parameters: those of the law, then those of the mechanism."""
+    t_end: float
+    """Time after which a body counts as stopped [s]."""
+    watch: Callable[[int], object] | None = None
+    """Called with the number of runs so far."""
+    runs: int = field(default=0, init=False)
+    """Number of runs so far."""
+
+    def with_values(self, values: Sequence[float]) -> FrictionLaw:
+        """Return the law with other values of the free parameters."""
+        changes = dict(zip(self.free, values, strict=True))
+        return vary(self.law, "friction", {p: v for p, v in changes.items() if not is_rig(p)})
+
+    def set_up(self, trial: Trial, values: Sequence[float]) -> Trial:
+        """Return a trial whose mechanism has other values of the free parameters."""
+        own = {p: v for p, v in zip(self.free, values, strict=True) if is_rig(p)}
+        return trial.with_mechanism(vary(trial.mechanism, "mechanism", own)) if own else trial
+
+    def travel(self, trial: Trial, values: Sequence[float]) -> float:
+        """Return the travel [m] of one trial."""
+        self.runs += 1
+        if self.watch is not None:
+            self.watch(self.runs)
+        law, trial = self.with_values(values), self.set_up(trial, values)
+        run = simulate(trial.mechanism, law, t_end=trial.until(self.t_end), y0=trial.start(law))
+        coordinate = slip_of(trial.mechanism)
+        ends = run.at(run.span)[coordinate]
+        return float(ends[1] - ends[0])
+
+    def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        """Return the travel of each trial [m] (n,); trials of one setting are one run."""
+        found: dict[Hashable, float] = {}
+        for trial in trials:
+            if trial.run not in found:
+                found[trial.run] = self.travel(trial, values)
+        return np.array([found[trial.run] for trial in trials])
+
+    def table(self, trials: Sequence[Trial], rows: Array) -> Array:
+        """Return the travels of each trial for many values at once, by ensembles."""
+        if any(map(is_rig, self.free)) and any(trial.cycles is not None for trial in trials):
+            # when a run ends may depend on what is fitted
+            return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
+        found: dict[Hashable, Array] = {}
+        for alike in self._alike(trials):
+            end = alike[0].until(self.t_end)
+            ends = self._together(alike, rows, (0.0, end), end)
+            self.runs += ends.shape[0] * ends.shape[1]
+            if self.watch is not None:
+                self.watch(self.runs)
+            made = ends[:, :, 1] - ends[:, :, 0]
+            found |= {trial.run: travels for trial, travels in zip(alike, made, strict=True)}
+        return np.stack([found[trial.run] for trial in trials], axis=1)
+
+    def _alike(self, trials: Sequence[Trial]) -> list[list[Trial]]:
+        """Return trials whose runs can be one ensemble, one of each run."""
+        together: dict[Hashable, list[Trial]] = {}
+        for trial in {trial.run: trial for trial in trials}.values():
+            start = tuple(trial.start(self.law).items())
+            kind = structure(trial.mechanism), trial.until(self.t_end), start
+            together.setdefault(kind, []).append(trial)
+        return list(together.values())
+
+    def _together(
+        self, trials: Sequence[Trial], rows: Array, times: Sequence[float], end: float
+    ) -> Array:
+        """Return the positions (n, k, m) at times of trials that differ in numbers only.
+
+        They are those of one ensemble, and NaN where a run is not complete.
+        """
+        first, count = trials[0], len(rows)
+        known = [
+            {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
+            for trial in trials
+        ]
+        columns = {p: np.tile(rows[:, i], len(trials)) for i, p in enumerate(self.free)}
+        for path, value in known[0].items():
+            if any(values[path] != value for values in known):
+                columns[path] = np.repeat([float(values[path]) for values in known], count)
+        if not columns:
+            path, value = next(
+                (path, value)
+                for path, quantity, value in parameters(self.law, "friction")
+                if not quantity.structural
+            )
+            columns[path] = np.full(len(trials) * count, float(value))
+        slip = slip_of(first.mechanism)
+        runs = ensemble(
+            first.mechanism,
+            self.law,
+            columns,
+            t_end=end,
+            outputs={slip: Samples(slip, times)},
+            y0=first.start(self.law),
+            solver=SOLVER,
+        )
+        complete = np.array([status.complete for status in runs.status])
+        found: Array = np.where(complete[:, None], runs[slip], math.nan)
+        return found.reshape(len(trials), count, len(times))
+
+    def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        try:
+            return self.travels(trials, values)
+        except (SimulationError, ParameterError):
+            return np.full(len(trials), math.nan)
+
+    def check_rest(
+        self, trials: Sequence[Trial], values: Sequence[float], errors: Sequence[float] | Array
+    ) -> None:
+        """Refuse values with which a body that is to come to rest still moves at ``t_end``.
+
+        A run that creeps towards its last position counts as at rest once the way left is within
+        the uncertainty of the reading; that way is looked for by a run of twice the duration.
+        Mean velocities and travels per cycle are those of the run, at rest or not, and so are
+        travels under a drive that goes on.
+        """
+        least: dict[Hashable, tuple[Trial, float]] = {}
+        for trial, error in zip(trials, errors, strict=True):
+            if trial.quantity == "travel" and not driven_on(trial.mechanism):
+                _, known = least.get(trial.run, (trial, math.inf))
+                least[trial.run] = trial, min(known, error)
+        for trial, error in self._moving([*least.values()], values):
+            self._check_rest(trial, values, error)
+
+    def _moving(
+        self, found: Sequence[tuple[Trial, float]], values: Sequence[float]
+    ) -> list[tuple[Trial, float]]:
+        """Return the trials, each with its error, that are not at rest beyond doubt.
+
+        Ensembles tell that for less than whole runs do.
+        """
+        if any(map(is_rig, self.free)):
+            return [*found]
+        times = np.linspace(self.t_end, 2.0 * self.t_end, AFTER)
+        errors = {trial.run: error for trial, error in found}
+        moving = []
+        for alike in self._alike([trial for trial, _ in found]):
+            seen = self._together(alike, np.array([values]), times.tolist(), 2.0 * self.t_end)[:, 0]
+            way = np.max(np.abs(seen - seen[:, :1]), axis=1)
+            for trial, moved in zip(alike, way.tolist(), strict=True):
+                if not moved <= CLEARLY * errors[trial.run]:
+                    moving.append((trial, errors[trial.run]))
+        return moving
+
+    def _check_rest(self, trial: Trial, values: Sequence[float], error: float) -> None:
+        law, end = self.with_values(values), self.t_end
+        run = simulate(trial.mechanism, law, t_end=2.0 * end, y0=trial.start(law), throw=False)
+        slip = slip_of(trial.mechanism)
+        index = trial.mechanism.coordinates.index(slip)
+        last = min(2.0 * end, float(run.span[1]))
+        if last <= end:
+            return
+        times = np.union1d(np.linspace(end, last, AFTER), run.t[(run.t > end) & (run.t < last)])
+        seen = run.at(times)
+        way = np.abs(seen[slip] - seen[slip][0])
+        if not way.max() > error:
+            return
+        unit = trial.mechanism.units[index]
+        speed = quantity(abs(float(seen[trial.mechanism.rates[index]][0])), f"{unit}/s")
+        halves = way[np.searchsorted(times, 0.5 * (end + last))], way[-1]
+        steady = halves[1] >= STEADY * halves[0]
+        cure = "It does not slow down: measure mean_velocity over the run instead."
+        raise ConvergenceError(
+            f"{law.title} friction does not bring the body to rest: at t_end = {number(end)} s it"
+            f" still moves at {speed}, and travels up to {quantity(float(way.max()), unit)}"
+            f" farther in the same time again. {cure if steady else 'Increase t_end.'}"
+        )

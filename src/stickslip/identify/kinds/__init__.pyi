@@ -1,0 +1,100 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify.kinds.columns import Column as Column
+from stickslip.identify.kinds.columns import data_row as data_row
+from stickslip.identify.kinds.columns import page_table as page_table
+from stickslip.identify.kinds.columns import terminal_table as terminal_table
+from stickslip.identify.kinds.features.features import StickSlipFeatures as StickSlipFeatures
+from stickslip.identify.kinds.features.features import features_of as features_of
+from stickslip.identify.kinds.features.fit import compare_features as compare_features
+from stickslip.identify.kinds.features.fit import fit_features as fit_features
+from stickslip.identify.kinds.features.result import FeatureFit as FeatureFit
+from stickslip.identify.kinds.features.selection import select_features as select_features
+from stickslip.identify.kinds.features.verdict import FeatureCandidate as FeatureCandidate
+from stickslip.identify.kinds.features.verdict import FeatureVerdict as FeatureVerdict
+from stickslip.identify.kinds.features.verdict import OtherSpeed as OtherSpeed
+from stickslip.identify.kinds.kind import Comparison as Comparison
+from stickslip.identify.kinds.kind import FitSummary as FitSummary
+from stickslip.identify.kinds.kind import Kind as Kind
+from stickslip.identify.kinds.kind import Law as Law
+from stickslip.identify.kinds.kind import Request as Request
+from stickslip.identify.kinds.registry import AnyKind as AnyKind
+from stickslip.identify.kinds.registry import kind_of as kind_of
+from stickslip.identify.kinds.registry import kind_of_route as kind_of_route
+from stickslip.identify.kinds.registry import kinds as kinds
+from stickslip.identify.kinds.registry import refuse_uninformed as refuse_uninformed
+from stickslip.identify.kinds.registry import refuse_unused as refuse_unused
+from stickslip.identify.kinds.registry import unused_text as unused_text
+from stickslip.identify.kinds.report import DOCUMENT as DOCUMENT
+from stickslip.identify.kinds.report import PAGE as PAGE
+from stickslip.identify.kinds.report import VERDICT_FILES as VERDICT_FILES
+from stickslip.identify.kinds.report import drawn_laws as drawn_laws
+from stickslip.identify.kinds.report import verdict_page as verdict_page
+from stickslip.identify.kinds.report import write_report as write_report
+from stickslip.identify.kinds.report import write_verdict as write_verdict
+from stickslip.identify.kinds.travels.fit import fit_travels as fit_travels
+from stickslip.identify.kinds.travels.plan.page import plan_page as plan_page
+from stickslip.identify.kinds.travels.plan.planning import plan as plan
+from stickslip.identify.kinds.travels.plan.planning import setting_of as setting_of
+from stickslip.identify.kinds.travels.plan.sheet import Plan as Plan
+from stickslip.identify.kinds.travels.plan.sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
+from stickslip.identify.kinds.travels.plan.tables import known_by as known_by
+from stickslip.identify.kinds.travels.plan.tables import tables_of as tables_of
+from stickslip.identify.kinds.travels.result import TravelFit as TravelFit
+from stickslip.identify.kinds.travels.selection import select_travels as select_travels
+from stickslip.identify.kinds.travels.verdict import TravelCandidate as TravelCandidate
+from stickslip.identify.kinds.travels.verdict import TravelVerdict as TravelVerdict
+from stickslip.identify.kinds.velocity_steps.fit import fit_rate_state as fit_rate_state
+from stickslip.identify.kinds.velocity_steps.result import RateStateFit as RateStateFit
+from stickslip.identify.kinds.velocity_steps.selection import select_rate_state as select_rate_state
+from stickslip.identify.kinds.velocity_steps.slider import SliderHistory as SliderHistory
+from stickslip.identify.kinds.velocity_steps.slider import simulate_velocity_steps as simulate_velocity_steps
+from stickslip.identify.kinds.velocity_steps.verdict import OtherStep as OtherStep
+from stickslip.identify.kinds.velocity_steps.verdict import RateStateCandidate as RateStateCandidate
+from stickslip.identify.kinds.velocity_steps.verdict import RateStateVerdict as RateStateVerdict
+from stickslip.identify.kinds.verbs import fit as fit
+from stickslip.identify.kinds.verbs import select as select
+
+__all__ = [
+    "AnyKind",
+    "Column",
+    "Comparison",
+    "FeatureCandidate",
+    "FeatureFit",
+    "FeatureVerdict",
+    "FitSummary",
+    "Kind",
+    "Law",
+    "OtherSpeed",
+    "OtherStep",
+    "Plan",
+    "RateStateCandidate",
+    "RateStateFit",
+    "RateStateVerdict",
+    "Request",
+    "SliderHistory",
+    "StickSlipFeatures",
+    "TravelCandidate",
+    "TravelFit",
+    "TravelVerdict",
+    "compare_features",
+    "data_row",
+    "features_of",
+    "fit",
+    "fit_features",
+    "fit_rate_state",
+    "fit_travels",
+    "kind_of",
+    "kind_of_route",
+    "kinds",
+    "page_table",
+    "plan",
+    "refuse_unused",
+    "select",
+    "select_features",
+    "select_rate_state",
+    "select_travels",
+    "simulate_velocity_steps",
+    "terminal_table",
+    "verdict_page",
+    "write_report",
+]

@@ -1,0 +1,106 @@
+"""The force of a spring that pulls a block, compared by features of stick-slip."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from typing_extensions import override
+
+from stickslip.data import Measurement
+from stickslip.identify.fits import Laws
+from stickslip.identify.kinds.columns import terminal_table
+from stickslip.identify.kinds.features.features import COMPARED, FEATURES
+from stickslip.identify.kinds.features.fit import fit_features
+from stickslip.identify.kinds.features.result import FeatureFit
+from stickslip.identify.kinds.features.selection import feature_laws, select_features
+from stickslip.identify.kinds.features.verdict import COLUMNS, FeatureVerdict
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.mechanisms import Mechanism, input_names
+from stickslip.show.formatting import percent, quantity, signed_percent
+from stickslip.show.report import Origin, SectionMaker
+
+UNITS = {"frequency": "Hz"}
+"""Of features that have one."""
+
+
+class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
+    """Limit cycles of a towed block, fitted to frequency, mean and standard deviation."""
+
+    routes = (FEATURES,)
+    measured = "the force of a spring"
+    uses = frozenset({"route", "validate", "executor"})
+    settings = frozenset({"seed"})
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return measurement.only_spring_force
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in feature_laws(laws)]
+
+    @override
+    def residual_text(self, error: float, request: Request) -> str:
+        return f"error of the features {percent(error)}"
+
+    @override
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        return input_names(mechanism)
+
+    @override
+    def fit(self, request: Request) -> FeatureFit:
+        seed = 0 if request.settings is None else request.settings.seed
+        return fit_features(seed=seed, **request.arguments("law"))
+
+    @override
+    def select(self, request: Request) -> FeatureVerdict:
+        return select_features(**request.arguments("laws", "validate", "settings", "executor"))
+
+    @override
+    def comparison(self, verdict: FeatureVerdict) -> Comparison:
+        rows = list(verdict.candidates)
+        if verdict.control:
+            rows.append(replace(verdict.control, name=f"{verdict.control.name}, nominal"))
+        heads, cells = terminal_table(COLUMNS, rows)
+        best = verdict.best
+        return Comparison(
+            heads=heads,
+            rows=cells,
+            notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+            checks=verdict.checks,
+            fitted=(best.title, best.fit.estimates) if best and best.fit else None,
+        )
+
+    @override
+    def summary(
+        self, fit: FeatureFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        second = {} if validate is None else fit.judged(validate)
+        heads = ["feature of F/N", "first half", "fitted", "second half", "error"]
+        heads += ["second record, error"] if second else []
+        rows = []
+        for name in COMPARED:
+            cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
+            cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
+            cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+            cells += [signed_percent(second[name])] if second else []
+            rows.append([name.replace("_", " "), *cells])
+        return FitSummary(
+            heads=heads,
+            rows=rows,
+            open=("Remarks", fit.sentences),
+            second=second or None,
+        )
+
+    @override
+    def sections(
+        self, verdict: FeatureVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.identify.kinds.features.page import (
+            sections,  # figures are loaded where a page is made
+        )
+
+        return sections(verdict, origin, remark)
+
+
+def _sized(name: str, value: float) -> str:
+    return quantity(value, UNITS.get(name, "1"))

@@ -1,0 +1,316 @@
+"""What belongs to one kind of measurement, from its fit to its page."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any, ClassVar, Generic, TypeAlias
+
+from typing_extensions import TypeVar, override
+
+from stickslip.data import Checks, Measurement
+from stickslip.friction import FrictionLaw, specification
+from stickslip.identify.candidates import CrossValidatedVerdict, Verdict, score_scale
+from stickslip.identify.fits import (
+    AGREE,
+    LAW,
+    AnyLaw,
+    Estimate,
+    Fit,
+    RecordSettings,
+    TrialComparison,
+    known_inputs,
+    names_of,
+)
+from stickslip.identify.kinds.columns import Columns, page_table, terminal_table
+from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import count, number, percent
+from stickslip.show.report import Origin, Section, SectionMaker, opening, reproduce
+
+F = TypeVar("F", bound="Fit[Any]")
+V = TypeVar("V", bound=Verdict)
+Law: TypeAlias = Any
+"""A law, a type or a name, of the type that a kind fits: `FrictionLaw`, or `RateState`."""
+SeveralLaws: TypeAlias = Any
+"""A mapping or a sequence of such laws."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What `fit` and `select` are asked; None where nothing was said.
+
+    Each kind uses some of the `OPTIONS`, see `Kind.uses`, and refuses the rest.
+    """
+
+    mechanism: Mechanism
+    """Mechanism that was measured."""
+    measurement: Measurement
+    """Travels, records in time, measured friction, or the force of a spring."""
+    law: Law = None
+    """The law to fit: an instance, whose values are the start, a type, or a name."""
+    laws: SeveralLaws = None
+    """The candidates of a selection; the usual ones if None."""
+    vary: str | Sequence[str] | None = None
+    """Parameters to fit; ``"friction.*"`` if None."""
+    fixed: Mapping[str, float] | None = None
+    """Values of parameters that are held [SI], by the same names."""
+    progress: Callable[..., object] | None = None
+    """Called with the number of runs or the least residual so far, after the name of the law where
+    several are compared; False ends searches in records."""
+    route: str | None = None
+    """Name of the route for records."""
+    settings: RecordSettings | None = None
+    """Segments, starts and seed of fits to records."""
+    horizon: float | None = None
+    """Length of the stretches that are predicted [s]."""
+    validate: Measurement | None = None
+    """A second record, which no fit sees."""
+    assumed: Mapping[str, Sequence[str]] | None = None
+    """By name of the law, parameters whose values were assumed."""
+    t_end: float | None = None
+    """Time after which a body counts as stopped [s]."""
+    executor: Executor | None = None
+    """Processes that fit laws at the same time; one after the other if None."""
+
+    def arguments(self, *names: str) -> dict[str, Any]:
+        """Return arguments of a function that fits or selects: those that all take, and more."""
+        of_all = ("mechanism", "measurement", "vary", "fixed", "progress")
+        return {name: getattr(self, name) for name in (*of_all, *names)}
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Names of the options that were given."""
+        return tuple(name for name in OPTIONS if getattr(self, name) is not None)
+
+    def only(self, names: Collection[str]) -> "Request":
+        """Return the request without the options that have other names."""
+        nothing: dict[str, Any] = dict.fromkeys({*self.given}.difference(names))
+        return replace(self, **nothing)
+
+
+OPTIONS = (
+    "route", "settings", "horizon", "validate", "assumed", "t_end", "executor",
+)  # fmt: skip
+"""What may be said of how; each kind uses some of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """The laws of a verdict beside each other, as a terminal shows them."""
+
+    heads: Sequence[str]
+    """Titles of the columns."""
+    rows: Sequence[Sequence[str]]
+    """Cells, a row for each law."""
+    notes: Sequence[str] = ()
+    """Lines below: what became of each law, and why a cell is empty."""
+    checks: Checks | None = None
+    """What is doubtful about the record."""
+    fitted: tuple[str, Sequence[Estimate]] | None = None
+    """The law that is named or closest, with its parameters, where the table does not have them."""
+    trials: TrialComparison | None = None
+    """Whether several trials share one law."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSummary:
+    """What a terminal shows of a fit below its estimates."""
+
+    heads: Sequence[str] = ()
+    """Titles of the columns of a table; empty for no table."""
+    rows: Sequence[Sequence[str]] = ()
+    """Cells of that table."""
+    lines: Sequence[str] = ()
+    """Residuals, restarts, remarks."""
+    findings: Sequence[str] = ()
+    """Errors of the model."""
+    limits: Sequence[str] = ()
+    """What limits each interval: the readings, or the rig."""
+    open: tuple[str, Sequence[str]] = ("Limitations", ())
+    """What is left open, below a heading."""
+    second: float | Mapping[str, float] | None = None
+    """Error on a second record, for documents."""
+    trials: TrialComparison | None = None
+    """Whether several trials share the law."""
+
+
+def opening_section(verdict: Verdict, kicker: str, remark: str) -> Section:
+    """Return the section that a reader may stop after."""
+    return opening(verdict.words, kicker, remark, no_score=verdict.words.no_score)
+
+
+def candidates_section(columns: Columns[Any], verdict: Verdict) -> Section:
+    """Return the section that compares all laws."""
+    table = page_table(
+        columns,
+        verdict.candidates,
+        cells={},
+        scale=score_scale([one.score for one in verdict.candidates], verdict.score_unit),
+        colour=lambda one: "c1" if one is verdict.best else "muted",
+        chosen=lambda one: one is verdict.best,
+        caption="",
+    )
+    heading = count(len(verdict.candidates), "candidate")
+    return Section(id="models", nav="Models compared", heading=heading, blocks=(table,))
+
+
+def reproduce_section(verdict: Verdict, origin: Origin) -> Section:
+    """Return the section with commands, versions, hashes and sources."""
+    return reproduce(origin, laws=[one.fit.law for one in verdict.candidates if one.fit])
+
+
+class Kind(ABC, Generic[F, V]):
+    """How one kind of measurement is fitted, compared and shown; the only place that knows.
+
+    A kind of one's own is a subclass, registered by an entry point ``stickslip.kinds``.
+    """
+
+    routes: ClassVar[tuple[str, ...]]
+    """Ways to fit, which ``route=`` may ask for; each fit and verdict says one of these."""
+    measured: ClassVar[str]
+    """What was measured, in the plural, such as ``"travels"``."""
+    uses: ClassVar[frozenset[str]]
+    """Names of the `OPTIONS` that are used."""
+    settings: ClassVar[frozenset[str]] = frozenset()
+    """Names of the fields of `RecordSettings` that are used; any makes `settings` an option."""
+    has_criteria: ClassVar[bool] = False
+    """Whether candidates meet or miss the criteria of runs to rest, which ``--enforce`` heeds."""
+    counts_runs: ClassVar[bool] = False
+    """Whether progress is a number of runs; else it is the least residual so far."""
+    by_contact: ClassVar[bool] = False
+    """Whether laws are given by the name of the contact."""
+    longest_first: ClassVar[bool] = False
+    """Whether a law that takes as long as any is fitted first, which bounds the time left."""
+    fits: ClassVar[type] = FrictionLaw
+    """Base class of the laws that are fitted."""
+    usual_law: ClassVar[str] = "coulomb-viscous"
+    """Law that a command fits where none is named."""
+    simulated: ClassVar[bool] = True
+    """Whether fitted laws can be simulated, and written as rig files."""
+    conditions: ClassVar[frozenset[str]] = frozenset()
+    """Names of the conditions of trials that are used, without their units."""
+    columns: ClassVar[Columns[Any]] = ()
+    """What tables say of each candidate, where `comparison` and `sections` are the usual ones."""
+
+    @override
+    def __init_subclass__(cls) -> None:
+        """Check the names of options and settings: a misspelt one would never be used."""
+        super().__init_subclass__()
+        fields_ = [field.name for field in fields(RecordSettings)]
+        known: Collection[str]
+        for own, of, known in (
+            ("uses", "option of Request", OPTIONS),
+            ("settings", "field of RecordSettings", fields_),
+        ):
+            if wrong := sorted({*getattr(cls, own, ())}.difference(known)):
+                raise TypeError(
+                    f"{cls.__name__}.{own} has {wrong[0]!r}, which is no {of};"
+                    f" known: {', '.join(sorted(known))}."
+                )
+        if cls.settings:
+            cls.uses |= {"settings"}
+
+    @abstractmethod
+    def serves(self, measurement: Measurement) -> bool:
+        """Whether a measurement is of this kind, where nobody asks for a route."""
+
+    def reads(self, measurement: Measurement) -> bool:
+        """Whether another measurement is read as one of this kind where its route is asked for."""
+        return False
+
+    @abstractmethod
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
+        """Return the names of the laws that are compared, as progress calls them."""
+
+    def owner(self, law: Law) -> AnyLaw:
+        """Return the law or the type whose parameters a law has that may be given by its name."""
+        found: AnyLaw = law
+        if isinstance(law, str):
+            other: Any = self.fits
+            found = specification(law).law if other is FrictionLaw else other
+        return found
+
+    def law_and_parameters(
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        """Return the law that a name stands for, with what is fitted of it put into `vary`.
+
+        Names of other laws than `FrictionLaw` are left to the fit.
+        """
+        if not isinstance(law, str) or self.fits is not FrictionLaw:
+            return law, vary
+        found = specification(law)
+        if found.free is None:
+            return found.law, vary
+        own = [f"friction.{one}" for one in found.free if not {one, f"friction.{one}"} & {*fixed}]
+        names = [LAW] if vary is None else names_of(vary)
+        return found.law, [path for one in names for path in (own if one == LAW else [one])]
+
+    @abstractmethod
+    def fit(self, request: Request) -> F:
+        """Fit a law."""
+
+    @abstractmethod
+    def select(self, request: Request) -> V:
+        """Compare laws and name one."""
+
+    def comparison(self, verdict: V) -> Comparison:
+        """Return the table of a verdict."""
+        heads, rows = terminal_table(self.columns, verdict.candidates)
+        notes = [f"{one.title}: {one.outcome}" for one in verdict.candidates if one.outcome]
+        table = Comparison(heads=heads, rows=rows, notes=notes)
+        if not isinstance(verdict, CrossValidatedVerdict) or verdict.closest.fit is None:
+            return table
+        closest = verdict.closest
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        fitted = (title, closest.fit.estimates)
+        return replace(table, checks=verdict.checks, fitted=fitted)
+
+    def summary(
+        self, fit: F, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        """Return what a terminal shows of a fit, with its error on a second record."""
+        return FitSummary()
+
+    def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
+        """Return what makes the sections of the page of a verdict."""
+        return (
+            partial(opening_section, verdict, origin.data, remark),
+            partial(candidates_section, self.columns, verdict),
+            partial(reproduce_section, verdict, origin),
+        )
+
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        """Return the contact inputs that laws may depend on."""
+        return known_inputs(mechanism, measurement)
+
+    def residual_text(self, error: float, request: Request) -> str:
+        """Return the least residual so far in words; without what it is of, if not replaced."""
+        return f"residual {number(error, 2)}"
+
+    def resolved(self, request: Request) -> Request:
+        """Return the request with what is chosen for this measurement, before any fit."""
+        return request
+
+    def why_unused(self, name: str, request: Request) -> str:
+        """Return why an option or a setting that some kinds use has no effect here.
+
+        It is the end of a sentence that begins with the name, and empty where nothing special is to
+        be said.
+        """
+        return ""
+
+
+def restarts_text(agreeing: int, starts: int) -> str:
+    """Return how many starts of a search agree.
+
+    Examples
+    --------
+    >>> restarts_text(3, 4)
+    'Restarts: 3 of 4 starts reached the smallest residual within 1 %'
+    """
+    return (
+        f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}"
+    )

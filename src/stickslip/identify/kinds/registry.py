@@ -1,0 +1,164 @@
+"""The kinds of measurement there are, and which of them a measurement is of."""
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from functools import cache
+from typing import Any, TypeAlias
+
+from stickslip.data import Measurement
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import law_type
+from stickslip.identify.fits import called, check_inputs
+from stickslip.identify.kinds.features.kind import FeatureKind
+from stickslip.identify.kinds.friction_tables import FrictionTableKind
+from stickslip.identify.kinds.joints import JointKind
+from stickslip.identify.kinds.kind import Kind, Request
+from stickslip.identify.kinds.records import RecordKind
+from stickslip.identify.kinds.travels.kind import TravelKind
+from stickslip.identify.kinds.velocity_steps.kind import VelocityStepKind
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import name_taken, plugins
+from stickslip.show.formatting import joined
+
+AnyKind: TypeAlias = Kind[Any, Any]
+
+OWN: tuple[AnyKind, ...] = (
+    FeatureKind(),
+    TravelKind(),
+    JointKind(),
+    VelocityStepKind(),
+    FrictionTableKind(),
+    RecordKind(),
+)
+"""In the order in which they are asked."""
+
+
+@cache
+def kinds() -> tuple[AnyKind, ...]:
+    """Return all kinds: those of other packages first, as they are the more special.
+
+    Examples
+    --------
+    >>> {"travels", "velocity steps", "tables of friction"} <= {one.measured for one in kinds()}
+    True
+    """
+    found: list[AnyKind] = []
+    taken = {name for kind in OWN for name in kind.routes}
+    base: type[Any] = Kind
+    for where, kind in plugins("stickslip.kinds", base):
+        if known := sorted(taken.intersection(kind.routes)):
+            raise name_taken(where, joined(known))
+        taken.update(kind.routes)
+        found.append(kind())
+    return (*found, *OWN)
+
+
+def kind_of_route(name: str) -> AnyKind:
+    """Return the kind that has a route.
+
+    Examples
+    --------
+    >>> kind_of_route("force-map").measured
+    'records of motion or friction'
+    """
+    known = {each: kind for kind in kinds() for each in kind.routes}
+    if name not in known:
+        raise UnknownNameError("route", name, known)
+    return known[name]
+
+
+def kind_of(measurement: Measurement, asked: str | None = None) -> AnyKind:
+    """Return the kind of a measurement: that of the route asked for, or the first that serves.
+
+    Travels have no other route than their own, which then refuses to be asked for one.
+
+    Examples
+    --------
+    >>> kind_of(Measurement(travel=0.2)).routes
+    ('travel',)
+    >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
+    >>> kind_of(record).routes, kind_of(record, "shooting").routes[0]
+    (('features',), 'balance')
+    """
+    usual = next(kind for kind in kinds() if kind.serves(measurement))
+    if asked is None:
+        return usual
+    if asked in usual.routes:
+        return usual
+    found = kind_of_route(asked)
+    if found.reads(measurement):
+        return found
+    if "route" in usual.uses and "route" not in found.uses:
+        raise InputError(
+            f"route {asked!r} applies to {found.measured}, not to this measurement: leave it out."
+        )
+    return found if "route" in usual.uses else usual
+
+
+def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> None:
+    """Refuse options that have no effect on a kind of measurement.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> request = Request(mechanism=SpringBlock(mass=1.0), measurement=Measurement(travel=0.2))
+    >>> refuse_unused(kind_of_route("travel"), {"horizon": "--horizon"}, request)
+    Traceback (most recent call last):
+    stickslip.errors.InputError: --horizon applies to records of motion or friction; it has ...
+    """
+    for name, called_ in given.items():
+        if name == "route" and kind.reads(request.measurement):
+            continue
+        why = kind.why_unused(name, request)
+        if not why and name not in kind.uses | kind.settings:
+            users = [one for one in kinds() if name in one.uses | one.settings]
+            why = unused_text(kind, users)
+        if why:
+            raise InputError(f"{called_} {why}")
+
+
+def unused_text(kind: AnyKind, users: Iterable[AnyKind]) -> str:
+    """Return that an option has no effect on a kind, as the end of a sentence with its name.
+
+    Examples
+    --------
+    >>> unused_text(kind_of_route("travel"), [kind_of_route("features")])
+    'applies to the force of a spring; it has no effect on travels: leave it out.'
+    """
+    others = joined([*dict.fromkeys(one.measured for one in users)])
+    return f"applies to {others}; it has no effect on {kind.measured}: leave it out."
+
+
+def refuse_foreign(kind: AnyKind, laws: Iterable[object]) -> None:
+    """Refuse laws of another type than a kind fits; names are looked up where they are used.
+
+    Examples
+    --------
+    >>> from stickslip.friction import Coulomb, RateState
+    >>> refuse_foreign(kind_of_route("travel"), [Coulomb, RateState])
+    Traceback (most recent call last):
+    stickslip.errors.InputError: A fit to travels takes a FrictionLaw, its type or its name, got ...
+    """
+    for law in laws:
+        given = law if isinstance(law, type) else type(law)
+        if not issubclass(given, (str, kind.fits)):
+            fitting = (one.measured for one in kinds() if issubclass(given, one.fits))
+            others = joined([*dict.fromkeys(fitting)])
+            use = f", which is for {others}" if others else ""
+            raise InputError(
+                f"A fit to {kind.measured} takes a {kind.fits.__name__}, its type or its name,"
+                f" got {called(law)}{use}."
+            )
+
+
+def refuse_uninformed(
+    kind: AnyKind, laws: Iterable[object], mechanism: Mechanism, measurement: Measurement
+) -> None:
+    """Refuse laws that ask for contact inputs which nothing tells, before anything runs."""
+    known = kind.known_inputs(mechanism, measurement)
+    for one in laws:
+        law = one
+        if isinstance(one, str):
+            with suppress(InputError):
+                law = law_type(one)
+        check_inputs(law, mechanism, measurement, known)

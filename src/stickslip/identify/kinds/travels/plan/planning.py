@@ -1,0 +1,772 @@
+"""The verb `plan`: which travels to measure for a law, how often and how well.
+
+1. *Now*: the judge of `select` takes the travels that were measured, or one that the first law
+   makes as the rig stands, and draws laws; the quantiles of their travels over the settings are the
+   band whichever law holds.
+2. *Law by law*: the judge takes the travels that this law makes at the settings, with the errors to
+   be expected. A law that then leaves the set is told apart; intervals and the band are those that
+   the runs will give.
+3. *The rig*: a parameter moves travels, and with them the level, in proportion to its uncertainty.
+"""
+
+import math
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import permutations
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement
+from stickslip.engine.simulation import simulate
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.friction import Coulomb, FrictionLaw
+from stickslip.identify import (
+    INSENSITIVE,
+    THRESHOLDS,
+    TravelJudgement,
+    band_of,
+    judged_travels,
+    knob_of,
+    propagated,
+)
+from stickslip.identify.fits import (
+    LEAST_ERROR,
+    READINGS,
+    Estimate,
+    Laws,
+    TravelModel,
+    Trial,
+    check_given,
+    driven_on,
+    laws_of,
+    required_of,
+    standard_errors,
+    starting_law,
+    trials_of,
+    uncertainties_of,
+)
+from stickslip.identify.kinds.travels.fit import travel_fit
+from stickslip.identify.kinds.travels.plan.preparing import how_to, otherwise
+from stickslip.identify.kinds.travels.plan.sheet import (
+    Expectation,
+    Plan,
+    Preparation,
+    Separation,
+    Telling,
+)
+from stickslip.identify.kinds.travels.selection import ALONE, named_laws
+from stickslip.identify.kinds.travels.settings import (
+    rounded_setting,
+    setting_text,
+    unit_of,
+    words_of,
+)
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
+from stickslip.quantities import Quantity, fields_of, parameters, vary
+from stickslip.show.formatting import joined, number, percent, quantity
+
+Array: TypeAlias = NDArray[np.float64]
+
+USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
+"""Laws that travels of a block may tell apart."""
+COUNT = Quantity("settings", low=2, high=12)
+READING = Quantity("u_s", "m", above=0)
+SCATTER = 0.02
+"""Standard deviation of a travel over the longest one where nothing was stated: repeats of dry
+friction scatter by a few per cent."""
+ROUGH = 0.01
+"""Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
+of this is said."""
+MOVED = 1e-3
+"""Share by which a level is moved for the slope of its travels."""
+LEAST = THRESHOLDS.fewest
+"""Runs at each setting: fewer do not show their scatter ..."""
+MOST = 10
+"""... and more are not asked for."""
+SURE = 23.0
+"""Evidence of readings without errors with which a law leaves the set in nine of ten sets with
+errors, which leave a third to a half of it (of 30 sets each, 24 at 19, 26 at 21 and 29 at 25)."""
+HALF = 0.5
+"""Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
+large widen the interval by a third."""
+
+ADVICE = {
+    "static_coefficient": (
+        "Pull slowly until the block moves: the force at break-away is $mu_s$ times the load."
+    ),
+    "bristle_stiffness": (
+        "Record a presliding loop: apply an alternating force below break-away; the slope of force"
+        " against displacement gives $sigma_0$."
+    ),
+    "bristle_damping": "Record presliding loops at two rates, which give $sigma_1$.",
+    "stribeck_velocity": (
+        "Record the velocity over the last centimetre (240 frames per second or more): the rise of"
+        " friction before the stop gives $v_s$."
+    ),
+    "viscous_coefficient": "Record the velocity of one run: its curvature gives $sigma_2$.",
+    "viscous_exponent": (
+        "Record the velocity of one run: how its decay changes with the speed gives $p$."
+    ),
+}
+"""Which measurement pays for a parameter that a travel does not fix, the most telling first."""
+
+
+def plan(
+    mechanism: Mechanism,
+    laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
+    measurement: Measurement | None = None,
+    *,
+    parameter_uncertainties: Mapping[str, float] | None = None,
+    between: tuple[float, float] | None = None,
+    settings: int = 4,
+    uncertainty: float | None = None,
+    t_end: float = 10.0,
+) -> Plan:
+    """Plan travels that tell friction laws apart and fix their parameters.
+
+    The band of the travel over the settings, whichever law holds, is that of `select`: where it is
+    widest, a reading narrows it most. What the runs will tell is what `select` makes of the travels
+    that each law predicts.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What a compressed spring or a push sets in motion and friction stops, as it stands.
+    laws : mapping, sequence or a single law, optional
+        The candidates, as instances, types or names; of an instance the values are taken for
+        plausible, but for its level; of others, what travels leave plausible. Coulomb, viscous,
+        both together and Stribeck if not given.
+    measurement : Measurement, optional
+        Travels that were measured before: laws are fitted to them, and their uncertainty is
+        counted on. Without it all laws travel as far as the first one at the present setting.
+    parameter_uncertainties : mapping of str to float, optional
+        Standard uncertainties of the mechanism's parameters, by path or last name; those of the
+        measurement if not given. Where none is known, that which is needed is counted on.
+    between : tuple of float, optional
+        Least and largest setting of what is turned, SI. If not given, from the least to the largest
+        of the measured trials and the mechanism as it stands; or from two fifths of the present
+        setting to itself where no trial has another.
+    settings : int
+        How many settings, from 2 to 12.
+    uncertainty : float, optional
+        Standard uncertainty of one travel [m], the scatter of repeats and that of the reading
+        together; if not given that of the measurement, the scatter of its repeats if that is
+        larger, or else 2 % of the longest travel. It lies
+        between 1e-5 of the longest travel, to which runs are exact, and all of it.
+    t_end : float
+        Time after which a body counts as stopped [s].
+
+    Returns
+    -------
+    Plan
+        Settings, repeats, what to measure before and how well, and what the runs will tell.
+
+    Raises
+    ------
+    InputError
+        If no travel can be planned for the mechanism, or an argument is out of its range.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
+    >>> [one.value for one in sheet.settings], sheet.repeats
+    ([0.04, 0.06, 0.08, 0.1], 3)
+    >>> {one.path: f"{one.needed:.2g}" for one in sheet.preparations}
+    {'mechanism.mass': '0.0045', 'mechanism.stiffness': '0.45', 'mechanism.compression': '0.00054'}
+    >>> sheet.csv().splitlines()[:2]
+    ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
+    """
+    count = int(COUNT.check("plan", "settings", settings))
+    if uncertainty is not None:
+        uncertainty = READING.check("plan", "uncertainty", uncertainty)
+    done = _done(mechanism, measurement, t_end)
+    knob = _knob(mechanism, done)
+    ends, source = _range(mechanism, knob, done, between)
+    asked = laws_of(laws)
+    if asked is None or asked == {}:  # a rig file without friction values has an empty mapping
+        asked = list(USUAL)
+    chosen, ordinary = named_laws(asked)
+    assert chosen is not None
+    error, repeated = _error(uncertainty, done)
+    first = _first(chosen)
+    start = chosen[first]
+    if first in ordinary and not _has_level(start):  # its slope is of the size of the rig
+        start = starting_law(Coulomb)
+    trials = done or (_assumed(mechanism, start, t_end, error),)
+    now = judged_travels(mechanism, trials, chosen, ordinary=ordinary, t_end=t_end)
+    remarks = [f"{law.title} friction was left out: {why}" for law, why in now.dropped.values()]
+    known = {path: (q, value) for path, q, value in parameters(mechanism, "mechanism")}
+    unit = known[knob][0].unit
+    places = np.array([rounded_setting(one, unit) for one in np.linspace(*ends, count)])
+    typical = {name: _typical(now, name, places) for name in chosen if name in now.evidence}
+    kept, idle = _stopping(mechanism, knob, places.tolist(), typical, t_end, error)
+    named = _first(kept)
+    places, still = _moving(now, kept[named], places)
+    travels = {name: _travels(law, now.at(places), t_end) for name, law in kept.items()}
+    size = _checked(error, float(np.max(np.abs(travels[named]))))
+    bench = _Bench(
+        now=now, laws={name: chosen[name] for name in kept}, ordinary=ordinary, typical=kept,
+        named=named, places=places, travels=travels, error=size,
+        stated=_stated(mechanism, measurement, parameter_uncertainties),
+    )  # fmt: skip
+    few = {name: bench.judged(name, LEAST) for name in kept}
+    pairs, repeats = _pairs(bench, few)
+    after = few
+    if repeats > LEAST:
+        after = {name: bench.judged(name, repeats) for name in kept}
+    band = band_of(now.travels(places))
+    # the widest that any law leaves
+    ends_after = [band_of(one.travels(places)) for one in after.values()]
+    expected = 0.5 * np.max([one.high - one.low for one in ends_after], axis=0)
+    rows = tuple(
+        Separation(
+            path=knob,
+            symbol=known[knob][0].symbol,
+            unit=unit,
+            value=float(place),
+            predicted={name: float(one[i]) for name, one in travels.items()},
+            low=float(band.low[i]),
+            high=float(band.high[i]),
+            expected=float(expected[i]),
+        )
+        for i, place in enumerate(places)
+    )
+    return Plan(
+        mechanism=mechanism,
+        laws=kept,
+        reference=named,
+        settings=rows,
+        repeats=repeats,
+        uncertainty=size,
+        assumed=error is None,
+        repeated=repeated,
+        preparations=bench.preparations(repeats, travel_fit(after[named], named).estimates[0]),
+        rest=otherwise(mechanism, kept[named], bench.share(repeats)),
+        tellings=tuple(_telling(few, rows, travels, *pair) for pair in pairs),
+        expectations=tuple(_expected(after, kept)),
+        range_source=source,
+        from_trials=bool(done),
+        remarks=(*remarks, *idle, *still),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Bench:
+    """The rig at the planned settings, and how well it and its readings are known."""
+
+    now: TravelJudgement
+    laws: Mapping[str, FrictionLaw]
+    """Laws as they were given."""
+    ordinary: Collection[str]
+    """Names of those whose values nobody gave."""
+    typical: Mapping[str, FrictionLaw]
+    """Laws with values that are plausible now."""
+    named: str
+    """The law whose level the preparations are for."""
+    places: Array
+    """Settings (m,)."""
+    travels: Mapping[str, Array]
+    """Travels (m,) of the typical laws [m]."""
+    error: float
+    """Standard uncertainty of a reading [m]."""
+    stated: Mapping[str, float]
+
+    def trials(self, name: str, repeats: int, doubts: Mapping[str, float]) -> tuple[Trial, ...]:
+        """Return the planned trials as they are if a law holds."""
+        path, shared = self._knob, dict(doubts)
+        by_hand = {path: shared.pop(path)} if path in shared else {}
+        found = []
+        for one, travel in zip(self.now.at(self.places), self.travels[name], strict=True):
+            made = Trial(
+                mechanism=one.mechanism, initial={}, travel=float(travel), half_width=self.error,
+                doubts=by_hand, shared=shared,
+            )  # fmt: skip
+            found += [made] * repeats
+        return tuple(found)
+
+    def judged(self, name: str, repeats: int) -> TravelJudgement:
+        """Return what `select` makes of the planned trials if a law holds."""
+        trials = self.trials(name, repeats, {**self.needed(repeats), **self.stated})
+        return judged_travels(
+            self.now.mechanism, trials, self.laws, ordinary=self.ordinary, t_end=self.now.t_end
+        )
+
+    @property
+    def _knob(self) -> str:
+        assert self.now.knob is not None
+        return self.now.knob[0]
+
+    @cached_property
+    def _per_unit(self) -> dict[str, float]:
+        """Standard error of the level over itself by one run a setting, by source.
+
+        That of the readings, and that of a parameter of the rig by its uncertainty, to first order.
+        """
+        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        units = {
+            p: THRESHOLDS.rounding * (abs(v) or 1.0)
+            for p, v in known.items()
+            if v or p in self.stated
+        }
+        law = self.typical[self.named]
+        path = self.now.law_of(self.named).model.free[0]
+        level = {p: value for p, _, value in parameters(law, "friction")}[path]
+        model = TravelModel(law, [path], self.now.t_end)
+        trials, step = self.trials(self.named, 1, units), MOVED
+        ends = [model.travels(trials, [factor * level]) for factor in (1.0 - step, 1.0 + step)]
+        slope = (ends[1] - ends[0]) / (2.0 * step)
+        gain = slope / float(slope @ slope)
+        alone, shared = propagated(TravelModel(law, (), self.now.t_end), trials)
+        found = {path: float(np.linalg.norm(gain * one)) for path, one in alone.items()}
+        found |= {path: abs(float(gain @ one)) for path, one in shared.items()}
+        size = {READINGS: self.error * float(np.linalg.norm(gain))}
+        return size | {path: found[path] / unit for path, unit in units.items()}
+
+    def _part(self, path: str, doubt: float, repeats: int) -> float:
+        """Return the part of a source: what differs from run to run averages out."""
+        return (
+            self._per_unit[path]
+            * doubt
+            / (math.sqrt(repeats) if path in (READINGS, self._knob) else 1.0)
+        )
+
+    def needed(self, repeats: int) -> dict[str, float]:
+        """Return by path how well the rig is to be known for its part in the level to be small.
+
+        Gravity and what the travels do not depend on are left out.
+        """
+        known = {path: value for path, _, value in parameters(self.now.mechanism, "mechanism")}
+        parts = {
+            path: self._part(path, 1.0, repeats)
+            for path in self._per_unit
+            if path != READINGS and known[path] and not path.endswith(".gravity")
+        }
+        half = HALF * self._part(READINGS, 1.0, repeats)
+        return {
+            p: half / one for p, one in parts.items() if one * abs(known[p]) > THRESHOLDS.rounding
+        }
+
+    def share(self, repeats: int, **changed: float) -> float:
+        """Return the standard uncertainty of the level over itself, with other parts of the rig."""
+        doubts = {READINGS: 1.0, **self.needed(repeats), **self.stated, **changed}
+        return math.hypot(*(self._part(path, x, repeats) for path, x in doubts.items()))
+
+    def preparations(self, repeats: int, level: Estimate) -> tuple[Preparation, ...]:
+        """Return what to measure before, and how well, for an interval of the level."""
+        mechanism = self.now.mechanism
+        known = {path: (q, v) for path, q, v in parameters(mechanism, "mechanism")}
+        # how far the spring is compressed at most, whatever is set
+        spring = "mechanism.compression"
+        moved = self.places if self._knob == spring else [known.get(spring, (None, 0.0))[1]]
+        largest = float(np.max(np.abs(moved)))
+        symbol = level.quantity.symbol
+        wide = level.half_width / level.value / self.share(repeats)
+        found = []
+        for path, needed in self.needed(repeats).items():
+            size = float(np.max(np.abs(self.places))) if path == self._knob else known[path][1]
+            rough, rest = ROUGH * abs(size), ""
+            if needed < rough:
+                wanted, got = (
+                    percent(wide * one)
+                    for one in (self.share(repeats), self.share(repeats, **{path: rough}))
+                )
+                rest = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
+                if got == wanted:  # as it is stated to 1 %, say
+                    rest += f"stays at ± {got} of the value."
+                else:
+                    rest += f"is ± {got} of the value instead of ± {wanted}."
+            found.append(
+                Preparation(
+                    path=path,
+                    quantity=known[path][0],
+                    value=known[path][1],
+                    needed=needed,
+                    stated=self.stated.get(path),
+                    how=how_to(mechanism, path, needed, largest),
+                    rough=rest,
+                )
+            )
+        return tuple(found)
+
+
+def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
+    """Return the path of what `plan` sets to get other travels.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> setting_of(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), None, 10.0)
+    'mechanism.compression'
+    """
+    return _knob(mechanism, _done(mechanism, measurement, t_end))
+
+
+def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> tuple[Trial, ...]:
+    """Return the trials of what was measured before."""
+    if measurement is None:
+        measurement = Measurement(travel=0.0)  # to check the mechanism alone
+        check_given("plan", mechanism, measurement)
+        return ()
+    check_given("plan", mechanism, measurement)
+    return trials_of(mechanism, measurement, t_end)
+
+
+def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
+    """Return the path of what is set to get other travels."""
+    if driven_on(mechanism):
+        raise InputError(
+            f"{type(mechanism).__name__} does not come to rest because its drive never ends, so"
+            " there is no travel to plan. Measure its position in time or its travel per cycle and"
+            " give that to select, which proposes the next measurement (see"
+            " docs/howto/fit-cart.md)."
+        )
+    knob = knob_of(mechanism, done)
+    contacts = mechanism.contacts()
+    if knob is None or len(contacts) != 1:
+        raise InputError(
+            "plan needs a body that a compressed spring or a push sets in motion (compression,"
+            " drive.level or drive.amplitude other than 0) and that friction stops; this"
+            f" {type(mechanism).__name__} is not one. For records in time, make a first record:"
+            " check says what it can tell, and select proposes the next one."
+        )
+    return knob[0]
+
+
+def _first(laws: Mapping[str, FrictionLaw]) -> str:
+    """Return the name of the first law with a level, or of the first one."""
+    return next((name for name, law in laws.items() if _has_level(law)), next(iter(laws)))
+
+
+def _has_level(law: FrictionLaw) -> bool:
+    return any(one.scale == "level" for _, one, _ in parameters(law, "friction"))
+
+
+def _assumed(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> Trial:
+    """Return the travel that a law makes as the rig stands, as if it had been measured well."""
+    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    travel = abs(float(_travels(law, [trial], t_end)[0]))
+    if travel == 0.0:
+        raise InputError(
+            f"{law.title} friction{_values_of(law)} holds the body at rest: lower the friction"
+            " level, or raise the setting of the rig."
+        )
+    if said := _why_none(mechanism, law, t_end, SCATTER * travel if error is None else error):
+        raise InputError(
+            f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
+        )
+    signed = float(_travels(law, [trial], t_end)[0])
+    return replace(trial, travel=signed, half_width=THRESHOLDS.negligible * travel)
+
+
+def _travels(law: FrictionLaw, trials: Sequence[Trial], t_end: float) -> Array:
+    """Return the travels (n,) of a law in trials [m]."""
+    return TravelModel(law, (), t_end).travels(trials, ())
+
+
+def _typical(now: TravelJudgement, name: str, places: Array) -> FrictionLaw:
+    """Return a law with values that are plausible now: as fitted, or its draw in the middle.
+
+    A fit whose best value of a part is 0 is another law by name only.
+    """
+    law = now.law_of(name)
+    if not now.around_zero(name):
+        return law.with_unknowns(now.unknowns_of(name))
+    draws = now.drawn(name, THRESHOLDS.draws // 4)
+    travels = law.table(now.at(places), draws.unknowns)
+    further = np.abs(draws.unknowns[:, 1 : law.count])
+    # those without a part are of another law by name only, too
+    full = np.all(further > THRESHOLDS.negligible * further.max(axis=0, initial=0.0), axis=1)
+    travels[~full & full.any()] = np.nan
+    off = np.sum((travels - np.nanmedian(travels, axis=0)) ** 2, axis=1)
+    return law.with_unknowns(draws.unknowns[int(np.nanargmin(off))])
+
+
+def _check_planned(laws: Mapping[str, FrictionLaw], remarks: Sequence[str]) -> None:
+    """Refuse to plan for no law, with why each was left out."""
+    if not laws:
+        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
+
+
+def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float) -> str:
+    """Return why the distance of a run is no travel that friction ends; nothing if it is one.
+
+    Bodies that still move by less than the error of a reading, as on undamped bristles, are at
+    rest.
+    """
+    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    try:
+        TravelModel(law, (), t_end).check_rest([trial], (), [error])
+    except ConvergenceError as reason:
+        return str(reason)
+    run = simulate(mechanism, law, t_end=t_end)
+    slip = slip_of(mechanism)
+    near = LEAST_ERROR * float(np.ptp(run[slip]))
+    for stop in stops_of(mechanism):
+        beyond = run[slip] - stop.position
+        if stop.coordinate == slip and bool(
+            np.any((beyond if stop.side == "upper" else -beyond) > -near)
+        ):
+            at = quantity(float(stop.position), mechanism.units[0])
+            return f"the body hits the stop at {at}. Lower the setting of the rig."
+    return ""
+
+
+def _values_of(law: FrictionLaw) -> str:
+    """Return the values of a law, as they stand behind its name."""
+    parts = [
+        f"{q.symbol} = {quantity(value, q.unit)}" for _, q, value in parameters(law, "friction")
+    ]
+    return f" ({', '.join(parts)})" if parts else ""
+
+
+def _range(
+    mechanism: Mechanism,
+    path: str,
+    done: Sequence[Trial],
+    between: tuple[float, float] | None,
+) -> tuple[tuple[float, float], str]:
+    """Return the ends of the settings, the smaller one first, and a sentence on where from."""
+    known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}
+    asked, present = known[path]
+    unit, factor = unit_of(asked.unit)
+    word = words_of(path)
+    if between is not None:
+        low, high = (asked.check("plan", "between", value) for value in between)
+        if not 0.0 < low < high:
+            raise InputError(
+                f"between must be two settings of {path} ({asked.symbol}) above 0 {asked.unit},"
+                f" the smaller one first, got {number(low)} and {number(high)}."
+            )
+        return between, ""
+    sign = math.copysign(1.0, present)
+    made = [
+        {p: value for p, _, value in parameters(trial.mechanism, "mechanism")}[path]
+        for trial in done
+    ]
+    sizes = sorted({abs(value) for value in (*made, present) if sign * value > 0.0})
+    if sizes[0] <= (1.0 - THRESHOLDS.material) * sizes[-1]:
+        low, high = sizes[0], sizes[-1]
+        source = f"The settings span the {word} of the trials and of the rig"
+    else:
+        low, high = ALONE[0] * sizes[-1], sizes[-1]
+        source = (
+            f"{'The trials and the rig have' if done else 'The rig has'} one {word}: the settings"
+            f" span {number(ALONE[0])} to 1 times that value"
+        )
+    low, high = (min(max(sign * one, asked.low), asked.high) for one in (low, high))
+    shown = f"{number(factor * low)} to {number(factor * high)} {unit}".replace(" °", "°")
+    return (low, high), f"{source}, {shown}. Use --between (Python: between) for another range."
+
+
+def _stopping(
+    mechanism: Mechanism,
+    path: str,
+    settings: Sequence[float],
+    laws: Mapping[str, FrictionLaw],
+    t_end: float,
+    error: float | None,
+) -> tuple[dict[str, FrictionLaw], list[str]]:
+    """Return the laws whose friction ends the travel at all settings, and why others do not.
+
+    The distance of a body that still moves is that of an arbitrary time, and a hard stop ends the
+    travels of all laws in one place.
+    """
+    found, remarks = {}, []
+    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
+    for name, law in laws.items():
+        size = error
+        if size is None:
+            trials = [Trial(mechanism=rig, initial={}, travel=0.0, half_width=0.0) for rig in rigs]
+            size = SCATTER * float(np.max(np.abs(_travels(law, trials, t_end))))
+        reasons = {
+            value: said
+            for value, rig in zip(settings, rigs, strict=True)
+            if (said := _why_none(rig, law, t_end, size))
+        }
+        if not reasons:
+            found[name] = law
+            continue
+        value, said = reasons.popitem()
+        at = quantity(value, unit, degrees=True)
+        remarks.append(f"{law.title} friction was left out: with {words_of(path)} {at}, {said}")
+    _check_planned(found, remarks)
+    return found, remarks
+
+
+def _moving(now: TravelJudgement, law: FrictionLaw, places: Array) -> tuple[Array, list[str]]:
+    """Return settings at which the body moves, and which were left out, as sentences."""
+    assert now.knob is not None
+    path, _ = now.knob
+    unit = {p: q.unit for p, q, _ in parameters(now.mechanism, "mechanism")}[path]
+    travels = np.abs(_travels(law, now.at(places), now.t_end))
+    moves = travels > THRESHOLDS.material * np.max(travels)
+    if moves.sum() < 2:
+        ends = " to ".join(quantity(one, unit, degrees=True) for one in (places[0], places[-1]))
+        raise InputError(
+            f"the body moves at {moves.sum()} of {len(places)} settings of the {words_of(path)}"
+            f" from {ends}: raise the setting of the rig, or give a higher range with --between"
+            " (Python: between)."
+        )
+    idle = [setting_text(one, unit) for one in places[~moves].tolist()]
+    said = f"At {joined(idle)} the body hardly moves, so no runs are planned there."
+    return places[moves], [said] if idle else []
+
+
+def _checked(error: float | None, longest: float) -> float:
+    """Return the standard uncertainty of a reading that is counted on [m]."""
+    size = SCATTER * longest if error is None else error
+    if not LEAST_ERROR * longest <= size <= longest:
+        least, most, got = (quantity(one, "m") for one in (LEAST_ERROR * longest, longest, size))
+        raise InputError(
+            f"the uncertainty of a travel (u_s) must be from {least} (the accuracy of the"
+            f" simulation) to {most} (the longest planned travel), got {got}: give it with"
+            " --uncertainty (Python: uncertainty)."
+        )
+    return size
+
+
+def _error(given: float | None, done: Sequence[Trial]) -> tuple[float | None, int]:
+    """Return the standard uncertainty of a reading [m], None if nothing tells it.
+
+    It is as given, or the larger of what was stated and the scatter of repeats; with how many
+    readings beyond the first at their setting that scatter is from, 0 where it is not counted on.
+    """
+    if given is not None or not done:
+        return given, 0
+    errors, stated = standard_errors(done)
+    settings: dict[Hashable, list[float]] = {}
+    for trial in done:
+        settings.setdefault(trial.run, []).append(trial.travel)
+    squares = sum(float(np.var(one)) * len(one) for one in settings.values())
+    freedom = len(done) - len(settings)
+    scatter = math.sqrt(squares / freedom) if freedom >= LEAST - 1 else 0.0
+    if scatter > float(errors.max()):
+        return scatter, freedom
+    return (float(errors.max()) if stated else None), 0
+
+
+def _stated(
+    mechanism: Mechanism, measurement: Measurement | None, doubts: Mapping[str, float] | None
+) -> dict[str, float]:
+    """Return stated uncertainties of the mechanism by full path."""
+    given = (
+        doubts if doubts is not None else measurement.parameter_uncertainties if measurement else {}
+    )
+    ((own, _),) = uncertainties_of(
+        mechanism, Measurement(travel=0.0, parameter_uncertainties=given)
+    )
+    return own
+
+
+def _pairs(
+    bench: _Bench, few: Mapping[str, TravelJudgement]
+) -> tuple[list[tuple[str, str, int | None]], int]:
+    """Return which law each pair of laws rules out, with how many runs, and how many are needed.
+
+    The law with more parameters is taken to hold: the other one cannot imitate it. Of two with as
+    many, whichever is harder to rule out. None for a pair that `MOST` runs do not tell apart.
+    Evidence grows in proportion to the number of runs.
+    """
+    sizes = {name: len(required_of(type(law))) for name, law in bench.laws.items()}
+    chosen = dict[frozenset[str], tuple[float, str, str]]()
+    for holds, rival in permutations(bench.laws, 2):
+        if sizes[rival] <= sizes[holds]:
+            pair, gained = frozenset((holds, rival)), _gained(few[holds], holds, rival)
+            if pair not in chosen or gained < chosen[pair][0]:
+                chosen[pair] = gained, holds, rival
+    many = dict[str, TravelJudgement]()
+    found, repeats = list[tuple[str, str, int | None]](), LEAST
+    for gained, holds, rival in sorted(chosen.values(), reverse=True):
+        needed: int | None = LEAST
+        if gained < SURE:
+            if holds not in many:
+                many[holds] = bench.judged(holds, MOST)
+            most = _gained(many[holds], holds, rival)
+            share = (SURE - gained) / (most - gained) if most >= SURE else math.inf
+            needed = LEAST + math.ceil(share * (MOST - LEAST)) if share <= 1.0 else None
+        repeats = max(repeats, needed or 0)
+        found.append((holds, rival, needed))
+    return found, repeats
+
+
+def _gained(judgement: TravelJudgement, holds: str, rival: str) -> float:
+    """Return the evidence of a law over a rival; infinite if that makes no such travels."""
+    evidence = judgement.evidence
+    return evidence[holds] - evidence[rival] if rival in evidence else math.inf
+
+
+def _telling(
+    few: Mapping[str, TravelJudgement],
+    rows: Sequence[Separation],
+    travels: Mapping[str, Array],
+    holds: str,
+    rival: str,
+    repeats: int | None,
+) -> Telling:
+    """Return a pair of laws as it stands in a plan."""
+    judgement = few[holds]
+    made = travels[rival]
+    if rival in judgement.evidence:
+        best = judgement.best_of(rival)
+        made = (judgement.measured - best.left * judgement.errors)[::LEAST]
+    left = np.abs(travels[holds] - made)
+    worst = int(np.argmax(left))
+    return Telling(
+        holds=holds, rival=rival, gap=float(left[worst]), setting=rows[worst], repeats=repeats,
+        most=MOST,
+        alike=float(left[worst]) <= THRESHOLDS.negligible * float(np.max(np.abs(travels[holds]))),
+    )  # fmt: skip
+
+
+def _expected(
+    after: Mapping[str, TravelJudgement], laws: Mapping[str, FrictionLaw]
+) -> list[Expectation]:
+    """Return the intervals to expect, and which parameters have none."""
+    found = []
+    for name, law in laws.items():
+        every = after[name].law_of(name).model.free
+        estimates = [*travel_fit(after[name], name, every).estimates]
+        for path, parameter, value in parameters(law, "friction"):
+            if path not in every and path.rpartition(".")[2] in ADVICE:
+                estimates.append(
+                    Estimate(
+                        path=path, quantity=parameter, value=value, low=-math.inf, high=math.inf,
+                        interval="95 %", reason=INSENSITIVE,
+                    )
+                )  # fmt: skip
+        for one in estimates:
+            last = one.path.rpartition(".")[2]
+            # off its limit, as `select` asks it to be
+            settled = one.bounded and one.low > limit_of(law, last)
+            found.append(
+                Expectation(
+                    law=name,
+                    estimate=one,
+                    identified=settled,
+                    advice="" if settled else ADVICE.get(last, ""),
+                )
+            )
+    return found
+
+
+def limit_of(law: FrictionLaw, name: str) -> float:
+    """Return the lowest value that a parameter of a law may have beside the others.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    >>> limit_of(law, "kinetic_coefficient"), limit_of(law, "static_coefficient")
+    (0.0, 0.2)
+    """
+    quantity = fields_of(type(law))[name]
+    limits = [quantity.low, quantity.above or 0.0]
+    if quantity.at_least is not None:
+        limits.append(getattr(law, quantity.at_least))
+    return float(max(limits))

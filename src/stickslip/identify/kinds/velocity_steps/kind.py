@@ -1,0 +1,95 @@
+"""Velocity steps of a load point, fitted by rate-and-state friction."""
+
+from dataclasses import replace
+
+from typing_extensions import override
+
+from stickslip.data import Measurement
+from stickslip.friction import RateState
+from stickslip.identify.candidates import on_second_record
+from stickslip.identify.fits import RecordSettings
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.kinds.velocity_steps.fit import STARTS, fit_rate_state
+from stickslip.identify.kinds.velocity_steps.problem import serves
+from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
+from stickslip.identify.kinds.velocity_steps.selection import (
+    RateStateLaws,
+    rate_state_laws,
+    select_rate_state,
+)
+from stickslip.identify.kinds.velocity_steps.verdict import COLUMNS, RateStateVerdict
+from stickslip.show.formatting import number
+from stickslip.show.report import Origin, SectionMaker
+
+
+class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
+    """A slider without inertia behind a spring, fitted to the coefficient of friction."""
+
+    routes = (VELOCITY_STEPS,)
+    measured = "velocity steps"
+    uses = frozenset({"route", "validate", "executor"})
+    settings = frozenset({"starts", "seed"})
+    longest_first = True
+    fits = RateState
+    usual_law = "rate-and-state"
+    simulated = False
+    columns = COLUMNS
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return serves(measurement)
+
+    @override
+    def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in rate_state_laws(laws)]
+
+    @override
+    def residual_text(self, error: float, request: Request) -> str:
+        return f"coefficient off by {number(error, 2)}"
+
+    @override
+    def fit(self, request: Request) -> RateStateFit:
+        settings = request.settings or RecordSettings(starts=STARTS)
+        return fit_rate_state(
+            starts=settings.starts, seed=settings.seed, **request.arguments("law")
+        )
+
+    @override
+    def select(self, request: Request) -> RateStateVerdict:
+        return select_rate_state(**request.arguments("laws", "validate", "settings", "executor"))
+
+    @override
+    def comparison(self, verdict: RateStateVerdict) -> Comparison:
+        usual, fit = super().comparison(verdict), verdict.closest.fit
+        if usual.fitted is None or fit is None:
+            return usual
+        title, estimates = usual.fitted
+        return replace(usual, fitted=(title, (*estimates, fit.rate)))
+
+    @override
+    def summary(
+        self,
+        fit: RateStateFit,
+        validate: Measurement | None = None,
+        horizon: float | None = None,
+    ) -> FitSummary:
+        second = None if validate is None else fit.judged(validate)
+        lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
+        if second is not None:
+            lines.append(on_second_record(number(second, 2)))
+        lines.append(restarts_text(fit.starts_agreeing, len(fit.optimum.costs)))
+        return FitSummary(
+            lines=[*lines, *fit.remarks],
+            open=("Remarks", fit.sentences),
+            second=second,
+        )
+
+    @override
+    def sections(
+        self, verdict: RateStateVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.identify.kinds.velocity_steps.page import (
+            sections,  # figures are loaded where a page is made
+        )
+
+        return sections(verdict, origin, remark)

@@ -1,0 +1,178 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+
+from stickslip.mechanisms.drives.base import BEGINNING as BEGINNING
+from stickslip.mechanisms.drives.base import Drive as Drive
+from stickslip.mechanisms.drives.base import Piece as Piece
+from stickslip.mechanisms.drives.base import Straight as Straight
+from stickslip.mechanisms.drives.base import Sum as Sum
+from stickslip.mechanisms.drives.base import parts_of as parts_of
+from stickslip.mechanisms.drives.elementary import HalfSine as _HalfSine
+from stickslip.mechanisms.drives.elementary import PiecewiseAffine as PiecewiseAffine
+from stickslip.mechanisms.drives.elementary import PiecewiseLinear as PiecewiseLinear
+from stickslip.mechanisms.drives.elementary import Pulse as _Pulse
+from stickslip.mechanisms.drives.elementary import Ramp as _Ramp
+from stickslip.mechanisms.drives.elementary import Sampled as Sampled
+from stickslip.mechanisms.drives.elementary import Sine as _Sine
+from stickslip.mechanisms.drives.elementary import Square as _Square
+from stickslip.mechanisms.drives.motion_profiles import Profile as Profile
+from stickslip.mechanisms.drives.motion_profiles import Rotation as _Rotation
+from stickslip.mechanisms.drives.motion_profiles import SampledSwing as _SampledSwing
+from stickslip.mechanisms.drives.motion_profiles import SevenStep as _SevenStep
+from stickslip.mechanisms.drives.motion_profiles import SineSwing as _SineSwing
+from stickslip.mechanisms.drives.motion_profiles import SplineSwing as _SplineSwing
+from stickslip.mechanisms.drives.motion_profiles import ThreePhase as _ThreePhase
+from stickslip.mechanisms.drives.motion_profiles import TimedThreePhase as _TimedThreePhase
+from stickslip.mechanisms.drives.registry import DRIVES as DRIVES
+from stickslip.mechanisms.drives.registry import PROFILES as PROFILES
+from stickslip.quantities import Given as _Given
+from typing import Literal as _Literal
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class HalfSine(_HalfSine):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        period: _Given,
+        duty: _Given = ...,
+        start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Pulse(_Pulse):
+    def __init__(
+        self,
+        *,
+        level: _Given,
+        duration: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Ramp(_Ramp):
+    def __init__(
+        self,
+        *,
+        rate: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Rotation(_Rotation):
+    def __init__(
+        self,
+        *,
+        rate: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class SampledSwing(_SampledSwing):
+    def __init__(
+        self,
+        *,
+        times: tuple[float, ...],
+        positions: tuple[float, ...],
+        spacing: _Given | None = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class SevenStep(_SevenStep):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        fast: _Given,
+        slow: _Given,
+        top_rate: _Given,
+        pause: _Given = ...,
+        return_rate: _Given | None = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Sine(_Sine):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        frequency: _Given,
+        phase: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class SineSwing(_SineSwing):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        frequency: _Given,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class SplineSwing(_SplineSwing):
+    def __init__(
+        self,
+        *,
+        positions: tuple[float, ...],
+        duration: _Given,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Square(_Square):
+    def __init__(
+        self,
+        *,
+        high: _Given,
+        low: _Given = ...,
+        period: _Given,
+        duty: _Given = ...,
+        start: _Given = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class ThreePhase(_ThreePhase):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        fast: _Given,
+        slow: _Given,
+        first: _Literal['fast', 'slow'] = ...,
+        last: _Given | None = ...,
+        frequency: _Given | None = ...,
+    ) -> None: ...
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class TimedThreePhase(_TimedThreePhase):
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        first_duration: _Given,
+        middle_duration: _Given,
+        last_duration: _Given,
+        frequency: _Given | None = ...,
+    ) -> None: ...
+
+__all__ = [
+    "Drive",
+    "HalfSine",
+    "Piece",
+    "PiecewiseAffine",
+    "PiecewiseLinear",
+    "Profile",
+    "Pulse",
+    "Ramp",
+    "Rotation",
+    "Sampled",
+    "SampledSwing",
+    "SevenStep",
+    "Sine",
+    "SineSwing",
+    "SplineSwing",
+    "Square",
+    "Sum",
+    "ThreePhase",
+    "TimedThreePhase",
+]

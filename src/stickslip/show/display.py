@@ -1,0 +1,221 @@
+"""What results have in common: a plot, and a short page in notebooks.
+
+Plots stand above results in the order of imports, so this module asks for `stickslip.show.plots` by
+name, when a plot is drawn. Nothing is imported before.
+"""
+
+import html
+import importlib
+import math
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast, final
+
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.show.described import Described
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import numpy as np
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+    from numpy.typing import NDArray
+
+    Drawing: TypeAlias = Axes
+    Target: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | NDArray[np.object_] | None
+
+Drawn_co = TypeVar("Drawn_co", covariant=True)
+"""What a plot of a result is: Axes, or an array of them."""
+
+MOST_ROWS = 12
+"""Rows of a table in a notebook at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A result in short, as a notebook shows it."""
+
+    sentence: str = ""
+    """Status or verdict."""
+    head: Sequence[str] = ()
+    """Names of the columns; none where the first column names the rows."""
+    rows: Sequence[Sequence[object]] = ()
+    """Texts and numbers."""
+    notes: Sequence[str] = ()
+    """Sentences below the table."""
+
+
+class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
+    """A result that draws itself, and that a notebook shows in short."""
+
+    @abstractmethod
+    def _summary(self) -> Summary:
+        """Return status or verdict, and a small table."""
+
+    @final
+    def plot(self, ax: "Target" = None) -> Drawn_co:
+        """Draw the result as `stickslip.show.plots.plot` does.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, sequence of Axes, or (Sub)Figure, optional
+            Where to draw; a sequence for a plot of several panels. A new figure if not given.
+
+        Returns
+        -------
+        matplotlib Axes or array of Axes
+            The panels. The functions of `stickslip.show.plots` for one kind of result have options.
+
+        Raises
+        ------
+        InputError
+            If `ax` is nothing of the kind, or has another number of panels; or if the class of the
+            result has no plot.
+        """
+        return self._plot(ax)
+
+    def _plot(self, ax: "Target") -> Drawn_co:
+        """Draw the result; what the class of a result replaces that has a plot of its own."""
+        return cast("Drawn_co", plots().plot(self, ax))
+
+    @override
+    def __str__(self) -> str:
+        """Return status or verdict and the table in short, as notebooks show them."""
+        try:
+            return text_of(self._summary())
+        except Exception:  # a debugger shows results that are only half made, too
+            return object.__repr__(self)
+
+    @override
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self}>".replace("\n", "\n ")
+
+    @final
+    def _repr_html_(self) -> str:
+        return html_of(self._summary, self)
+
+
+class OnAxes(Displayed["Axes"], ABC):
+    """A result whose plot has one panel."""
+
+
+class InPanels(Displayed["NDArray[np.object_]"], ABC):
+    """A result whose plot has several panels."""
+
+
+def text_of(summary: Summary) -> str:
+    """Return a summary as lines of text.
+
+    Examples
+    --------
+    >>> print(text_of(Summary(sentence="Done.", rows=[("runs", 3), ("time", "0 to 1 s")])))
+    Done.
+    runs: 3
+    time: 0 to 1 s
+    """
+    rows = [[_cell(value) for value in row] for row in summary.rows[:MOST_ROWS]]
+    lines = [": ".join([row[0].rstrip("."), *row[1:]]) for row in rows]
+    if summary.head:
+        table = [[*map(str, summary.head)], *rows]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
+    left = len(summary.rows) - len(rows)
+    more = [f"{left} more rows."] if left > 0 else []
+    return "\n".join([*filter(None, [summary.sentence]), *lines, *more, *summary.notes])
+
+
+def html_of(summary: Any, result: object) -> str:
+    """Return a summary and a small figure of a result; never raises.
+
+    Examples
+    --------
+    >>> html_of(lambda: Summary(rows=[("runs", 3)]), "no result")
+    '<table><tr><th>runs</th><td>3</td></tr></table>'
+    """
+    try:
+        page = _page(summary())
+    except Exception:  # a notebook shows a result, whatever is wrong with it
+        return f"<pre>{html.escape(_text(result))}</pre>"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return page + str(plots().thumbnail(result))
+    except Exception:  # what cannot be drawn is told by the table
+        return page
+
+
+def paragraphs(lines: Iterable[str]) -> str:
+    """Return lines as paragraphs of a page.
+
+    Examples
+    --------
+    >>> paragraphs(["a < b"])
+    '<p>a &lt; b</p>'
+    """
+    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)
+
+
+def summary_of_table(sentence: str, table: "pd.DataFrame", notes: Sequence[str] = ()) -> Summary:
+    """Return the summary of a result that has a table."""
+    rows = table.itertuples(index=False, name=None)
+    return Summary(sentence=sentence, head=[*map(str, table.columns)], rows=[*rows], notes=notes)
+
+
+def require_library(name: str, extra: str, otherwise: str = "") -> "ModuleType":
+    """Return a library that not all users have installed.
+
+    Examples
+    --------
+    >>> require_library("nonsense", "xarray", "use to_dataframe")
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: nonsense is not installed: pip install 'stickslip[xarray]', or
+    use to_dataframe.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        other = f", or {otherwise}" if otherwise else ""
+        raise InputError(
+            f"{name} is not installed: pip install 'stickslip[{extra}]'{other}."
+        ) from None
+
+
+def plots() -> Any:
+    """Return `stickslip.show.plots`, imported when a result is drawn: it stands above results."""
+    return importlib.import_module("stickslip.show.plots")
+
+
+def _page(summary: Summary) -> str:
+    rows = [f"<tr>{_cells(row, named=not summary.head)}</tr>" for row in summary.rows[:MOST_ROWS]]
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in summary.head)
+    head = f"<tr>{head}</tr>" if head else ""
+    left = len(summary.rows) - len(rows)
+    notes = [*([f"{left} more rows."] if left > 0 else []), *summary.notes]
+    table = f"<table>{head}{''.join(rows)}</table>" if rows else ""
+    return paragraphs([summary.sentence] if summary.sentence else []) + table + paragraphs(notes)
+
+
+def _cells(row: Sequence[object], *, named: bool) -> str:
+    tags = ["th" if named and place == 0 else "td" for place in range(len(row))]
+    cells = zip(tags, map(_cell, row), strict=True)
+    return "".join(f"<{tag}>{html.escape(text)}</{tag}>" for tag, text in cells)
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "—"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _text(result: object) -> str:
+    try:
+        return repr(result)
+    except Exception:
+        return object.__repr__(result)

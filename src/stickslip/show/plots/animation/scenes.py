@@ -1,0 +1,1011 @@
+"""What mechanisms look like: shapes in metres, and where they are at a moment of a run.
+
+A scene is a function of a run that gives the shapes of one moment; how they are painted is another
+matter. A mechanism has the scene that an installed package registers for it, one of ours, or bars
+that show its coordinates.
+"""
+
+import functools
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from types import MappingProxyType
+from typing import Any, Final, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from typing_extensions import TypeVar
+
+from stickslip.engine.trajectory import Trajectory
+from stickslip.errors import StickslipError
+from stickslip.mechanisms import (
+    Axis,
+    BlockChain,
+    Capsule,
+    ClutchTrain,
+    DiscBrake,
+    Mechanism,
+    Motor,
+    Pendulum,
+    PendulumCart,
+    Prescribed,
+    Robot,
+    SerialArm,
+    SpringBlock,
+    Torque,
+    TowedBlock,
+    TwoFeet,
+    TwoLinkArm,
+    TwoMassAxis,
+    TwoMassCapsule,
+    joint_places,
+)
+from stickslip.show.described import Described
+
+# The shapes that scenes are made of, in metres; how they are painted is another matter.
+
+Point: TypeAlias = tuple[float, float]
+Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
+"""``"mode"``: the colour of stick or slip, for the body that rubs."""
+Role: TypeAlias = Literal["friction", "normal", "drive"]
+Moment: TypeAlias = Mapping[str, float]
+"""Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
+TALL: Final = 0.6
+"""Height of a block over its length."""
+Drawn = TypeVar("Drawn", bound=Mechanism, default=Any)
+"""The mechanism that a scene is of."""
+LONGEST: Final = 0.32
+"""Length of the largest force of a run over the size of the mechanism."""
+WALL: Final = 0.03
+"""Depth of the hatching behind a wall over its length."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box(metaclass=Described):
+    """A body with straight sides."""
+
+    left: float
+    """Smallest x [m]."""
+    bottom: float
+    """Smallest y [m]."""
+    width: float
+    """Its extent in x [m]."""
+    height: float
+    """Its extent in y [m]."""
+    fill: Fill = "body"
+    """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(metaclass=Described):
+    """A ball, a wheel or a pivot."""
+
+    centre: Point
+    """x and y of its centre [m]."""
+    radius: float
+    """Its radius [m]."""
+    fill: Fill = "body"
+    """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rod(metaclass=Described):
+    """A rod, a string, a rail: straight lines from point to point."""
+
+    points: tuple[Point, ...]
+    """x and y of each point [m], in order."""
+    width: float = 1.6
+    """Line width [CSS px]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coil(metaclass=Described):
+    """A spring from one point to another."""
+
+    start: Point
+    """x and y of one end [m]."""
+    end: Point
+    """x and y of the other end [m]."""
+    radius: float
+    """Radius of the turns [m]."""
+    turns: int = 6
+    """Number of turns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground(metaclass=Described):
+    """Hatched ground from side to side of the view, with the part that is rubbed at the moment."""
+
+    height: float = 0.0
+    """y of the surface [m]."""
+    touched: tuple[tuple[float, float], ...] = ()
+    """Left and right ends of what rubs: coloured by stick and slip."""
+    contacts: tuple[str, ...] = ()
+    """Contact of each of these, where there are several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall(metaclass=Described):
+    """A face that does not move, hatched behind: a support or a hard stop."""
+
+    start: Point
+    """x and y of one end [m]."""
+    end: Point
+    """The hatching is on the left of the way from start to end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrow(metaclass=Described):
+    """A force on a body; all arrows of an animation have one scale, which is stated."""
+
+    at: Point
+    """x and y of the point where the force acts [m]."""
+    along: Point
+    """Direction of a positive value, of length 1."""
+    value: float
+    """Force [N]."""
+    role: Role
+    """What the force is, which sets the colour of the arrow."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turn(metaclass=Described):
+    """A torque about a point, as an arc from the top, a quarter of a turn for the largest one.
+
+    So the arc stays above its centre, where it hides nothing of a cart.
+    """
+
+    centre: Point
+    """x and y of the point that the torque turns about [m]."""
+    radius: float
+    """Radius of the arc [m]."""
+    value: float
+    """Torque, anticlockwise positive [N m]."""
+    role: Role
+    """What the torque is, which sets the colour of the arc."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Word(metaclass=Described):
+    """A text."""
+
+    at: Point
+    """x and y of the anchor of the text [m]."""
+    text: str
+    """The text."""
+    align: Literal["left", "center", "right"] = "left"
+    """Which part of the text stands at the anchor."""
+
+
+Shape: TypeAlias = Box | Ball | Rod | Coil | Ground | Wall | Arrow | Turn | Word
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture(metaclass=Described):
+    """How a run is drawn."""
+
+    shapes: Callable[[Moment], Sequence[Shape]]
+    """What is to be seen at a moment, from back to front."""
+    metric: bool = True
+    """Whether places are metres, and a scale is shown below."""
+    names: Mapping[Role, str] | None = None
+    """What the arrows are called; friction, normal force and drive if not given."""
+
+
+Scene: TypeAlias = Callable[[Drawn, Trajectory], Picture]
+"""Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
+not have follow from the run.
+"""
+
+
+def standing_forces(
+    now: Moment, x: float, width: float, *, normal: bool, contact: str = ""
+) -> list[Shape]:
+    """Return friction and normal force where a body stands on the ground at y = 0."""
+    of = f":{contact}" if contact else ""
+    friction, load = now.get(f"friction{of}", 0.0), now.get(f"normal_force{of}", 0.0)
+    found: list[Shape] = [Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=friction, role="friction")]
+    if normal:
+        foot = (x + 0.25 * width, 0.0)
+        found.append(Arrow(at=foot, along=(0.0, 1.0), value=load, role="normal"))
+    return found
+
+
+class Extent(NamedTuple):
+    """A box around shapes [m]."""
+
+    left: float
+    """Smallest x [m]."""
+    right: float
+    """Largest x [m]."""
+    bottom: float
+    """Smallest y [m]."""
+    top: float
+    """Largest y [m]."""
+
+    @property
+    def width(self) -> float:
+        """Its width [m]."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """Its height [m]."""
+        return self.top - self.bottom
+
+
+class Scales(NamedTuple):
+    """What the arrows of an animation mean."""
+
+    metres: float
+    """Length of an arrow of 1 N [m]."""
+    torque: float
+    """Torque of a quarter of a turn [N m]; 0 if there is none."""
+
+
+def extent_of(shapes: Iterable[Shape], scales: Scales | None = None) -> Extent:
+    """Return the box around shapes; around their arrows too if there are scales.
+
+    Examples
+    --------
+    >>> extent_of([Ball(centre=(0.0, 1.0), radius=0.1)])
+    Extent(left=-0.1, right=0.1, bottom=0.9, top=1.1)
+    """
+    points = [point for shape in shapes for point in _corners(shape, scales)]
+    xs, ys = [x for x, _ in points] or [0.0], [y for _, y in points] or [0.0]
+    return Extent(min(xs), max(xs), min(ys), max(ys))
+
+
+def joined(extents: Sequence[Extent]) -> Extent:
+    """Return the box around boxes."""
+    lefts, rights, bottoms, tops = zip(*extents, strict=True)
+    return Extent(min(lefts), max(rights), min(bottoms), max(tops))
+
+
+def scales_of(moments: Sequence[Sequence[Shape]], size: float) -> Scales:
+    """Return scales with which the largest force is about a third of the mechanism.
+
+    Examples
+    --------
+    >>> push = Arrow(at=(0.0, 0.0), along=(1.0, 0.0), value=16.0, role="drive")
+    >>> scales_of([[push]], 1.0)
+    Scales(metres=0.02, torque=0.0)
+    """
+    forces = [abs(s.value) for m in moments for s in m if isinstance(s, Arrow)]
+    torques = [abs(s.value) for m in moments for s in m if isinstance(s, Turn)]
+    largest = max(forces, default=0.0)
+    return Scales(LONGEST * size / largest if largest else 0.0, max(torques, default=0.0))
+
+
+def nice(value: float) -> float:
+    """Return the largest of 1, 2, 5, 10, ... that is not above a value.
+
+    Examples
+    --------
+    >>> nice(0.37), nice(4.9), nice(5.0)
+    (0.2, 2.0, 5.0)
+    """
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(f"{max(m for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)) * power:.1g}")
+
+
+def _corners(shape: Shape, scales: Scales | None) -> Sequence[Point]:
+    match shape:
+        case Box():
+            right, top = shape.left + shape.width, shape.bottom + shape.height
+            return [(shape.left, shape.bottom), (right, top)]
+        case Ball(centre=(x, y), radius=r) | Turn(centre=(x, y), radius=r):
+            return [(x - r, y - r), (x + r, y + r)]
+        case Rod():
+            return shape.points
+        case Coil(start=start, end=end, radius=r):
+            return [(start[0], start[1] - r), (end[0], end[1] + r), start, end]
+        case Ground(height=y):
+            return [(x, y) for touched in shape.touched for x in touched]
+        case Wall(start=start, end=end):
+            depth = WALL * math.dist(start, end)
+            return [(x + s * depth, y) for x, y in (start, end) for s in (-1.0, 1.0)]
+        case Arrow(at=(x, y), along=(dx, dy), value=value) if scales is not None:
+            length = scales.metres * value
+            return [(x, y), (x + length * dx, y + length * dy)]
+        case Word(at=at):
+            return [at]
+        case _:
+            return []
+
+
+# The scenes of our mechanisms; each of several contacts has the colour of its own mode.
+#
+# Lengths that a mechanism has are drawn to scale; bodies it gives no size of are as large as suits
+# the motion. Heights above the ground are for the eye where the equations do not know them.
+
+SIDEWAYS: Final = (0.87, 0.5, 0.0)
+"""Where the axes of the ground point to the right in pictures of robots, seen from the front."""
+UPWARDS: Final = (-0.17, 0.3, 0.94)
+"""Where they point upwards."""
+
+
+def _rubbing(corner: Point, width: float, height: float, contact: str) -> Box:
+    """Return a box in the colour of its contact's mode, by its lower left corner."""
+    left, bottom = corner
+    return Box(left=left, bottom=bottom, width=width, height=height, fill="mode", contact=contact)
+
+
+def block_chain(mechanism: BlockChain, run: Trajectory) -> Picture:
+    """Return the blocks in their row and the springs between them; distances are for the eye.
+
+    Places are those on the belt, which is drawn at rest.
+    """
+    names = mechanism.coordinates
+    contacts = [one.name for one in mechanism.contacts()]
+    several = len(names) > 1
+    apart = np.diff([run[name] for name in names], axis=0) if several else np.zeros((1, 1))
+    size = max(0.6 * float(np.abs(apart).max()), 0.1 * float(np.ptp(run[names[0]]))) or 0.1
+    pitch = 1.8 * size + float(np.abs(apart).max())
+
+    def shapes(now: Moment) -> list[Shape]:
+        lefts = [i * pitch + now[name] for i, name in enumerate(names)]
+        high = 0.5 * TALL * size
+        touched = tuple((left, left + size) for left in lefts)
+        found: list[Shape] = [Ground(touched=touched, contacts=tuple(contacts) if several else ())]
+        for one, other in itertools.pairwise(lefts):
+            start, end = (one + size, high), (other, high)
+            found.append(Coil(start=start, end=end, radius=0.2 * TALL * size))
+        for left, contact in zip(lefts, contacts, strict=True):
+            own = contact if several else ""
+            found.append(_rubbing((left, 0.0), size, TALL * size, own))
+            found += standing_forces(now, left + 0.5 * size, size, normal=False, contact=own)
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def clutch_train(mechanism: ClutchTrain, _seen: Trajectory) -> Picture:
+    """Return the rotors side by side, seen along their axes, with linings between them."""
+    largest = max(rotor.inertia for rotor in mechanism.rotors)
+    radii = [max(math.sqrt(rotor.inertia / largest), 0.35) for rotor in mechanism.rotors]
+
+    def shapes(now: Moment) -> list[Shape]:
+        found: list[Shape] = []
+        angle = 0.0
+        for i, (name, radius) in enumerate(zip(mechanism.coordinates, radii, strict=True)):
+            angle += now[name]
+            centre = (3.0 * i, 0.0)
+            found += _wheel(centre, radius, angle)
+            if i:
+                found += _lining((3.0 * i - 1.5, 0.0), f"clutch-{i}", now)
+        if mechanism.brake is not None:
+            found += _lining((-1.5, 0.0), "brake", now)
+        return found
+
+    return Picture(shapes=shapes, metric=False)
+
+
+def _wheel(centre: Point, radius: float, angle: float) -> list[Shape]:
+    """Return a disc whose spokes show how it has turned."""
+    x, y = centre
+    spokes = [angle + 2.0 * math.pi * k / 3.0 for k in range(3)]
+    ends = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in spokes]
+    first = (x + 0.8 * (ends[0][0] - x), y + 0.8 * (ends[0][1] - y))
+    return [
+        Ball(centre=centre, radius=radius),
+        *(Rod(points=(centre, end), width=1.2) for end in ends),
+        Ball(centre=first, radius=0.07 * radius, fill="solid"),
+    ]
+
+
+def _lining(centre: Point, contact: str, now: Moment) -> list[Shape]:
+    """Return a lining with the pressing force on it."""
+    x, y = centre
+    load = now.get(f"normal_force:{contact}", 0.0)
+    return [
+        _rubbing((x - 0.2, y - 0.45), 0.4, 0.9, contact),
+        Word(at=(x, y - 1.25), text=contact, align="center"),
+        Word(at=(x, y + 0.6), text=f"{load:.3g} N", align="center"),
+    ]
+
+
+def disc_brake(mechanism: DiscBrake, _seen: Trajectory) -> Picture:
+    """Return the disc with its pads, each at its radius."""
+    outer = 1.25 * max(pad.radius for pad in mechanism.pads)
+    several = len(mechanism.pads) > 1
+    turns = [0.5 * math.pi + 2.0 * math.pi * i / len(mechanism.pads) for i in
+             range(len(mechanism.pads))]  # fmt: skip
+    side = 0.28 * outer
+
+    def shapes(now: Moment) -> list[Shape]:
+        found: list[Shape] = list(_wheel((0.0, 0.0), outer, now["phi"]))
+        for i, (pad, turn) in enumerate(zip(mechanism.pads, turns, strict=True), 1):
+            contact = f"pad-{i}" if several else ""
+            c, s = math.cos(turn), math.sin(turn)
+            x, y = pad.radius * c, pad.radius * s
+            corner = (x - 0.5 * side, y - 0.5 * side)
+            found.append(_rubbing(corner, side, side, contact))
+            friction = now.get(f"friction:{contact}" if contact else "friction", 0.0)
+            found.append(Arrow(at=(x, y), along=(s, -c), value=friction, role="friction"))
+        drive = now.get("drive", 0.0)
+        found.append(Turn(centre=(0.0, 0.0), radius=0.3 * outer, value=drive, role="drive"))
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def two_feet(mechanism: TwoFeet, run: Trajectory) -> Picture:
+    """Return the body on its feet; the length of the spring is for the eye."""
+    width = mechanism.front + mechanism.rear
+    centre = mechanism.height or 0.4 * width
+    foot = 0.06 * width
+    wall = float(np.min(run["x"])) - mechanism.rear - 0.8 * width
+
+    def shapes(now: Moment) -> list[Shape]:
+        x = now["x"]
+        feet = {"front": x + mechanism.front, "rear": x - mechanism.rear}
+        touched = tuple((at - foot, at + foot) for at in feet.values())
+        found: list[Shape] = [Ground(touched=touched, contacts=tuple(feet))]
+        left, low = feet["rear"] - foot, 0.5 * centre
+        if mechanism.stiffness > 0.0:
+            found.append(Wall(start=(wall, 0.0), end=(wall, 2.0 * centre)))
+            found.append(Coil(start=(wall, centre), end=(left, centre), radius=0.25 * centre))
+        found.append(Box(left=left, bottom=low, width=width + 2.0 * foot, height=centre))
+        for contact, at in feet.items():
+            found.append(_rubbing((at - foot, 0.0), 2.0 * foot, low, contact))
+            found += standing_forces(now, at, 0.0, normal=True, contact=contact)
+        found.append(Ball(centre=(x, centre), radius=0.3 * foot, fill="solid"))
+        if "drive" in now:
+            push = Arrow(at=(x, centre), along=(1.0, 0.0), value=now["drive"], role="drive")
+            found.append(push)
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
+    """Return the links as lines from joint to joint, with the joints that rub.
+
+    Arms in a plane are drawn in it, with torques at their joints; robots are seen from the front,
+    from above, in a parallel projection. The last link ends at twice the distance of its centre of
+    mass, unless it says how long it is.
+    """
+    bodies = mechanism.bodies()
+    contacts = [one.name for one in mechanism.contacts()]
+    planar = not isinstance(mechanism, Robot)
+    tips = [[2.0 * x / body.mass if body.mass else 0.0 for x in body.moment] for body in bodies]
+    if isinstance(mechanism, SerialArm):
+        tips[-1] = [mechanism.links[-1].length, 0.0, 0.0]
+    carriers = {body.parent for body in bodies}
+    leaves = [i for i in range(len(bodies)) if i not in carriers]
+
+    def seen(point: Sequence[float]) -> Point:
+        if planar:  # x points down there
+            return (point[1], -point[0])
+        right = sum(a * b for a, b in zip(SIDEWAYS, point, strict=True))
+        return right, sum(a * b for a, b in zip(UPWARDS, point, strict=True))
+
+    def points(now: Moment) -> tuple[list[Point], list[Point]]:
+        at = joint_places(bodies, mechanism.joint_values(now))
+        ends = [
+            [p + sum(row[k] * tips[i][k] for k in range(3)) for p, row in zip(*at[i], strict=True)]
+            for i in leaves
+        ]
+        return [seen(place) for place, _ in at], [seen(end) for end in ends]
+
+    first = {name: float(run[name][0]) for name in mechanism.coordinates}
+    joints, ends = points(first)
+    everything = np.array([(0.0, 0.0), *joints, *ends])
+    size = 0.04 * float(np.ptp(everything, axis=0).max() or 1.0)
+
+    def shapes(now: Moment) -> list[Shape]:
+        joints, ends = points(now)
+        found: list[Shape] = [
+            Wall(start=(-3.0 * size, 2.0 * size), end=(3.0 * size, 2.0 * size))
+            if planar
+            else Wall(start=(3.0 * size, -size), end=(-3.0 * size, -size))
+        ]
+        for body, joint in zip(bodies, joints, strict=True):
+            base = (0.0, 2.0 * size if planar else -size)
+            begin = joints[body.parent] if body.parent >= 0 else base
+            found.append(Rod(points=(begin, joint), width=3.0))
+        for i, end in zip(leaves, ends, strict=True):
+            found.append(Rod(points=(joints[i], end), width=3.0))
+            found.append(Ball(centre=end, radius=0.5 * size, fill="solid"))
+        several = len(contacts) > 1
+        for body, joint, contact in zip(bodies, joints, contacts, strict=True):
+            own = contact if several else ""
+            if body.slides:
+                corner = (joint[0] - size, joint[1] - size)
+                found.append(_rubbing(corner, 2.0 * size, 2.0 * size, own))
+            else:
+                found.append(Ball(centre=joint, radius=size, fill="mode", contact=own))
+        if planar:
+            names = dict(zip(contacts, joints, strict=True))
+            found += _torques(now, names, 2.2 * size, several=several)
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def _torques(
+    now: Moment, joints: Mapping[str, Point], radius: float, *, several: bool
+) -> list[Shape]:
+    """Return friction and drive at the joints of an arm in a plane."""
+    found: list[Shape] = []
+    for i, (contact, centre) in enumerate(joints.items(), 1):
+        friction = now.get(f"friction:{contact}" if several else "friction", 0.0)
+        drive = now.get(f"torque-{i}", now.get(f"{contact}_drive", 0.0))
+        found.append(Turn(centre=centre, radius=radius, value=-friction, role="friction"))
+        found.append(Turn(centre=centre, radius=1.4 * radius, value=drive, role="drive"))
+    return found
+
+
+def _range(seen: Trajectory, name: str) -> float:
+    return float(np.ptp(seen[name]))
+
+
+def _plumb(incline: float, at: Point, length: float) -> list[Shape]:
+    """Return a plumb line where the ground is inclined: pictures are drawn along the ground.
+
+    From a point that it hangs from, down as gravity points: turned clockwise from the picture's
+    vertical where positive x is uphill.
+    """
+    if incline == 0.0:
+        return []
+    x, y = at
+    angle = f"{math.degrees(incline):.3g}\N{DEGREE SIGN}".replace("-", "\N{MINUS SIGN}")
+    bob = (x - length * math.sin(incline), y - length * math.cos(incline))
+    return [
+        Rod(points=((x, y), (x, y - 1.1 * length)), width=0.6),
+        Rod(points=(at, bob), width=1.0),
+        Ball(centre=bob, radius=0.08 * length, fill="solid"),
+        Word(at=(x + 0.12 * length, y - 0.1 * length), text=angle),
+    ]
+
+
+def _effort(motor: Motor, now: Moment, column: str) -> float:
+    """Return the force or torque of a motor: what the motion takes, or what it is told."""
+    if isinstance(motor, Prescribed):
+        return now[column]
+    wanted = now.get("motor", 0.0)
+    limit = motor.limit if isinstance(motor, Torque) else None
+    return wanted if limit is None else max(-limit, min(limit, wanted))
+
+
+def spring_block(mechanism: SpringBlock, run: Trajectory) -> Picture:
+    """Return the block and the spring that shoots it off; `x` is the face that the spring meets."""
+    x_0 = mechanism.compression
+    side = -1.0 if x_0 < 0 else 1.0
+    size = 0.35 * max(abs(x_0), 0.5 * _range(run, "x")) or 0.1
+    squeezed = float(np.max(side * (x_0 - run["x"]), initial=abs(x_0)))
+    natural = max(2.2 * squeezed, 1.5 * size)
+    foot = x_0 - side * natural
+
+    def shapes(now: Moment) -> list[Shape]:
+        x = now["x"]
+        left = x if side > 0 else x - size
+        middle = left + 0.5 * size
+        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        if mechanism.stiffness > 0:
+            end = x if mechanism.attached or side * (x_0 - x) > 0 else x_0
+            high = 0.5 * TALL * size
+            corners = ((foot, 0.0), (foot, 1.6 * TALL * size))
+            start, stop = corners if side > 0 else corners[::-1]
+            found.append(Wall(start=start, end=stop))
+            found.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
+        found += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
+        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        found += _plumb(
+            mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
+        )
+        found += standing_forces(now, middle, size, normal=True)
+        if "drive" in now:
+            top = (middle, 0.6 * TALL * size)
+            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def _stops(lower: float | None, upper: float | None, left: float, size: float) -> list[Shape]:
+    """Return hard stops of a block whose left face is at ``x + left``."""
+    found: list[Shape] = []
+    if lower is not None:
+        place = lower + left
+        found.append(Wall(start=(place, 0.0), end=(place, 0.8 * TALL * size)))
+    if upper is not None:
+        place = upper + left + size
+        found.append(Wall(start=(place, 0.8 * TALL * size), end=(place, 0.0)))
+    return found
+
+
+def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
+    """Return the block, its spring and the far end that pulls; its natural length is ours."""
+    stretch = mechanism.speed * run.t - run["x"]
+    side = -1.0 if mechanism.speed < 0 else 1.0
+    most = float(np.max(np.abs(stretch))) or 0.1
+    size = 0.5 * most
+    natural = 1.3 * most + 0.2 * size
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, far = now["x"], mechanism.speed * now["t"] + side * natural
+        left, high = (x - size if side > 0 else x), 0.5 * TALL * size
+        middle = left + 0.5 * size
+        found: list[Shape] = [
+            Ground(touched=((left, left + size),)),
+            Coil(start=(x, high), end=(far, high), radius=0.25 * TALL * size),
+            Rod(points=((far, 0.7 * high), (far, 1.3 * high)), width=3.0),
+            Rod(points=((far, high), (far + side * 0.3 * size, high))),
+            Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"),
+            *standing_forces(
+                now, middle, size, normal=mechanism.load is None or mechanism.load != 1.0
+            ),
+        ]
+        if "modulation" in now:
+            top = (middle - 0.25 * size, TALL * size)
+            value = now["modulation"]
+            found.append(Arrow(at=top, along=(0.0, -1.0), value=value, role="drive"))
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "modulation"})
+
+
+def axis(mechanism: Axis, run: Trajectory) -> Picture:
+    """Return a carriage on its rail; `x` is its middle."""
+    reach = float(np.max(np.abs(run["x"]), initial=0.0))
+    size = 0.35 * max(_range(run, "x"), 0.3 * reach) or 0.1
+    foot = -1.6 * reach - 1.5 * size
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, left = now["x"], now["x"] - 0.5 * size
+        high = 0.5 * TALL * size
+        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        if mechanism.stiffness > 0:
+            found.append(Wall(start=(foot, 0.0), end=(foot, 1.6 * TALL * size)))
+            found.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
+        found += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
+        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        found += standing_forces(now, x, size, normal=mechanism.load != 1.0)
+        if "drive" in now:
+            top = (x, 1.2 * high)
+            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
+    """Return motor and load on a rail with what joins them; its length is for the eye."""
+    reach = max(_range(run, "x"), _range(run, "other"))
+    stretch = float(np.max(np.abs(run["x"] - run["other"]), initial=0.0))
+    size = 0.25 * max(reach, stretch) or 0.1
+    gap = 1.2 * size + 1.2 * stretch
+    of_motor, of_load = ("x", "other") if mechanism.rubs == "motor" else ("other", "x")
+    both = mechanism.rubs == "both"
+
+    def shapes(now: Moment) -> list[Shape]:
+        motor, load = now[of_motor] - size, now[of_load] + gap
+        sides = {"motor": motor, "load": load}
+        rubbing = {name: left for name, left in sides.items() if both or name == mechanism.rubs}
+        names = tuple(rubbing) if both else ()
+        high = 0.5 * TALL * size
+        raised = 0.12 * TALL * size  # what does not rub runs on rollers
+        touched = tuple((left, left + size) for left in rubbing.values())
+        found: list[Shape] = [Ground(touched=touched, contacts=names)]
+        found.append(Coil(start=(motor + size, high), end=(load, high), radius=0.3 * TALL * size))
+        for side, place in sides.items():
+            rubs = side in rubbing
+            base = 0.0 if rubs else raised
+            if not rubs:
+                for share in (0.25, 0.75):
+                    centre = (place + share * size, 0.5 * raised)
+                    found.append(Ball(centre=centre, radius=0.5 * raised, fill="solid"))
+            found.append(
+                Box(
+                    left=place,
+                    bottom=base,
+                    width=size,
+                    height=TALL * size - base,
+                    fill="mode" if rubs else "body",
+                    contact=side if both else "",
+                )
+            )
+        for side, left in rubbing.items():
+            middle, own = left + 0.5 * size, side if both else ""
+            normal = mechanism.load != 1.0
+            found += standing_forces(now, middle, size, normal=normal, contact=own)
+        if "drive" in now:
+            at = (motor + 0.5 * size, 1.2 * high)
+            found.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
+    """Return the rod that hangs from its pivot at (0, 0), which rubs."""
+    l, bob = mechanism.length, 0.09 * mechanism.length  # noqa: E741  # the symbol of PHYSICS
+
+    def shapes(now: Moment) -> list[Shape]:
+        theta = now["theta"]
+        end = (l * math.sin(theta), -l * math.cos(theta))
+        found: list[Shape] = [
+            Wall(start=(-0.35 * l, 0.14 * l), end=(0.35 * l, 0.14 * l)),
+            Rod(points=((0.0, 0.14 * l), (0.0, 0.0))),
+            Rod(points=((0.0, 0.0), end), width=2.4),
+            Ball(centre=end, radius=bob, fill="solid"),
+            Ball(centre=(0.0, 0.0), radius=0.06 * l, fill="mode"),
+            Turn(centre=(0.0, 0.0), radius=0.17 * l, value=-now["friction"], role="friction"),
+        ]
+        if "drive" in now:
+            found.append(Turn(centre=(0.0, 0.0), radius=0.25 * l, value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
+    """Return the cart with its wheels and the inverted pendulum, to scale.
+
+    The wheelbase, the height of the pivot and the rod are those of the mechanism; a cart without
+    wheelbase or height is given some for the eye.
+    """
+    l = mechanism.length  # noqa: E741  # the symbol of PHYSICS
+    rubs = mechanism.pivot_load is not None
+    base = mechanism.wheelbase or 0.6 * l
+    pivot = mechanism.pivot_height or 0.24 * l
+    wheel = min(0.07 * l, 0.4 * pivot)
+    overhang = 1.6 * wheel
+    wheels, joint = (one.name for one in mechanism.contacts()) if rubs else ("", "")
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, theta = now["x"], now["theta"]
+        ball = (x - l * math.sin(theta), pivot + l * math.cos(theta))
+        feet = (x - 0.5 * base, x + 0.5 * base)
+        # the arrow of a torque turns as theta does, anticlockwise
+        return [
+            Ground(
+                touched=tuple((foot - wheel, foot + wheel) for foot in feet),
+                contacts=(wheels, wheels),
+            ),
+            Box(
+                left=feet[0] - overhang,
+                bottom=wheel,
+                width=base + 2.0 * overhang,
+                height=pivot - wheel,
+                fill="mode",
+                contact=wheels,
+            ),
+            *(Ball(centre=(foot, wheel), radius=wheel, fill="solid") for foot in feet),
+            Rod(points=((x, pivot), ball), width=2.4),
+            Ball(centre=ball, radius=0.08 * l, fill="solid"),
+            Ball(
+                centre=(x, pivot),
+                radius=(0.05 if rubs else 0.03) * l,
+                fill="mode" if rubs else "none",
+                contact=joint,
+            ),
+            *_spiral(mechanism, (x, pivot), theta),
+            *_plumb(mechanism.incline, (feet[1] + base, pivot + l), 0.4 * l),
+            *standing_forces(now, x, base, normal=True, contact=wheels),
+            Turn(
+                centre=(x, pivot),
+                radius=0.13 * l,
+                value=-now.get(f"friction:{joint}", 0.0) if rubs else 0.0,
+                role="friction",
+            ),
+            Turn(
+                centre=(x, pivot),
+                radius=0.2 * l,
+                value=_effort(mechanism.pendulum, now, "torque"),
+                role="drive",
+            ),
+        ]
+
+    return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]:
+    """Return the spring at the pivot: two turns from the cart up to the rod."""
+    if mechanism.pivot_stiffness == 0.0:
+        return []
+    turns = np.linspace(-0.5 * math.pi, 4.5 * math.pi + theta, 61)
+    radii = mechanism.length * np.linspace(0.05, 0.13, turns.size)
+    xs, ys = centre[0] + radii * np.cos(turns), centre[1] + radii * np.sin(turns)
+    return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
+
+
+def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
+    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
+    places = [float(np.abs(run["xi"]).max()), 0.0]
+    places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
+    soft = ((mechanism.lower_soft_stop, -1.0), (mechanism.upper_soft_stop, 1.0))
+    places += [abs(stop.place) for stop, _ in soft if stop is not None]
+    reach = max(places) or 0.1
+    inner = 0.7 * reach
+    post = 0.35 * inner
+    half = reach + 0.5 * inner + 3.0 * post
+    tall = 1.1 * reach
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, place = now["x"], now["x"] + now["xi"]
+        left, face = x - half, place - 0.5 * inner
+        middle = 0.5 * tall
+        found: list[Shape] = [
+            Ground(touched=((left, x + half),)),
+            Box(left=left, bottom=0.0, width=2.0 * half, height=tall, fill="mode"),
+        ]
+        if mechanism.stiffness > 0:
+            coil = Coil(start=(left, middle), end=(face, middle), radius=0.16 * tall, turns=7)
+            found.append(coil)
+        for stop, side in ((mechanism.lower_stop, -1.0), (mechanism.upper_stop, 1.0)):
+            if stop is None:
+                continue
+            near = x + stop + side * 0.5 * inner
+            start = near if side > 0 else near - post
+            for bottom in (0.0, 0.72 * tall):
+                found.append(
+                    Box(left=start, bottom=bottom, width=post, height=0.28 * tall, fill="solid")
+                )
+        for elastic, side in soft:
+            if elastic is None:
+                continue
+            touched = side * max(side * elastic.place, side * now["xi"]) + side * 0.5 * inner
+            ends = (x + touched, 0.25 * tall), (x + side * half, 0.25 * tall)
+            found.append(Coil(start=ends[0], end=ends[1], radius=0.1 * tall, turns=4))
+        box = Box(left=face, bottom=0.15 * tall, width=inner, height=0.7 * tall)
+        effort = _effort(mechanism.drive, now, "force")
+        found += [
+            box,
+            *_plumb(mechanism.incline, (x, 1.9 * tall), 0.7 * tall),
+            *standing_forces(now, x, 1.8 * half, normal=True),
+            Arrow(at=(place, middle), along=(1.0, 0.0), value=effort, role="drive"),
+        ]
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
+
+
+def two_mass_capsule(mechanism: TwoMassCapsule, run: Trajectory) -> Picture:
+    """Return the capsule with both masses on their lines, which cross in its middle."""
+    reach = max(float(np.abs(run[name]).max()) for name in ("xi", "zeta")) or 0.1
+    half = 1.5 * reach
+    inner = (("xi", mechanism.first), ("zeta", mechanism.second))
+
+    def shapes(now: Moment) -> list[Shape]:
+        x = now["x"]
+        found: list[Shape] = [
+            Ground(touched=((x - half, x + half),)),
+            Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
+        ]
+        for name, one in inner:
+            along, up = math.cos(one.angle), math.sin(one.angle)
+            ends = [(x + side * reach * along, half + side * reach * up) for side in (-1.0, 1.0)]
+            found.append(Rod(points=(ends[0], ends[1]), width=0.6))
+            middle = (x + along * now[name], half + up * now[name])
+            if one.stiffness > 0:
+                found.append(Coil(start=ends[0], end=middle, radius=0.1 * reach, turns=6))
+            found.append(Ball(centre=middle, radius=0.25 * reach))
+        found += _plumb(mechanism.incline, (x, 3.0 * half), half)
+        return [*found, *standing_forces(now, x, 1.8 * half, normal=True)]
+
+    return Picture(shapes=shapes, names={})
+
+
+SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
+    {
+        SpringBlock.name: spring_block,
+        TowedBlock.name: towed_block,
+        Axis.name: axis,
+        TwoMassAxis.name: two_mass_axis,
+        Pendulum.name: pendulum,
+        PendulumCart.name: pendulum_cart,
+        Capsule.name: capsule,
+        TwoMassCapsule.name: two_mass_capsule,
+        BlockChain.name: block_chain,
+        ClutchTrain.name: clutch_train,
+        DiscBrake.name: disc_brake,
+        TwoFeet.name: two_feet,
+        SerialArm.name: arm,
+        TwoLinkArm.name: arm,
+        Robot.name: arm,
+    }
+)
+"""The scenes of our mechanisms, by the names of these."""
+
+
+# Which scene a mechanism has: ours, that of an installed package, or bars.
+
+HALF = 1.0
+"""Length of the bar of the largest value."""
+
+
+def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
+    """Return bars for the states, each over its largest value in the run.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, simulate
+    >>> from stickslip.mechanisms.drives import Pulse
+    >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0).sampled(50)
+    >>> picture = bars(axis, run)
+    >>> bar, *_ = [s for s in picture.shapes({"x": 5.0, "v": 0.0}) if isinstance(s, Box)]
+    >>> round(bar.left, 6), round(bar.width, 6), bar.fill
+    (0.0, 1.0, 'mode')
+    """
+    contacts = mechanism.contacts()
+    slips = {name: one.name for one in contacts for name in one.slips}
+    names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
+    largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
+
+    def shapes(now: Moment) -> list[Shape]:
+        found: list[Shape] = []
+        for row, name in enumerate(names):
+            base = -0.45 * row
+            length = HALF * now[name] / largest[name]
+            fill: Fill = "mode" if name in slips else "body"
+            contact = slips.get(name, "") if len(contacts) > 1 else ""
+            left, width = min(0.0, length), abs(length)
+            found += [
+                Rod(points=((-HALF, base), (HALF, base)), width=0.6),
+                Box(
+                    left=left,
+                    bottom=base,
+                    width=width,
+                    height=0.16,
+                    fill=fill,
+                    contact=contact,
+                ),
+                Rod(points=((0.0, base - 0.03), (0.0, base + 0.19)), width=1.2),
+                Word(at=(-HALF, base + 0.25), text=name),
+                Word(
+                    at=(HALF, base + 0.25),
+                    text=f"{now[name] + 0.0:.3g} {run.units.get(name, '1')}",
+                    align="right",
+                ),
+            ]
+        return found
+
+    return Picture(shapes=shapes, metric=False)
+
+
+GROUP = "stickslip.scenes"
+
+
+@functools.cache
+def _scenes() -> Mapping[str, Scene]:
+    found = dict(SCENES)
+    for entry in entry_points(group=GROUP):
+        scene = entry.load()
+        if not callable(scene):
+            raise StickslipError(f"entry point {entry.value} of {GROUP} is not a function.")
+        found[entry.name] = scene
+    return MappingProxyType(found)
+
+
+def scene_of(mechanism: Mechanism) -> Scene:
+    """Return the scene of a mechanism, by the name of its type.
+
+    Packages add scenes under the entry point ``stickslip.scenes``, by the name of the mechanism. A
+    mechanism without one is shown by bars for its states.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+
+    Returns
+    -------
+    callable
+        Called with mechanism and run, gives a `Picture`.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> scene_of(Pendulum(mass=0.2, length=0.5)).__name__
+    'pendulum'
+    """
+    return _scenes().get(mechanism.name, bars)

@@ -1,0 +1,871 @@
+"""Figures of fits and verdicts: data with predictions, residuals, pieces of a record."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from stickslip.data import Measurement
+from stickslip.errors import InputError
+from stickslip.identify.candidates import CrossValidated, Verdict
+from stickslip.identify.fits import Fit, Prediction, RecordFit, inverse_dynamics, load_of
+from stickslip.quantities import turned
+from stickslip.show.formatting import Scale, scale_of
+from stickslip.show.plots.axes import (
+    LETTER,
+    LINE_POINTS,
+    Array,
+    Panels,
+    PanelTarget,
+    Sizes,
+    Target,
+    labelled,
+    looks,
+    on_axes,
+    on_panels,
+    thinned,
+)
+from stickslip.show.plots.laws import MAP_SIZES, MapLaw, draw_friction_map
+from stickslip.show.plots.svg import Draw, Size
+from stickslip.show.plots.theme import C1, DATA, INK, LINE, MUTED, check_type, name_size
+
+# What a fit leaves: residuals against time, velocity and position, and errors of predictions.
+
+ERROR_SIZES: Final = Sizes(wide=(880, 330), narrow=(358, 380))
+OUTER: Final = 0.2
+"""Share of the residuals [%] beyond each end of the vertical axis."""
+
+
+class ResidualPanel(NamedTuple):
+    """Residuals against one quantity, as dots and as means of bins with their doubt."""
+
+    label: str
+    """Quantity and unit of the horizontal axis."""
+    x: Array
+    """The quantity (n,), in that unit."""
+    residual: Array
+    """Residuals (n,), in the unit shown."""
+    centre: Array
+    """Middles of the bins (k,), in the unit of `x`."""
+    mean: Array
+    """Means of the residuals in the bins (k,)."""
+    doubt: Array
+    """Twice the standard errors of these means (k,)."""
+
+
+class ErrorSeries(NamedTuple):
+    """Errors of one law: over time, and by block."""
+
+    t: Array
+    """Times (n,) [s]; records follow one another."""
+    error: Array
+    """Errors of the predictions (n,), in the unit shown; NaN between segments."""
+    blocks: Array
+    """Root mean square error of each held-out block (folds,), in the unit shown."""
+
+
+def residual_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of that many panels.
+
+    Examples
+    --------
+    >>> residual_sizes(3)["wide"]
+    (880, 380)
+    """
+    return Sizes(wide=(880, 200 if count < 3 else 380), narrow=(358, 20 + 180 * count))
+
+
+def draw_residuals(panels: Sequence[ResidualPanel], label: str) -> Draw:
+    """Return a drawing of residuals in panels that share their vertical axis."""
+    everything = np.concatenate([panel.residual for panel in panels])
+    low, high = np.percentile(everything, [OUTER, 100 - OUTER])
+    margin = 0.1 * max(float(high - low), 1e-300)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        if narrow:
+            places = list(figure.subplots(len(panels), 1, squeeze=False).flat)
+        elif len(panels) == 3:
+            places = list(figure.subplot_mosaic("AA;BC").values())
+        else:
+            places = list(figure.subplots(1, len(panels), squeeze=False).flat)
+        for axes, panel in zip(places, panels, strict=True):
+            axes.set_ylim(low - margin, high + margin)
+            _residual_panel(axes, panel)
+            axes.set_ylabel(label)
+        _say_mean(places[0])
+
+    return draw
+
+
+def _residual_panel(axes: Axes, panel: ResidualPanel) -> None:
+    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
+    axes.plot(
+        panel.x, panel.residual, "o", color=DATA, markersize=2.2, alpha=0.6, markeredgewidth=0,
+        zorder=1,
+    )  # fmt: skip
+    axes.errorbar(
+        panel.centre, panel.mean, panel.doubt, color=C1, linewidth=1.8, elinewidth=1.2, zorder=3
+    )
+    axes.margins(x=0.01)
+    axes.grid(axis="y")
+    axes.set_xlabel(panel.label)
+
+
+def _say_mean(axes: Axes) -> None:
+    axes.annotate(
+        "mean ± 2 standard errors",
+        (0.995, 1.0),
+        xycoords="axes fraction",
+        xytext=(0, 2),
+        textcoords="offset points",
+        ha="right",
+        va="bottom",
+        color=C1,
+        fontsize=name_size(),
+    )
+
+
+def draw_prediction_error(
+    series: Mapping[str, ErrorSeries],
+    edges: Array,
+    label: str,
+    *,
+    chosen: str,
+    above: str = "predicted with parameters from all of the record",
+    below: str = "held out: root mean square of each block",
+) -> Draw:
+    """Return a drawing of prediction errors over time, and below of held-out errors by block."""
+    look = looks(series, chosen)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
+        for axes in (upper, lower):
+            for edge in edges[1:-1]:
+                axes.axvline(edge, color=LINE, linewidth=0.8, zorder=0)
+        for name, one in series.items():
+            colour, _, width, order = look[name]
+            dashes = "-" if name == chosen else (0, (5, 2))
+            upper.plot(
+                one.t, one.error, color=colour, linestyle=dashes, linewidth=0.75 * width,
+                zorder=order,
+            )  # fmt: skip
+            lower.stairs(
+                one.blocks, edges, baseline=None, color=colour, linestyle=dashes, linewidth=width,
+                zorder=order,
+            )  # fmt: skip
+        upper.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
+        upper.set_ylabel(label)
+        upper.set_title(above, color=MUTED)
+        lower.set_title(below, color=MUTED)
+        top = max(float(np.nanmax(one.blocks)) for one in series.values())
+        lower.set_ylim(0.0, (1.5 if _fit_one_line(series, narrow) else 1.9) * top)
+        lower.set_xlim(edges[0], edges[-1])
+        lower.set_xlabel("time, s")
+        lower.set_ylabel(label)
+        _name_lines(lower, series, chosen, {n: look[n].colour for n in series}, narrow)
+
+    return draw
+
+
+def _fit_one_line(names: Iterable[str], narrow: bool) -> bool:
+    return LETTER * sum(len(name) + 2 for name in names) < (290 if narrow else 800)
+
+
+def _name_lines(
+    axes: Axes, names: Iterable[str], chosen: str, colours: Mapping[str, str], narrow: bool
+) -> None:
+    """Name the lines above all blocks, the chosen one at the left."""
+    names = sorted(names, key=lambda name: name != chosen)
+    step = 0.0 if _fit_one_line(names, narrow) else 0.18
+    for index, name in enumerate(names):
+        at = (0.01, 0.9) if index == 0 else (0.99, 0.9 - step)
+        axes.annotate(
+            name, at, xycoords="axes fraction", color=colours[name], fontsize=name_size(),
+            ha="left" if index == 0 else "right", va="center",
+        )  # fmt: skip
+
+
+# The numbers behind the figures: what was measured, and what the fits leave of it.
+
+MOST_POINTS: Final = 2400
+SEED: Final = 0
+BINS: Final = 16
+DOTS: Final = 1000
+"""Residuals drawn in each panel at most."""
+FEWEST: Final = 10
+"""Rows of a bin from which its mean is shown."""
+STEADY: Final = 0.05
+"""Changes of speed below this share of what is rarely exceeded count as none."""
+
+
+class MapPoints(NamedTuple):
+    """Friction against velocity as measured."""
+
+    velocity: Array
+    """Slip velocities (n,) [m/s]."""
+    friction: Array
+    """Friction forces (n,) [N]."""
+    load: float
+    """Normal force [N]; its median where it varies."""
+    load_varies: bool
+    """Whether the normal force varies by more than 5 %."""
+    measured: bool
+    """Whether friction was measured; if not, it is from inverse dynamics."""
+    trend: Array
+    """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
+    beside: Mapping[str, Array] = MappingProxyType({})
+    """What else friction may depend on (n,), by the name of the contact input [SI]."""
+
+
+class Rows(NamedTuple):
+    """Residuals of a fit with the motion that they belong to; None where it is not known."""
+
+    t: Array | None
+    """Times (n,) [s]; records follow one another."""
+    velocity: Array | None
+    """Velocities (n,) [m/s]."""
+    position: Array | None
+    """Positions (n,) [m]."""
+    residual: Array
+    """Residuals (n,) [SI]."""
+
+
+def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
+    """Return which of so many points are drawn: all, or a random sample with a fixed seed.
+
+    Every so manieth point of a periodic record would hide the cloud.
+
+    Examples
+    --------
+    >>> len(sampled(10_000)), sampled(3).tolist()
+    (2400, [0, 1, 2])
+    """
+    if count <= most:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(SEED).choice(count, most, replace=False))
+
+
+def is_timed(fit: RecordFit) -> bool:
+    """Whether the rows of a fit follow each other in time; those of a table do not."""
+    return all(record.time is not None for record in fit.measurement.records())
+
+
+def map_points(fit: RecordFit) -> MapPoints | None:
+    """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
+    if stretches := fit.problem.samples:
+        load = np.concatenate([one.load for one in stretches])
+        middle = float(np.median(load))
+        return MapPoints(
+            velocity=np.concatenate([one.velocity for one in stretches]),
+            friction=np.concatenate([one.friction for one in stretches]),
+            load=middle,
+            load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
+            measured=fit.friction_was_measured,
+            trend=np.concatenate(
+                [
+                    np.zeros(len(one.friction))
+                    if one.time is None
+                    else trend_of(one.time, one.velocity)
+                    for one in stretches
+                ]
+            ),
+            beside={
+                name: np.concatenate([one.beside[name] for one in stretches])
+                for name in stretches[0].beside
+                if all(name in one.beside for one in stretches)
+            },
+        )
+    try:
+        found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
+        load_now = load_of(fit.mechanism)
+    except InputError:  # too short, without a position, or of several coordinates
+        return None
+    return MapPoints(
+        found.velocity,
+        found.friction,
+        load_now,
+        load_varies=False,
+        measured=False,
+        trend=trend_of(found.time, found.velocity),
+    )
+
+
+def trend_of(t: Array, velocity: Array) -> Array:
+    """Return 1 where the speed rises, -1 where it falls, 0 where it hardly does either.
+
+    Examples
+    --------
+    >>> trend_of(np.arange(5.0), np.array([-3.0, -2.0, -1.0, 0.0, 1.0])).tolist()
+    [-1.0, -1.0, -1.0, 0.0, 1.0]
+    """
+    rate = np.zeros(len(t))
+    forward = np.flatnonzero(np.diff(t, prepend=-np.inf) <= 0.0)  # several records, end to end
+    for own in np.split(np.arange(len(t)), forward):
+        if len(own) > 1:
+            rate[own] = np.gradient(np.abs(velocity[own]), t[own])
+    least = STEADY * float(np.percentile(np.abs(rate), 95.0)) if len(rate) else 0.0
+    return np.sign(rate) * (np.abs(rate) > least)
+
+
+def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None:
+    """Return times and velocities of one record, measured or by differences."""
+    if record.time is None:
+        return None
+    if "velocity" in record.quantities():
+        return record.time, np.asarray(record.values("velocity"), dtype=float)
+    if "position" not in record.quantities():
+        return None
+    try:
+        found = inverse_dynamics(fit.mechanism, record, vary=())
+    except InputError:  # too short to be filtered
+        position = np.asarray(record.values("position"), dtype=float)
+        return record.time, np.gradient(position, record.time)
+    return found.time, found.velocity
+
+
+def rows_of(fit: RecordFit) -> Rows:
+    """Return the residuals of a fit with times, velocities and positions."""
+    problem, seen = fit.problem, fit.optimum.best
+    if not is_timed(fit):
+        velocity = np.concatenate([one.velocity for one in problem.samples])
+        return Rows(None, velocity, None, seen.residual)
+    record = problem.spans[seen.segment, 0].astype(int)
+    t, shift = problem.times, _shifts(problem.spans)
+    columns: dict[str, Array | None] = {"velocity": np.zeros(len(t)), "position": np.zeros(len(t))}
+    for number, one in enumerate(fit.measurement.records()):
+        own = record == number
+        motion: dict[str, tuple[Array, Array] | None] = {"velocity": speeds_of(fit, one)}
+        known = "position" in one.quantities() and one.time is not None
+        motion["position"] = (one.time, np.asarray(one.values("position"))) if known else None  # type: ignore[assignment]
+        for name, pair in motion.items():
+            column = columns[name]
+            if pair is None or column is None:
+                columns[name] = None
+            else:
+                column[own] = np.interp(t[own], *pair)
+    placed = t + np.array([shift[number] for number in record])
+    return Rows(placed, columns["velocity"], columns["position"], seen.residual)
+
+
+def _shifts(spans: Array) -> dict[int, float]:
+    """Return what times of each record are shifted by, so that several lie end to end."""
+    order = np.unique(spans[:, 0]).astype(int).tolist()
+    if len(order) == 1:
+        return {order[0]: 0.0}
+    found, at = {}, 0.0
+    for record in order:
+        own = spans[spans[:, 0] == record]
+        found[record] = at - float(own[:, 1].min())
+        at += float(own[:, 2].max() - own[:, 1].min())
+    return found
+
+
+def errors_of(
+    candidate: CrossValidated[RecordFit], horizon: float, factor: float
+) -> ErrorSeries | None:
+    """Return errors of predictions over a horizon [s], over time and by held-out block."""
+    if candidate.fit is None or candidate.validation is None:
+        return None
+    seen = candidate.fit.predict(horizon=horizon)
+    problem = candidate.fit.problem
+    shift = _shifts(problem.spans)
+    placed = seen.t + np.array([shift[int(record)] for record in seen.record])
+    share = max(LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
+    times: list[Array] = []
+    errors: list[Array] = []
+    for number in np.unique(seen.segment):
+        own = seen.segment == number
+        t, y = thinned(placed[own], factor * seen.residual[own], share)
+        times += [t, t[-1:]]  # a gap in the line: each segment starts from a state of its own
+        errors += [y, np.array([np.nan])]
+    return ErrorSeries(
+        np.concatenate(times),
+        np.concatenate(errors),
+        factor * np.sqrt(np.array(candidate.validation.losses)),
+    )
+
+
+def panel_of(
+    label: str, x: Array, residual: Array, effective: float, shown: Sequence[int] | NDArray[np.intp]
+) -> ResidualPanel:
+    """Return residuals against a quantity, with means of bins and twice their standard errors.
+
+    Neighbours are alike: a bin counts as many independent rows as its share of those of all.
+    """
+    edges = np.linspace(float(x.min()), float(x.max()), BINS + 1)
+    place = np.clip(np.digitize(x, edges) - 1, 0, BINS - 1)
+    centre, mean, doubt = [], [], []
+    for number in range(BINS):
+        own = residual[place == number]
+        if len(own) < FEWEST:
+            continue
+        independent = max(len(own) * min(effective / len(residual), 1.0), 1.0)
+        centre.append(0.5 * (edges[number] + edges[number + 1]))
+        mean.append(float(own.mean()))
+        doubt.append(2.0 * float(own.std()) / independent**0.5)
+    return ResidualPanel(
+        label, x[shown], residual[shown], np.array(centre), np.array(mean), np.array(doubt)
+    )
+
+
+def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
+    """Return residuals, times a factor, against time, velocity and position, where known."""
+    rows = rows_of(fit)
+    residual = factor * rows.residual
+    shown = sampled(len(residual), DOTS)
+    found = {}
+    against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
+    for name, x in against.items():
+        if x is None or np.ptp(x) == 0.0:
+            continue
+        by, unit = scale_of(x, "s" if name == "time" else fit.measurement.unit(name))
+        panel = panel_of(f"{name}, {unit}", by * x, residual, fit.inference.effective, shown)
+        if len(panel.centre):
+            found[name] = panel
+    return found
+
+
+# Plots of fits and verdicts, made of what these hold.
+
+PANEL = 190
+"""Height of a panel [px]."""
+INTERVAL_SIZE: Final = (880, 300)
+
+
+def plot_joints(
+    fit: RecordFit,
+    ax: PanelTarget = None,
+    *,
+    measurement: Measurement | None = None,
+    record: int = 0,
+) -> Panels:
+    """Plot the measured and the predicted force of each joint of one record against time.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records of several joints.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        An Axes for each joint; a new figure if not given.
+    measurement : Measurement, optional
+        What is predicted; what was fitted if not given.
+    record : int
+        Which of its records is shown, from 0.
+
+    Returns
+    -------
+    array of Axes (m,)
+        A panel for each joint.
+
+    Raises
+    ------
+    InputError
+        If the fit is not one of several joints, or there is no such record.
+    """
+    check_type("fit", fit, RecordFit)
+    if fit.problem.joints is None:
+        raise InputError("plot_joints takes a fit of several joints: plot_fit draws this one.")
+    seen = fit.predict(measurement)
+    if record not in seen.record:
+        raise InputError(f"record must be from 0 to {int(seen.record.max())}, got {record!r}.")
+    draw = joint_figure(fit, measurement=measurement, record=record)
+    return on_panels(draw, ax, joint_sizes(fit)["wide"])
+
+
+def joint_sizes(fit: RecordFit) -> dict[str, Size]:
+    """Return the sizes of the figure of all joints of a fit, for screens and phones."""
+    assert fit.problem.joints is not None
+    height = 60 + PANEL * len(np.unique(fit.problem.joints))
+    return {"wide": (880, height), "narrow": (390, height)}
+
+
+def joint_figure(
+    fit: RecordFit, *, measurement: Measurement | None = None, record: int = 0
+) -> Draw:
+    """Return what draws the forces of the joints, as `plot_joints` does."""
+    seen = fit.predict(measurement)
+    turning = [unit == "rad" for unit in fit.mechanism.units]
+    units = dict(zip(fit.mechanism.coordinates, (turned("N", t) for t in turning), strict=True))
+    assert seen.joint is not None
+    fitted = np.unique(seen.joint[seen.record == record])  # others rest
+    units = {name: unit for name, unit in units.items() if name in fitted}
+    shown: dict[str, list[NDArray[np.float64]]] = {}
+    for name, unit in units.items():
+        own = seen.of(name)
+        shown.setdefault(unit, []).append(own.measured[own.record == record])
+    scales = {unit: scale_of(np.concatenate(values), unit) for unit, values in shown.items()}
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (name, unit) in zip(panels, units.items(), strict=True):
+            own = seen.of(name)
+            _draw_one(axes, own, own.record == record, unit, scales[unit])
+            axes.set_title(name, loc="left", fontsize="medium")
+        panels[0].legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False,
+            fontsize="small" if narrow else "medium",
+        )  # fmt: skip
+        panels[-1].set_xlabel("time, s")
+        figure.align_ylabels()
+
+    return draw
+
+
+def _draw_one(
+    axes: Axes, own: Prediction, rows: NDArray[np.bool_], unit: str, scale: Scale
+) -> None:
+    """Draw the force of one joint."""
+    factor, shown = scale
+    order = own.t[rows].argsort()
+    t = own.t[rows][order]
+    axes.plot(t, factor * own.measured[rows][order], color=DATA, linewidth=2.2, label="measured")
+    axes.plot(t, factor * own.predicted[rows][order], color=C1, linewidth=1.4, label="predicted")
+    axes.axhline(0.0, color=MUTED, linewidth=0.6, zorder=0)
+    axes.set_ylabel(f"{'torque' if unit == 'N m' else 'force'}, {shown}")
+    axes.margins(x=0.01, y=0.15)
+
+
+def refuse_joints(fit: RecordFit, plot: str) -> None:
+    """Refuse a fit of several joints, of which `plot_joints` shows the forces."""
+    if fit.problem.joints is not None:
+        raise InputError(
+            f"{plot} takes a fit of one contact: plot_joints draws one of several joints."
+        )
+
+
+class Interval(NamedTuple):
+    """A value and its standard error, NaN where it is not known."""
+
+    name: str
+    """Name of the row."""
+    value: float
+    """The value, in the unit of the axis."""
+    error: float = np.nan
+    """Its standard error, in the same unit."""
+    chosen: bool = False
+    """Whether the row stands out."""
+
+
+def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
+    """Return a drawing of values as dots, with bars of one standard error, the first on top."""
+    values = np.array([row.value for row in rows])
+    errors = np.array([row.error for row in rows])
+    factor, shown = (
+        (100.0, "%") if unit == "1" else scale_of(np.abs(values) + np.nan_to_num(errors), unit)
+    )
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        for place, (row, error) in enumerate(zip(rows, errors, strict=True)):
+            bar = [factor * error] if np.isfinite(error) else None
+            axes.errorbar(
+                [factor * row.value], [place], xerr=bar, fmt="o", markersize=5, elinewidth=1.5,
+                color=C1 if row.chosen else INK,
+            )  # fmt: skip
+        axes.set_yticks(range(len(rows)), [row.name for row in rows])
+        axes.set_ylim(len(rows) - 0.5, -0.5)
+        if np.any(values < 0.0):
+            axes.axvline(0.0, color=MUTED, linewidth=0.8, zorder=0)
+        else:
+            axes.set_xlim(left=0.0)
+        axes.grid(axis="x")
+        axes.set_xlabel(f"{label}, {shown}" if shown else label)
+
+    return draw
+
+
+def draw_fitted_map(
+    points: MapPoints, fits: Mapping[str, RecordFit], *, low_speeds: bool = True
+) -> Draw:
+    """Return a drawing of measured friction against velocity, and of fitted laws."""
+    chosen = next(iter(fits))
+    shown = sampled(len(points.velocity))
+    measured = fits[chosen].measurement
+    return draw_friction_map(
+        points.velocity[shown],
+        points.friction[shown],
+        {title: MapLaw(fit.typical_law, fit.offset) for title, fit in fits.items()},
+        points.load,
+        chosen=chosen,
+        trend=points.trend[shown],
+        units=(measured.unit("velocity"), measured.unit("friction")),
+        low_speeds=low_speeds,
+    )
+
+
+def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: Target = None) -> Axes:
+    """Plot measured friction against velocity, and the law that was fitted to it.
+
+    Friction that was not measured is what inverse dynamics makes of the record.
+
+    Parameters
+    ----------
+    fit : RecordFit or mapping of str to RecordFit
+        A fit to records, or several of the same records by name, the first of which stands out.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
+    Raises
+    ------
+    InputError
+        If `fit` is of another type, or the record does not tell friction against velocity.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Axis, Coulomb, Measurement, fit
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=2.0 * np.sign(v)))
+    >>> plot_friction_map(found, Figure().add_subplot()).get_xlabel()
+    'velocity, m/s'
+    """
+    check_type("fit", fit, RecordFit, Mapping)
+    fits = {fit.law.title: fit} if isinstance(fit, RecordFit) else fit
+    if not fits:
+        raise InputError("plot_friction_map needs at least one fit, got none.")
+    for one in fits.values():
+        check_type("fit", one, RecordFit)
+        refuse_joints(one, "plot_friction_map")
+    points = map_points(next(iter(fits.values())))
+    if points is None or not points.velocity.any():
+        raise InputError(
+            "friction against velocity cannot be computed from this record, which is too short or"
+            " has no position or motion; plot_residuals shows the residuals of the fit."
+        )
+    return on_axes(draw_fitted_map(points, fits, low_speeds=False), ax, MAP_SIZES["wide"])
+
+
+def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
+    """Plot what a fit leaves, against time, velocity and position.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        An Axes for each of time, velocity and position that is known; a new figure if not given.
+
+    Returns
+    -------
+    array of Axes
+        One to three panels: residuals as dots, and means of bins with two standard errors.
+
+    Raises
+    ------
+    InputError
+        If `fit` is no fit to records, or leaves too few residuals.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Axis, Coulomb, Measurement, fit
+    >>> v = np.linspace(-1.0, 1.0, 400)
+    >>> force = 2.0 * np.sign(v) + 0.1 * np.cos(50.0 * v)
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=force))
+    >>> [axes.get_xlabel() for axes in plot_residuals(found, Figure())]
+    ['velocity, m/s']
+    """
+    check_type("fit", fit, RecordFit)
+    refuse_joints(fit, "plot_residuals")
+    if not all(map(math.isfinite, fit.residual)):
+        raise InputError("the residuals of the fit are not finite and cannot be plotted.")
+    unit = fit.measurement.unit(fit.problem.quantity)
+    factor, shown = scale_of(fit.residual, unit)
+    panels = list(residual_panels(fit, factor).values())
+    if not panels:
+        raise InputError(f"the fit has {len(fit.residual)} residuals, too few for bin means.")
+    draw = draw_residuals(panels, f"residual, {shown}")
+    return on_panels(draw, ax, residual_sizes(len(panels))["wide"])
+
+
+def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
+    """Plot a fit beside what was measured.
+
+    Parameters
+    ----------
+    fit : Fit
+        A fit to records, travels, features or velocity steps, or one of another package whose class
+        has a plot.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Of records: friction against velocity, as `plot_friction_map`. Of travels: measured less
+        predicted, by trial. Of features: their relative errors, held out where they can be. Of
+        velocity steps: the coefficient over time, measured and fitted.
+
+    Raises
+    ------
+    InputError
+        If `fit` is no fit, its class has no plot, or friction cannot be read off the record.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005)
+    >>> plot_fit(fit(rig, Coulomb, reading), Figure()).get_xlabel()
+    'measured minus predicted travel, mm'
+    """
+    check_type("fit", fit, Fit)
+    return fit.plot(ax)
+
+
+def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
+    """Plot the held-out error of each law of a selection.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Held-out errors with their standard errors, the law to use in blue; of tables, records and
+        travels, the band of friction over the velocity or of the travel over the setting.
+
+    Raises
+    ------
+    InputError
+        If `verdict` is no verdict, or has neither.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Axis, Measurement, select
+    >>> v = np.linspace(-1.0, 1.0, 400)
+    >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.1 * np.cos(50.0 * v))
+    >>> verdict = select(Axis(inertia=1.0), ["coulomb", "viscous"], table)
+    >>> plot_verdict(verdict, Figure()).get_xlabel()
+    'velocity, m/s'
+    """
+    check_type("verdict", verdict, Verdict)
+    return verdict.plot(ax)
+
+
+def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
+    """Plot held-out errors of the laws that have one."""
+    best = verdict.best.name if verdict.best else ""
+    rows = [
+        Interval(
+            one.title,
+            one.score,
+            math.nan if one.score_error is None else one.score_error,
+            one.name == best,
+        )
+        for one in verdict.scored
+        if one.score is not None
+    ]
+    if not rows:
+        raise InputError(f"no law has a held-out error to plot. {verdict.words.no_score}".strip())
+    rows.sort(key=lambda row: row.value)
+    return on_axes(draw_intervals(rows, "held-out error", verdict.score_unit), ax, INTERVAL_SIZE)
+
+
+# Pieces of a record beside their predictions, and what the predictions are off by.
+
+DASHED: Final = (0, (5, 2))
+LINE_HEIGHT = 13
+"""Distance of names below each other [pt]."""
+
+
+class Piece(NamedTuple):
+    """A stretch of a record: its name, times [s], what was measured, and predictions by title."""
+
+    name: str
+    """Name of the stretch."""
+    t: Array
+    """Times (n,) [s]."""
+    measured: Array
+    """What was measured (n,)."""
+    predicted: Mapping[str, Array]
+    """Predictions (n,), by title of the law."""
+
+
+def piece_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of so many pieces.
+
+    Examples
+    --------
+    >>> piece_sizes(2)["wide"]
+    (880, 380)
+    """
+    return Sizes(wide=(880, 380), narrow=(358, 330 * count))
+
+
+def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: str) -> Draw:
+    """Return a drawing of pieces of a record: measured and predicted above, errors below."""
+    look = looks(pieces[0].predicted, chosen)
+    factor, shown = scale_of(np.concatenate([one.measured for one in pieces]), unit)
+    gaps = [one.measured - y for one in pieces for y in one.predicted.values()]
+    by, small = scale_of(np.concatenate(gaps), unit)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        for (above, below), one in zip(_places(figure, len(pieces), narrow), pieces, strict=True):
+            above.plot(
+                one.t, factor * one.measured, "o", color=DATA, markersize=2.5, alpha=0.6,
+                markeredgewidth=0, zorder=1,
+            )  # fmt: skip
+            for name, y in one.predicted.items():
+                style: dict[str, Any] = {
+                    "color": look[name].colour, "linewidth": 0.75 * look[name].width,
+                    "linestyle": "-" if name == chosen else DASHED, "zorder": look[name].order,
+                }  # fmt: skip
+                above.plot(one.t, factor * y, **style)
+                below.plot(one.t, by * (one.measured - y), **style)
+            above.set_title(one.name, color=MUTED)
+            above.set_ylabel(labelled(quantity, shown))
+            below.set_ylabel(labelled("error", small))
+            below.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
+            below.set_xlabel("time, s")
+            below.margins(x=0.01, y=0.3)
+        _name(below, {name: look[name].colour for name in look}, chosen)
+
+    return draw
+
+
+def _places(figure: Figure, count: int, narrow: bool) -> list[tuple[Axes, Axes]]:
+    """Return for each piece the panel of values and that of errors; errors share one range."""
+    if narrow:
+        grid = figure.subplots(2 * count, 1, height_ratios=[3, 2] * count, squeeze=False)[:, 0]
+        pairs = [(grid[2 * k], grid[2 * k + 1]) for k in range(count)]
+    else:
+        grid = figure.subplots(2, count, height_ratios=[3, 2], squeeze=False)
+        pairs = [(grid[0, k], grid[1, k]) for k in range(count)]
+    for above, below in pairs:
+        below.sharex(above)
+        if below is not pairs[0][1]:
+            below.sharey(pairs[0][1])
+    return pairs
+
+
+def _name(axes: Axes, colours: Mapping[str, str], chosen: str) -> None:
+    """Name the lines in the last panel, the chosen one above, the others in a column below."""
+    others = [name for name in colours if name != chosen]
+    for name, colour in colours.items():
+        above = name == chosen
+        axes.annotate(
+            name, (0.99, 0.97 if above else 0.03), xycoords="axes fraction", color=colour,
+            xytext=(0, 0 if above else LINE_HEIGHT * others.index(name)),
+            textcoords="offset points", fontsize=name_size(), ha="right",
+            va="top" if above else "bottom",
+        )  # fmt: skip

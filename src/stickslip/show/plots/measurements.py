@@ -1,0 +1,775 @@
+"""Figures of measurements and rigs: records, overviews, sketches of the rig, trials."""
+
+import math
+from collections.abc import Callable, Sequence
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, to_hex, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Arc, Circle, Polygon, Rectangle
+
+from stickslip.data import (
+    GAP,
+    QUANTITIES,
+    Measurement,
+    condition_name,
+    condition_unit,
+    interval_of,
+    velocity_of,
+)
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.identify.fits import ConditionLine, TrialComparison, load_along
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+from stickslip.show.formatting import Scale, scale_of, unit_text
+from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, on_panels
+from stickslip.show.plots.laws import characteristic
+from stickslip.show.plots.svg import Draw, Size, inline_svg
+from stickslip.show.plots.theme import (
+    C1,
+    C2,
+    C3,
+    C4,
+    DATA,
+    INK,
+    MUTED,
+    SLIP_BACK,
+    STICK,
+    SURFACE,
+    check_type,
+    shade,
+    symbol_label,
+)
+
+# A record in time: what was measured, one panel below the other.
+
+PANEL: Final = 90
+"""Height of a panel [CSS px]."""
+
+
+class Channel(NamedTuple):
+    """A quantity of a record: its name, SI unit, times and values."""
+
+    name: str
+    """Name of the quantity."""
+    unit: str
+    """Its SI unit."""
+    t: Array
+    """Times (n,) [s]."""
+    values: Array
+    """Values (n,) [SI]."""
+    scale: Scale | None = None
+    """What they are shown in; the largest chooses if not given."""
+
+
+def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:
+    """Return a drawing of a record against time."""
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, channel in zip(panels, channels, strict=True):
+            factor, unit = channel.scale or scale_of(channel.values, channel.unit)
+            shade(axes, reverse, colour=SLIP_BACK)
+            axes.plot(channel.t, factor * channel.values, color=INK, linewidth=1.1)
+            axes.set_title(f"{channel.name}, {unit}", color=MUTED)
+            axes.margins(x=0.0, y=0.1)
+            if np.min(channel.values) < 0.0 < np.max(channel.values):
+                axes.axhline(0.0, color=DATA, linewidth=0.6, zorder=1)
+            axes.locator_params(axis="y", nbins=4)
+        panels[-1].set_xlabel("time, s")
+
+    return draw
+
+
+# A measured record at a glance: signals, speeds, and force against velocity.
+
+MOST_SIGNALS: Final = 5
+MOST_NAMED: Final = 6
+"""Trials at most whose curves have a name each."""
+BINS: Final = 1200
+"""Stretches of time of which smallest and largest value are drawn."""
+SPEEDS: Final = 60
+CELLS: Final = (90, 60)
+EDGE: Final = 0.0005
+"""Share of samples at either end that a histogram leaves out, or one outlier would squeeze it."""
+SHORT: Final = {"spring_force": "spring"}
+
+
+def overview_size(record: Measurement) -> Size:
+    """Return the size of the overview of a record, wide enough for a page [CSS px].
+
+    Examples
+    --------
+    >>> overview_size(Measurement(time=[0, 1, 2], position=[0, 1, 2]))
+    (880, 460)
+    """
+    return (880, 130 * len(_signals(record)) + (330 if _has_velocity(record) else 70))
+
+
+def draw_overview(record: Measurement) -> Draw:
+    """Return a drawing of a record as it was measured.
+
+    Examples
+    --------
+    >>> time = np.arange(500) / 100
+    >>> record = Measurement(time=time, position=np.sin(time), force=np.cos(time))
+    >>> figure = Figure()
+    >>> draw_overview(record)(figure, False)
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['position, m', 'force, N', 'samples, %', 'force, N']
+    """
+    names = _signals(record)
+    velocity, speeds = _velocity(record), record.unit("velocity")
+    forces = [name for name in ("friction", "force", "spring_force") if _sampled(record, name)]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        below = velocity is not None
+        heights = [1.0] * len(names) + [1.8] * below
+        grid = GridSpec(len(heights), 2, figure=figure, height_ratios=heights)
+        first: Axes | None = None
+        for row, name in enumerate(names):
+            first = figure.add_subplot(grid[row, :], sharex=first)
+            _series(first, record, name)
+            first.tick_params(labelbottom=row == len(names) - 1)
+        if first is not None:
+            first.set_xlabel("time, s")
+        if velocity is None:
+            return
+        left = figure.add_subplot(grid[-1, 0] if forces else grid[-1, :])
+        _histogram(left, velocity, speeds)
+        if forces:
+            right = figure.add_subplot(grid[-1, 1])
+            _density(right, (velocity, speeds), record, forces[0])
+        figure.align_ylabels()
+
+    return draw
+
+
+def plot_measurement(measurement: Measurement, ax: PanelTarget = None) -> Panels:
+    """Draw a measurement as it was made.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Records in time, friction maps or travels; all trials are drawn over each other.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Where. A new figure if not given.
+
+    Returns
+    -------
+    array of Axes (n,)
+        A panel for each signal against time; friction against velocity; or the travels of the
+        trials, with their stated uncertainties.
+
+    Raises
+    ------
+    InputError
+        If `measurement` or `ax` is of another kind.
+
+    Examples
+    --------
+    >>> time = np.arange(500) / 100
+    >>> record = Measurement(time=time, position=np.sin(time), force=np.cos(time))
+    >>> [axes.get_ylabel() for axes in plot_measurement(record, Figure())]
+    ['position, m', 'force, N']
+    """
+    check_type("measurement", measurement, Measurement)
+    records = measurement.records()
+    series = measurement.kind == "series"
+    names = [
+        name
+        for name in measurement.quantities()
+        if series and any(np.ndim(one.values(name)) for one in records if name in one.quantities())
+    ]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        if series:
+            panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+            for axes, name in zip(panels, names, strict=True):
+                _overlay(axes, measurement, name)
+            panels[-1].set_xlabel("time, s")
+            figure.align_ylabels()
+        elif measurement.kind == "friction-map":
+            _map(figure.add_subplot(), measurement)
+        else:
+            _travels(figure.add_subplot(), measurement)
+
+    return on_panels(draw, ax, (880, 110 * len(names) + 60 if series else 320))
+
+
+def _colour(place: int, records: Sequence[Measurement]) -> str:
+    return DATA if len(records) == 1 else f"C{place % 10}"
+
+
+def _overlay(axes: Axes, measurement: Measurement, name: str) -> None:
+    """Draw a signal of all trials that have it."""
+    records = measurement.records()
+    all_values = np.concatenate([np.ravel(r.values(name)) for r in records if _has(r, name)])
+    factor, unit = scale_of(all_values, measurement.unit(name))
+    for place, record in enumerate(records):
+        if _has(record, name) and record.time is not None:
+            time, values = _envelope(
+                np.asarray(record.time), factor * np.asarray(record.values(name))
+            )
+            axes.plot(time, values, color=_colour(place, records), linewidth=1.0)
+    quantity, _, joint = name.partition(".")
+    axes.set_ylabel((f"{joint}\n" if joint else "") + _label(quantity, unit))
+    axes.margins(x=0, y=0.08)
+    axes.grid(axis="y")
+
+
+def _has(record: Measurement, name: str) -> bool:
+    return name in record.quantities() and np.ndim(record.values(name)) > 0
+
+
+def _map(axes: Axes, measurement: Measurement) -> None:
+    """Draw friction against velocity, a point for each row."""
+    records = measurement.records()
+    for place, record in enumerate(records):
+        v, f = record.values("velocity"), record.values("friction")
+        label = record.name or f"trial {place + 1}"
+        axes.plot(v, f, ".", color=_colour(place, records), markersize=4.0, label=label)
+    if 1 < len(records) <= MOST_NAMED:
+        axes.legend(frameon=False)
+    axes.set_xlabel(_label("velocity", measurement.unit("velocity")))
+    axes.set_ylabel(_label("friction", measurement.unit("friction")))
+    axes.grid(axis="y")
+
+
+def _travels(axes: Axes, measurement: Measurement) -> None:
+    """Draw the numbers of each trial beside each other, with their uncertainties."""
+    name = measurement.travelled or measurement.quantities()[0]
+    records = [one for one in measurement.records() if name in one.quantities()]
+    values = [np.ravel(one.values(name)) for one in records]
+    factor, unit = scale_of(np.concatenate(values), measurement.unit(name))
+    for place, (record, found) in enumerate(zip(records, values, strict=True), 1):
+        doubt = factor * record.uncertainty.get(name, 0.0)
+        axes.errorbar(
+            np.full(found.size, place),
+            factor * found,
+            yerr=doubt or None,
+            fmt="o",
+            color=DATA,
+            markersize=5.0,
+            capsize=4.0,
+        )
+    axes.set_xticks(
+        range(1, len(records) + 1), [one.name or f"{n}" for n, one in enumerate(records, 1)]
+    )
+    axes.set_xlim(0.4, len(records) + 0.6)
+    axes.set_xlabel("trial")
+    axes.set_ylabel(_label(name, unit))
+    axes.margins(y=0.15)
+    axes.grid(axis="y")
+
+
+def _sampled(record: Measurement, name: str) -> bool:
+    return isinstance(getattr(record, name), np.ndarray)
+
+
+def _signals(record: Measurement) -> Sequence[str]:
+    if record.time is None:
+        return ()
+    return [name for name in QUANTITIES if _sampled(record, name)][:MOST_SIGNALS]
+
+
+def _has_velocity(record: Measurement) -> bool:
+    return _sampled(record, "velocity") or (
+        record.time is not None and _sampled(record, "position")
+    )
+
+
+def _velocity(record: Measurement) -> Array | None:
+    if not _has_velocity(record):
+        return None
+    if record.time is None:
+        return np.asarray(record.values("velocity"))
+    return velocity_of(record)
+
+
+def _label(name: str, unit: str) -> str:
+    return f"{name.replace('_', ' ')}, {unit}"
+
+
+def _series(axes: Axes, record: Measurement, name: str) -> None:
+    """Draw a signal; where there are more samples than pixels, their extremes."""
+    time, values = np.asarray(record.time), np.asarray(record.values(name))
+    factor, unit = scale_of(
+        values - (values.mean() if name == "position" else 0.0), record.unit(name)
+    )
+    shown_time, shown = _envelope(time, factor * values)
+    axes.plot(shown_time, shown, color=DATA, linewidth=1.0)
+    steps = np.diff(time)
+    late = np.flatnonzero(steps > GAP * interval_of(time))
+    shade(axes, [(time[i], time[i + 1]) for i in late[:200]], colour=STICK)
+    axes.set_ylabel(_label(name, unit))
+    axes.margins(x=0, y=0.08)
+    axes.grid(axis="y")
+
+
+def _envelope(time: Array, values: Array) -> tuple[Array, Array]:
+    if values.size <= 4 * BINS:
+        return time, values
+    size = values.size // BINS
+    cut = size * BINS
+    rows = values[:cut].reshape(BINS, size)
+    # In the order of time, so that no line runs back.
+    at = np.sort(np.stack([rows.argmin(axis=1), rows.argmax(axis=1)], axis=1), axis=1)
+    kept = np.append((at + size * np.arange(BINS)[:, None]).ravel(), np.arange(cut, values.size))
+    return time[kept], values[kept]
+
+
+def _middle(values: Array) -> tuple[float, float]:
+    """Return the range of nearly all values, and some more."""
+    low, high = (float(np.quantile(values, share)) for share in (EDGE, 1 - EDGE))
+    edge = 0.03 * (high - low) or 1.0
+    return low - edge, high + edge
+
+
+def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
+    factor, unit = scale_of(velocity, speeds)
+    low, high = _middle(factor * velocity)
+    counts, edges = np.histogram(factor * velocity, bins=SPEEDS, range=(low, high))
+    axes.stairs(100 * counts / velocity.size, edges, fill=True, color=SLIP_BACK)
+    axes.stairs(100 * counts / velocity.size, edges, color=DATA, linewidth=1.0)
+    axes.set_xlabel(f"velocity, {unit}")
+    axes.set_ylabel("samples, %")
+    axes.margins(x=0)
+    axes.grid(axis="y")
+
+
+def _density(axes: Axes, moved: tuple[Array, str], record: Measurement, name: str) -> None:
+    """Draw how often force and velocity meet, on a scale of powers of ten."""
+    velocity, speeds = moved
+    force = np.asarray(record.values(name))
+    factor, unit = scale_of(velocity, speeds)
+    across, up = _middle(factor * velocity), _middle(force)
+    counts, _, _ = np.histogram2d(factor * velocity, force, bins=CELLS, range=(across, up))
+    seen = np.ma.masked_equal(counts.T, 0)
+    axes.imshow(
+        np.log1p(seen),
+        cmap=_shades(),
+        vmin=0.0,
+        extent=(*across, *up),
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+        zorder=2,
+    )
+    axes.axvline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.set_xlim(*across)
+    axes.set_ylim(*up)
+    axes.set_xlabel(f"velocity, {unit}")
+    axes.set_ylabel(_label(name, record.unit(name)))
+
+
+def _shades() -> ListedColormap:
+    """Return colours from that of a band to that of the darkest data."""
+    pale, dark = np.array(to_rgb(SLIP_BACK)), np.array(to_rgb(C1))
+    share = np.linspace(0.1, 1.0, 64)[:, None]
+    return ListedColormap([*map(tuple, pale + share * (dark - pale))])
+
+
+# Sketches of the rig in its three readings, and schematics of rig and cart with their symbols.
+
+SKETCH_SIZE: Final[Size] = (250, 84)
+GROUND: Final = 70.0
+BLOCK: Final = (40.0, 44.0)
+TURNS: Final = 5
+SCHEMATIC_SIZE: Final[Size] = (358, 220)
+
+
+def draw_sketch(kind: str, *, mass: str = "1 kg", force: str = "10 N") -> Draw:
+    """Return a drawing of a rig."""
+    body = _BODIES[kind]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.set_xlim(0, SKETCH_SIZE[0])
+        axes.set_ylim(SKETCH_SIZE[1], 0)  # as on a page: downwards
+        axes.set_axis_off()
+        _ground_line(axes, 8, 242, GROUND)
+        left = body(axes, force)
+        axes.add_patch(
+            Rectangle((left, GROUND - BLOCK[1]), *BLOCK, fill=False, edgecolor=INK, linewidth=1.4)
+        )
+        axes.text(
+            left + BLOCK[0] / 2, GROUND - BLOCK[1] / 2, mass, ha="center", va="center", fontsize=12
+        )
+
+    return draw
+
+
+def sketch(kind: str, *, alt: str, prefix: str, mass: str = "1 kg", force: str = "10 N") -> str:
+    """Return the sketch of a rig as inline SVG.
+
+    Examples
+    --------
+    >>> sketch("push", alt="A force pushes a block", prefix="push")[:4]
+    '<svg'
+    """
+    draw = draw_sketch(kind, mass=mass, force=force)
+    return inline_svg(draw, alt=alt, prefix=prefix, wide=SKETCH_SIZE, narrow=None)
+
+
+def _ground_line(axes: Axes, left: int, right: int, height: float) -> None:
+    for x in range(left + 6, right, 12):
+        axes.plot([x, x - 6], [height, height + 7], color=MUTED, linewidth=0.8, alpha=0.6)
+    axes.plot([left, right], [height, height], color=INK, linewidth=1.4)
+
+
+def _arrow(axes: Axes, force: str) -> float:
+    axes.plot([38, 82], [48, 48], color=C2, linewidth=1.8, solid_capstyle="butt")
+    axes.add_patch(Polygon([(89, 48), (79, 43), (79, 53)], facecolor=C2, edgecolor="none"))
+    axes.text(38, 36, force, va="center", fontsize=12)
+    return 90.0
+
+
+def _spring(axes: Axes, start: float, end: float, *, middle: float, bulge: float) -> None:
+    x = np.linspace(start, end, 2 * TURNS + 3)
+    turns = [middle + bulge * (-1) ** turn for turn in range(2 * TURNS + 1)]
+    axes.plot(x, [middle, *turns, middle], color=INK, linewidth=1.4)
+
+
+def _held_spring(axes: Axes, end: float) -> None:
+    axes.plot([14, 14], [20, GROUND], color=INK, linewidth=1.4)
+    _spring(axes, 14, end, middle=46, bulge=7)
+
+
+def _released(axes: Axes, _force: str) -> float:
+    _held_spring(axes, 82)
+    for y, length in ((40, 34), (48, 44), (56, 34)):
+        axes.plot([160, 160 + length], [y, y], color=MUTED, linewidth=1.0)
+    return 112.0
+
+
+def _fixed(axes: Axes, _force: str) -> float:
+    _held_spring(axes, 104)
+    axes.plot([106], [46], "o", color=INK, markersize=6)
+    return 108.0
+
+
+_BODIES: Final = MappingProxyType[str, Callable[[Axes, str], float]](
+    {"push": _arrow, "released-spring": _released, "fixed-spring": _fixed}
+)
+SKETCHES: Final = tuple(_BODIES)
+"""The rigs that can be drawn."""
+
+
+def schematic(kind: str, *, alt: str, prefix: str) -> str:
+    """Return a schematic with the symbols of the source paper as inline SVG.
+
+    Examples
+    --------
+    >>> schematic("cart", alt="A cart with a pendulum", prefix="fig1")[:4]
+    '<svg'
+    """
+    body = _SCHEMATICS[kind]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.set_xlim(0, SCHEMATIC_SIZE[0])
+        axes.set_ylim(SCHEMATIC_SIZE[1], 0)
+        axes.set_axis_off()
+        _ground_line(axes, 10, 348, 180)
+        body(axes)
+
+    return inline_svg(draw, alt=alt, prefix=prefix, wide=SCHEMATIC_SIZE, narrow=None)
+
+
+def _cart(axes: Axes) -> None:
+    pivot, ball = (150.0, 132.0), (84.0, 38.0)
+    axes.add_patch(Rectangle((94, 132), 112, 48, fill=False, edgecolor=INK, linewidth=1.6))
+    axes.plot(
+        [pivot[0], pivot[0]], [pivot[1], 30], color=MUTED, linewidth=0.9, linestyle=(0, (5, 4))
+    )
+    axes.plot([pivot[0], ball[0]], [pivot[1], ball[1]], color=INK, linewidth=1.8)
+    axes.add_patch(Circle(ball, 14, facecolor=INK, edgecolor=INK))
+    axes.add_patch(Circle(pivot, 4, facecolor=SURFACE, edgecolor=INK, linewidth=1.6, zorder=4))
+    axes.add_patch(Arc(pivot, 130, 130, theta1=235, theta2=270, color=MUTED, linewidth=1.1))
+    axes.add_patch(Arc(pivot, 62, 62, theta1=275, theta2=30, color=C4, linewidth=1.6))
+    _head(axes, (146.0, 101.0), (-1.0, 0.0), C4)
+    _text(axes, 128, 58, "θ")
+    _text(axes, 104, 88, "l")
+    _text(axes, 60, 34, "m")
+    _text(axes, 150, 158, "M")
+    _text(axes, 196, 118, "τ", C4)
+    _text(axes, 60, 168, "μ")
+    _arrow_to(axes, (264, 120), (324, 120), C1)
+    _text(axes, 294, 106, "x", C1)
+    _arrow_to(axes, (88, 190), (44, 190), C2)
+    _text(axes, 66, 204, symbol_label("F_f"), C2)
+    _arrow_to(axes, (222, 180), (222, 132), MUTED)
+    _text(axes, 234, 152, "N")
+
+
+def _rig(axes: Axes) -> None:
+    axes.plot([30, 30], [96, 180], color=INK, linewidth=1.8)
+    for height in range(102, 184, 10):
+        axes.plot([30, 23], [height, height + 6], color=MUTED, linewidth=0.8, alpha=0.6)
+    _spring(axes, 30, 110, middle=152, bulge=10)
+    axes.add_patch(Rectangle((110, 124), 58, 56, fill=False, edgecolor=INK, linewidth=1.6))
+    axes.add_patch(
+        Rectangle(
+            (266, 124), 58, 56, fill=False, edgecolor=MUTED, linewidth=1.1, linestyle=(0, (5, 4))
+        )
+    )
+    _text(axes, 139, 152, "m")
+    _text(axes, 70, 128, "K")
+    _arrow_to(axes, (172, 152), (216, 152), C2)
+    _text(axes, 196, 138, "F = K x", C2)
+    for left, right, height, name in ((110, 150, 104, "x"), (110, 266, 82, "s")):
+        for end in (left, right):
+            axes.plot([end, end], [height - 7, height + 7], color=MUTED, linewidth=0.8)
+        _arrow_to(axes, (left, height), (right, height), C1)
+        _text(axes, (left + right) / 2, height - 13, name, C1)
+    _text(axes, 60, 200, f"{symbol_label('mu_d')}, {symbol_label('mu_s')}")
+
+
+def _text(axes: Axes, x: float, y: float, text: str, colour: str = INK) -> None:
+    axes.text(x, y, text, ha="center", va="center", fontsize=13, style="italic", color=colour)
+
+
+def _arrow_to(
+    axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str
+) -> None:
+    way = np.subtract(end, start) / np.hypot(*np.subtract(end, start))
+    stop = np.subtract(end, 8 * way)
+    axes.plot([start[0], stop[0]], [start[1], stop[1]], color=colour, linewidth=1.6)
+    _head(axes, end, (float(way[0]), float(way[1])), colour)
+
+
+def _head(axes: Axes, tip: tuple[float, float], way: tuple[float, float], colour: str) -> None:
+    along = np.array(way) / np.hypot(*way)
+    across = np.array([-along[1], along[0]])
+    base = np.array(tip) - 9 * along
+    axes.add_patch(
+        Polygon([tip, base + 4 * across, base - 4 * across], facecolor=colour, edgecolor="none")
+    )
+
+
+_SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _cart, "rig": _rig})
+"""What is drawn with the symbols of the source paper."""
+
+
+# Parameters and laws of several trials, coloured by a condition.
+
+TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
+MOST: Final = 2
+"""Parameters that have a panel: those whose lines are clearest come first."""
+WORDS: Final = (C1, C2, C3, C4, INK, MUTED)
+
+
+def draw_trials(comparison: TrialComparison, *, condition: str | None = None) -> Draw:
+    """Return a drawing of what was fitted to each trial, coloured by a condition.
+
+    Parameters
+    ----------
+    comparison : TrialComparison
+        What `compare_trials` returns.
+    condition : str, optional
+        Name of a condition, with or without its unit; that of the clearest line, or else the first
+        one, if not given. Without conditions, trials are numbered.
+
+    Returns
+    -------
+    callable
+        Draws parameters with their 95 % intervals over the condition, and the friction of each
+        trial over its velocity.
+
+    Raises
+    ------
+    InputError
+        If no trial could be fitted alone.
+    UnknownNameError
+        If no trial has that condition.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement, compare_trials
+    >>> from stickslip.show.plots import standalone_svg
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> wave = 0.01 * np.cos(50.0 * v)
+    >>> trials = tuple(
+    ...     Measurement(velocity=v, friction=level * np.sign(v) + wave, conditions={"run": run})
+    ...     for run, level in ((1, 2.0), (2, 2.5))
+    ... )
+    >>> found = compare_trials(Axis(inertia=1.0), Coulomb, Measurement(trials=trials))
+    >>> standalone_svg(draw_trials(found)).startswith("<svg")
+    True
+    """
+    name = _condition(comparison, condition)
+    trials = comparison.trials
+    if not trials:
+        raise InputError("there is nothing to draw: no trial could be fitted individually.")
+    values = [trial.conditions.get(name) for trial in trials] if name else []
+    if not name:
+        values = [float(i + 1) for i in range(len(trials))]
+    colours = _colours(values)
+    order = _order(comparison, name)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        count = len(order) + 1
+        grid = figure.subplots(*((count, 1) if narrow else (1, count)), squeeze=False)
+        for axes, i in zip(grid.flat, order, strict=False):
+            _parameter(axes, comparison, i, name, values, colours)
+        _curves(grid.flat[count - 1], comparison, colours)
+
+    return draw
+
+
+def _condition(comparison: TrialComparison, wanted: str | None) -> str:
+    """Return the full name of the condition to colour by; empty if there is none."""
+    known = comparison.conditions
+    if wanted is not None:
+        for name in known:
+            if wanted in (name, condition_name(name)):
+                return name
+        raise UnknownNameError("condition", wanted, known)
+    clear = sorted((line for line in comparison.lines if line.clear), key=_width)
+    return clear[0].condition if clear else (known[0] if known else "")
+
+
+def _width(line: ConditionLine) -> float:
+    """Return the width of the interval of a slope, over the slope."""
+    return (line.high - line.low) / max(abs(line.slope), 1e-300)
+
+
+def _order(comparison: TrialComparison, condition: str) -> list[int]:
+    """Return which parameters are shown: those with the clearest lines first."""
+    paths = [one.path for one in comparison.trials[0].estimates]
+    width = {line.path: _width(line) for line in comparison.lines if line.condition == condition}
+    known = [
+        i
+        for i in range(len(paths))
+        if any(math.isfinite(trial.errors[i]) for trial in comparison.trials)
+    ]
+    shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST]
+    return sorted(shown)
+
+
+def _colours(values: Sequence[float | str | None]) -> list[str]:
+    """Return a colour by value: between blue and orange for numbers, grey where there is none."""
+    numbers = [value for value in values if isinstance(value, float)]
+    words = list(dict.fromkeys(value for value in values if isinstance(value, str)))
+    low, span = min(numbers, default=0.0), max(np.ptp(numbers), 1e-300) if numbers else 1.0
+    found = []
+    for value in values:
+        if isinstance(value, float):
+            share = (value - low) / span
+            mixed = (1.0 - share) * np.array(to_rgb(C1)) + share * np.array(to_rgb(C2))
+            found.append(to_hex(mixed.tolist()))
+        else:
+            found.append(DATA if value is None else WORDS[words.index(value) % len(WORDS)])
+    return found
+
+
+def _parameter(
+    axes: Axes,
+    comparison: TrialComparison,
+    i: int,
+    condition: str,
+    values: Sequence[float | str | None],
+    colours: Sequence[str],
+) -> None:
+    """Draw a parameter of all trials over the condition, with its line."""
+    words = [value for value in dict.fromkeys(values) if isinstance(value, str)]
+    for trial, value, colour in zip(comparison.trials, values, colours, strict=True):
+        one = trial.estimates[i]
+        if value is None or not one.bounded:
+            continue
+        place = float(words.index(value)) if isinstance(value, str) else value
+        axes.plot([place, place], [one.low, one.high], color=colour, linewidth=1.5)
+        axes.plot([place], [one.value], "o", color=colour, markersize=5)
+    path = comparison.trials[0].estimates[i].path
+    for line in comparison.lines:
+        if line.path == path and line.condition == condition:
+            axes.plot(line.ends, line.values, color=MUTED, linewidth=1.2, zorder=1)
+    if words:
+        axes.set_xticks(range(len(words)), words)
+        axes.margins(x=0.3)
+    quantity = comparison.trials[0].estimates[i].quantity
+    unit = unit_text(quantity.unit)
+    title = symbol_label(quantity.symbol)
+    axes.set_title(f"{title}, {unit}" if unit else title, color=MUTED)
+    what = condition_name(condition) or "trial"
+    in_unit = unit_text(condition_unit(condition))
+    axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
+    axes.grid(axis="y")
+
+
+def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> None:
+    """Draw the friction of each trial over its velocity."""
+    records = comparison.fit.measurement.records()
+    own = [records[trial.number] for trial in comparison.trials]
+    top = max(map(_top, own))
+    factor, unit = scale_of([top], comparison.fit.measurement.unit("velocity"))
+    for trial, record, colour in zip(comparison.trials, own, colours, strict=True):
+        load = _load(comparison.fit.mechanism, record)
+        velocity, force = characteristic(trial.law, load, top)
+        axes.plot(factor * velocity, force, color=colour, linewidth=1.5)
+    axes.set_title(f"friction, {comparison.fit.measurement.unit('friction')}", color=MUTED)
+    axes.set_xlabel(f"velocity, {unit}")
+    axes.grid(axis="y")
+
+
+def _top(record: Measurement) -> float:
+    """Return the largest speed of a record."""
+    velocity = record.values("velocity") if record.time is None else velocity_of(record)
+    return float(np.max(np.abs(velocity)))
+
+
+def _load(mechanism: Mechanism, record: Measurement) -> float:
+    """Return the mean normal force of a record [N]."""
+    own = vary(mechanism, "mechanism", record.overrides)
+    count = 1 if isinstance(record.load, float | None) else len(record.load)
+    return float(np.mean(load_along(own, record, count)))
+
+
+def plot_trials(
+    comparison: TrialComparison, ax: PanelTarget = None, *, condition: str | None = None
+) -> Panels:
+    """Plot what was fitted to each trial, coloured by a condition.
+
+    Parameters
+    ----------
+    comparison : TrialComparison
+        What `compare_trials` returns.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        One Axes for each of the parameters shown, at most two, and one for the curves; a new
+        figure if not given.
+    condition : str, optional
+        Name of a condition, as in `draw_trials`.
+
+    Returns
+    -------
+    array of Axes
+        The panels.
+
+    Raises
+    ------
+    InputError
+        If no trial could be fitted alone.
+    UnknownNameError
+        If no trial has that condition.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement, compare_trials
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> wave = 0.01 * np.cos(50.0 * v)
+    >>> trials = tuple(
+    ...     Measurement(velocity=v, friction=level * np.sign(v) + wave, conditions={"run": run})
+    ...     for run, level in ((1, 2.0), (2, 2.5))
+    ... )
+    >>> found = compare_trials(Axis(inertia=1.0), Coulomb, Measurement(trials=trials))
+    >>> len(plot_trials(found, Figure()))
+    2
+    """
+    check_type("comparison", comparison, TrialComparison)
+    return on_panels(draw_trials(comparison, condition=condition), ax, TRIAL_SIZES["wide"])

@@ -1,0 +1,828 @@
+"""Figures of what many runs show: ensembles, cycles, profiles, comparisons of runs."""
+
+import textwrap
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.engine.trajectory import Ensemble, Trajectory
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.mechanisms import static_normal_forces
+from stickslip.quantities import full_path
+from stickslip.show.formatting import scale_of
+from stickslip.show.plots.axes import (
+    RIVALS,
+    Array,
+    Curve,
+    LineStyle,
+    Panels,
+    PanelTarget,
+    Sizes,
+    Target,
+    dense,
+    horizon,
+    label_curves,
+    label_ends,
+    labelled,
+    looks,
+    motion_names,
+    on_axes,
+    on_panels,
+    panel_grid,
+    within,
+)
+from stickslip.show.plots.svg import Draw
+from stickslip.show.plots.theme import (
+    C1,
+    C2,
+    DATA,
+    INK,
+    MUTED,
+    SLIP_BACK,
+    check_type,
+    label_at,
+    name_size,
+    shade,
+)
+from stickslip.study.control import ClosedLoop, limit_cycle
+from stickslip.study.optimisation import (
+    COSTS,
+    Cycle,
+    Optimum,
+    ParetoFront,
+    guide_of,
+    load_shares,
+    slip_of_body,
+)
+from stickslip.study.sweep import Band, ValidatedRecord, Validation
+
+# Plots of many runs: an output over what was varied, and the band that runs lie in.
+
+SIZE: Final = (880, 320)
+REASON_WIDTH: Final = 30
+"""Letters of a line of a reason in the legend."""
+
+
+def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
+    """Return a drawing of an output of each run over a parameter; of its number without one."""
+    values = runs[output]
+    columns = values[:, None] if values.ndim == 1 else values
+    places = np.arange(len(runs)) if parameter is None else runs.parameters[parameter]
+    early = np.array([not status.complete for status in runs.status])
+
+    reasons = dict.fromkeys(one.label for one in runs.status if not one.complete)
+    ended = "\n".join(["ended early:", *(textwrap.fill(one, REASON_WIDTH) for one in reasons)])
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        for chosen, colour, fill in ((~early, C1, C1), (early, C2, "none")):
+            if chosen.any():
+                across = np.repeat(places[chosen], columns.shape[1])
+                axes.plot(
+                    across, columns[chosen].ravel(), "o", color=colour, markerfacecolor=fill,
+                    markersize=4, label=ended if colour == C2 else "reached the end",
+                )  # fmt: skip
+        if early.any():
+            axes.legend()
+        axes.grid(axis="y")
+        over = "run" if parameter is None else labelled(parameter, runs.units[parameter])
+        axes.set_xlabel(over)
+        axes.set_ylabel(labelled(output, runs.units[output]))
+
+    return draw
+
+
+def plot_ensemble(
+    runs: Ensemble,
+    ax: Target = None,
+    *,
+    output: str | None = None,
+    parameter: str | None = None,
+) -> Axes:
+    """Plot an output of each run of an ensemble over a parameter.
+
+    Parameters
+    ----------
+    runs : Ensemble
+        What `ensemble` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    output : str, optional
+        Name of an output; the first if not given.
+    parameter : str, optional
+        Path of what was varied, or its last name; the first if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel, a dot a run; runs that ended early are rings. Values are SI.
+
+    Raises
+    ------
+    InputError
+        If `runs` is no ensemble or has no outputs.
+    UnknownNameError
+        If the ensemble has no such output or parameter.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, ensemble
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> levels = {"kinetic_coefficient": np.array([0.2, 0.25, 0.3])}
+    >>> runs = ensemble(rig, Coulomb(kinetic_coefficient=0.25), levels, t_end=1.0)
+    >>> ax = plot_ensemble(runs, Figure(), output="x")
+    >>> ax.get_xlabel(), len(ax.lines[0].get_xdata())
+    ('kinetic coefficient', 3)
+    >>> ax.get_ylabel()
+    'x, m'
+    """
+    check_type("runs", runs, Ensemble)
+    if not runs.outputs:
+        raise InputError("the ensemble has no outputs to plot.")
+    output = output or next(iter(runs.outputs))
+    known = list(runs.parameters)
+    path = full_path(parameter, known) if parameter else next(iter(known), None)
+    return on_axes(draw_ensemble(runs, output, path), ax, SIZE)
+
+
+def draw_band(band: Band, state: str) -> Draw:
+    """Return a drawing of the median of a state against time, and of where 95 % of runs lie."""
+    factor, unit = scale_of(np.abs(band.states[state]).ravel(), band.units[state])
+    low, median, high = factor * band.states[state]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        axes.fill_between(band.t, low, high, color=C1, alpha=0.22, linewidth=0)
+        axes.plot(band.t, median, color=C1)
+        axes.margins(x=0, y=0.1)
+        axes.grid(axis="y")
+        axes.set_xlabel("time, s")
+        axes.set_ylabel(f"{state}, {unit}")
+
+    return draw
+
+
+def plot_band(band: Band, ax: Target = None, *, state: str | None = None) -> Axes:
+    """Plot the median of runs with uncertain parameters, and where 95 % of them lie.
+
+    Parameters
+    ----------
+    band : Band
+        What `band_of` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    state : str, optional
+        The coordinate that slips or its rate; the coordinate if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
+    Raises
+    ------
+    InputError
+        If `band` is of another type.
+    UnknownNameError
+        If the band has no such state.
+    """
+    check_type("band", band, Band)
+    state = state or next(iter(band.states))
+    if state not in band.states:
+        raise UnknownNameError("state", state, band.states)
+    return on_axes(draw_band(band, state), ax, SIZE)
+
+
+# Travel of one block under several readings of how it was set in motion.
+
+EXCITATION_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 300))
+
+
+def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) -> dict[str, str]:
+    """Return the colour of each reading: blue for the one that is taken.
+
+    Examples
+    --------
+    >>> excitation_colours({"push": 0, "spring": 0}, "spring")["spring"] == C1
+    True
+    """
+    chosen = next(iter(labels)) if chosen is None else chosen
+    others = iter(RIVALS * len(labels))
+    return {label: C1 if label == chosen else next(others) for label in labels}
+
+
+def draw_excitations(
+    runs: Mapping[str, Trajectory],
+    *,
+    chosen: str | None = None,
+    band: tuple[float, float] | None = None,
+    measured: str = "measured",
+    slip: str = "x",
+) -> Draw:
+    """Return a drawing of the travel in several readings, named with their values at the end.
+
+    Parameters
+    ----------
+    runs : mapping of str to Trajectory
+        Runs by what they are called.
+    chosen : str, optional
+        The reading that is taken; the first if not given.
+    band : tuple of float, optional
+        Range of the measured travel [m]; a line if its ends are equal.
+    measured : str
+        What the band is called.
+    slip : str
+        Name of the slipping coordinate.
+
+    Returns
+    -------
+    callable
+        Draws it, with a dot where the block has come to rest.
+    """
+    last = max(horizon(run, slip) for run in runs.values())
+    colours = excitation_colours(runs, chosen)
+    chosen = next(iter(runs)) if chosen is None else chosen
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        curves = [
+            _reading(axes, label, run, last, slip, colours[label], label == chosen)
+            for label, run in runs.items()
+        ]
+        axes.margins(x=0, y=0.16 if narrow else 0.1)
+        if band:
+            if band[1] > band[0]:
+                axes.axhspan(*band, facecolor=SLIP_BACK, edgecolor="none", zorder=0)
+            else:
+                axes.axhline(band[0], color=MUTED, linewidth=1.0, zorder=1)
+            label_at(axes, 0.0, band[1], measured, MUTED, offset=(6, 8))
+        if any(_rest(run, last) for run in runs.values()):
+            axes.annotate(
+                "dot: block at rest", (0.98, 0.06), xycoords="axes fraction",
+                ha="right", color=MUTED, fontsize=name_size(),
+            )  # fmt: skip
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("travel, m")
+        axes.grid(axis="y")
+        if narrow:
+            label_curves(axes, curves)
+        else:
+            label_ends(axes, last, [(float(c.y[-1]), [c.text], c.colour) for c in curves])
+
+    return draw
+
+
+def _reading(
+    axes: Axes, label: str, run: Trajectory, last: float, slip: str, colour: str, is_chosen: bool
+) -> Curve:
+    """Draw one reading, and return its curve with its name and value."""
+    seen = dense(run, last)
+    start = float(run.at(run.span[:1])[slip][0])
+    x = seen[slip] - start
+    axes.plot(seen.t, x, color=colour, linewidth=2.2 if is_chosen else 1.5, zorder=3)
+    stop = _rest(run, last)
+    if stop is not None:
+        at = run.at([stop])[slip] - start
+        axes.plot([stop], at, "o", color=colour, markersize=5, zorder=4)
+    value = f"{float(x[-1]):.3f} m".replace("-", "−")
+    return Curve(seen.t, x, f"{label}: {value}", colour)
+
+
+def _rest(run: Trajectory, last: float) -> float | None:
+    """Return when the last stop was, if the body stays there and it is shown."""
+    if not run.events or abs(run.events[-1].to_mode) == 1 or run.events[-1].t > last:
+        return None
+    return run.events[-1].t
+
+
+# Velocity around the stop: the exact run, and what a fixed step makes of it.
+
+STEPS_SHOWN: Final = 9
+"""Steps before and after the stop: chatter is as high as the velocity lost in one or two."""
+COLUMNS: Final = 2
+
+
+def fixed_step_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of that many fixed-step runs.
+
+    Examples
+    --------
+    >>> fixed_step_sizes(4)["wide"]
+    (880, 420)
+    """
+    rows = -(-count // COLUMNS)
+    return Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
+
+
+def draw_fixed_steps(
+    exact: Trajectory, fixed: Mapping[str, Trajectory], *, rate: str = "v"
+) -> Draw:
+    """Return a drawing of the velocity around the stop, a panel for each fixed-step run.
+
+    Parameters
+    ----------
+    exact : Trajectory
+        The event-driven run.
+    fixed : mapping of str to Trajectory
+        Fixed-step runs by what they are called, such as "10 ms, no stick rule".
+    rate : str
+        Name of the slip velocity.
+
+    Returns
+    -------
+    callable
+        Draws it; each panel covers the same number of steps, so that chatter is as wide.
+    """
+    found = next((e.t for e in reversed(exact.events) if e.to_mode == 0), None)
+    stop = exact.span[1] if found is None else found
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        columns = 1 if narrow else min(COLUMNS, len(fixed))
+        panels = panel_grid(figure, len(fixed), columns)
+        for index, (axes, (label, run)) in enumerate(zip(panels, fixed.items(), strict=True)):
+            axes.set_title(label)
+            _stop_panel(axes, exact, run, stop, rate, named=index == 0)
+        for axes in panels[-columns:]:
+            origin = "end of the run" if found is None else "exact stop"
+            axes.set_xlabel(f"time from the {origin}, ms")
+
+    return draw
+
+
+def _stop_panel(
+    axes: Axes, exact: Trajectory, run: Trajectory, stop: float, rate: str, *, named: bool
+) -> None:
+    step = float(np.median(np.diff(run.t))) if len(run.t) > 1 else exact.span[1] - stop
+    first = max(stop - STEPS_SHOWN * step, exact.span[0])
+    last = min(stop + 2 * STEPS_SHOWN * step, exact.span[1])
+    inside = (run.t >= first) & (run.t <= last)
+    seen = exact.at(np.union1d(np.linspace(first, last, 300), [min(max(stop, first), last)]))
+    v, v_exact = run[rate][inside], seen[rate]
+    factor, unit = scale_of(np.concatenate([v, v_exact]), exact.units[rate])
+    curves = [
+        Curve(1e3 * (seen.t - stop), factor * v_exact, "exact", C1),
+        Curve(1e3 * (run.t[inside] - stop), factor * v, "fixed step", C2),
+    ]
+    axes.axhline(0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.plot(curves[0].x, curves[0].y, color=C1, linewidth=2.2, zorder=2)
+    axes.plot(curves[1].x, curves[1].y, "o-", color=C2, linewidth=1.2, markersize=3.5, zorder=3)
+    axes.set_ylabel(f"velocity, {unit}")
+    axes.margins(x=0.01, y=0.18)
+    if named:
+        label_curves(axes, curves)
+
+
+# A motion that repeats itself: its progress, and one cycle of its velocity about zero.
+
+CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
+
+CYCLE_ROOM: Final = 1.35
+"""Height of the velocity panel on either side of zero, as a multiple of the lowest velocity."""
+CYCLE_SAMPLES: Final = 700
+
+
+def draw_cycles(
+    runs: Mapping[str, Trajectory],
+    *,
+    chosen: str,
+    cycle: tuple[float, float],
+    slip: str = "x",
+    rate: str = "v",
+) -> Draw:
+    """Return a drawing of displacement in time, and of the velocity near zero within a cycle."""
+    look = looks(runs, chosen)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
+        left.margins(x=0, y=0.25 if narrow else 0.12)
+        _progress(left, {name: dense(run) for name, run in runs.items()}, slip, look)
+        _near_zero(right, runs, chosen, cycle, rate, look)
+        for axes in (left, right):
+            axes.set_xlabel("time, s")
+
+    return draw
+
+
+def _progress(
+    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, LineStyle]
+) -> None:
+    everything = np.concatenate([run[slip] for run in runs.values()])
+    factor, unit = scale_of(everything, next(iter(runs.values())).units[slip])
+    curves = []
+    for name, run in runs.items():
+        colour, dashes, width, order = look[name]
+        y = factor * run[slip]
+        axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+        curves.append(Curve(run.t, y, name, colour))
+    axes.set_ylabel(f"displacement, {unit}")
+    axes.grid(axis="y")
+    label_curves(axes, curves)
+
+
+def _near_zero(
+    axes: Axes,
+    runs: Mapping[str, Trajectory],
+    chosen: str,
+    cycle: tuple[float, float],
+    rate: str,
+    look: Mapping[str, LineStyle],
+) -> None:
+    first, last = cycle
+    # Fixed steps are shown where they stand, so that one sees them.
+    times = {
+        name: [first, *run.t[(run.t > first) & (run.t < last)], last] for name, run in runs.items()
+    }
+    times[chosen] = list(np.union1d(np.linspace(first, last, CYCLE_SAMPLES), times[chosen]))
+    inside = {name: run.at(times[name]) for name, run in runs.items()}
+    reach = -CYCLE_ROOM * min(float(run[rate].min()) for run in inside.values())
+    factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
+    for name, run in inside.items():
+        colour, _, width, order = look[name]
+        axes.plot(
+            run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
+            linewidth=width, markersize=2.5, zorder=order,
+        )  # fmt: skip
+    spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
+    shade(axes, within(spans, last))
+    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.set_xlim(first, last)
+    if reach > 0.0:
+        axes.set_ylim(-factor * reach, factor * reach)
+    axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
+
+
+def plot_limit_cycle(
+    run: Trajectory | ClosedLoop,
+    ax: PanelTarget = None,
+    *,
+    slip: str | None = None,
+    rate: str | None = None,
+) -> Panels:
+    """Plot a run that repeats itself, and its velocity near zero in the last cycle.
+
+    Parameters
+    ----------
+    run : Trajectory or ClosedLoop
+        The run.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Two Axes; a new figure if not given.
+    slip, rate : str, optional
+        Names of the coordinate and its rate; the first ones of the run if not given.
+
+    Returns
+    -------
+    array of Axes (2,)
+        Displacement against time, and velocity near zero; times at rest are shaded.
+
+    Raises
+    ------
+    InputError
+        If the velocity has no limit cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, TowedBlock, simulate
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> panels = plot_limit_cycle(simulate(block, law, t_end=80.0), Figure())
+    >>> first, last = panels[1].get_xlim()
+    >>> round(float(last - first), 3)
+    7.611
+    """
+    run = run.run if isinstance(run, ClosedLoop) else run
+    check_type("run", run, Trajectory, ClosedLoop)
+    slip, rate = motion_names(run, slip, rate)
+    cycle = limit_cycle(run, rate)
+    if not cycle.is_limit_cycle:
+        how = "fewer than three cycles" if cycle.kind == "none" else f"a {cycle.kind} motion"
+        raise InputError(
+            f"{rate} has no limit cycle: the second half of the run has {how}; plot_run shows it."
+        )
+    end = run.span[1]
+    draw = draw_cycles({"": run}, chosen="", cycle=(end - cycle.period, end), slip=slip, rate=rate)
+    return on_panels(draw, ax, CYCLE_SIZES["wide"])
+
+
+# Figure of the best motion over a cycle, the best three-phase motion beside it.
+
+PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
+FRONT_SIZE: Final = (560, 340)
+
+PROFILE_SAMPLES: Final = 1200
+DEGREES: Final = 180.0 / np.pi
+
+
+def draw_profile(optimum: Optimum) -> Draw:
+    """Return a drawing of the motion, what it takes and what it brings, over a cycle.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        The best motion.
+
+    Returns
+    -------
+    callable
+        Draws it: six panels against time, limits as thin lines, the best three-phase motion dashed.
+    """
+    cycles = {optimum.kind: optimum.cycle}
+    if optimum.kind != "three-phase" and optimum.three_phase is not None:
+        cycles["three-phase"] = min(optimum.three_phase.cycles, key=optimum.goal.value)
+    seen = {name: _columns(optimum, cycle) for name, cycle in cycles.items()}
+    bounds, units = _bounds(optimum), _units(optimum)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        names = list(units)
+        grid = figure.subplots(6 if narrow else 3, 1 if narrow else 2, sharex=True)
+        # beside each other: the motion on the left, what comes of it on the right
+        panels = dict(zip(names, np.asarray(grid).T.ravel(), strict=True))
+        for column, axes in panels.items():
+            _profile_panel(axes, column, seen, units[column], bounds.get(column, ()))
+        _name(panels[names[0]], seen, names[0], units[names[0]])
+        figure.align_ylabels()
+        for axes in np.atleast_2d(grid)[-1] if not narrow else [grid[-1]]:
+            axes.set_xlabel("time in the cycle, s")
+
+    return draw
+
+
+def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
+    """Return the columns over the last cycle, the travel from its beginning on."""
+    run = cycle.run
+    jumps = [event.t for event in run.events if event.t > cycle.begin]
+    jumps += [float(p.start) for p in optimum.profile.pieces(run.span[1]) if p.start > cycle.begin]
+    times = np.linspace(cycle.begin, run.span[1], PROFILE_SAMPLES)
+    inside = np.array([t for t in jumps if t < run.span[1]])
+    seen = run.at(np.union1d(times, np.concatenate([inside, np.nextafter(inside, -np.inf)])))
+    found = {name: seen[name] for name in _names(optimum)}
+    slip = slip_of_body(optimum.mechanism)
+    return {"t": seen.t - cycle.begin} | found | {slip: found[slip] - found[slip][0]}
+
+
+def _names(optimum: Optimum) -> tuple[str, ...]:
+    mechanism = optimum.mechanism
+    coordinate, rate, effort, _ = guide_of(mechanism)
+    slip = slip_of_body(mechanism)
+    speed = mechanism.rates[mechanism.coordinates.index(slip)]
+    return coordinate, rate, effort, slip, speed, _least_loaded(optimum)
+
+
+def _least_loaded(optimum: Optimum) -> str:
+    """Return the column of the normal force that falls most, over that at rest."""
+    shares = load_shares(optimum.mechanism, optimum.run)
+    return min(shares, key=lambda column: float(shares[column].min()))
+
+
+def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
+    """Return factor and axis label of each column."""
+    names, run = _names(optimum), optimum.run
+    angular = optimum.mechanism.units[optimum.mechanism.coordinates.index(names[0])] == "rad"
+    titles = ["angle" if angular else "position inside", "rate", names[2]]
+    titles += ["displacement", "velocity", "normal force"]
+    found = {}
+    for name, title in zip(names, titles, strict=True):
+        factor, unit = scale_of(run[name], run.units[name])
+        if angular and name == names[0]:
+            factor, unit = DEGREES, "degrees"
+        found[name] = (factor, f"{title}, {unit}")
+    return found
+
+
+def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
+    """Return the limits by column."""
+    given = optimum.limits.given()
+    names = _names(optimum)
+    found: dict[str, tuple[float, ...]] = {
+        column: (-given[name], given[name])
+        for column, name in zip(names, ("position", "rate", "effort"), strict=False)
+        if name in given
+    }
+    column = names[-1]
+    static = static_normal_forces(optimum.mechanism)
+    contact = column.partition(":")[2]
+    at_rest = static[contact] if contact else sum(static.values())  # of the only one
+    return found | {column: (given["load_share"] * at_rest,)}
+
+
+def _profile_panel(
+    axes: Axes,
+    column: str,
+    seen: dict[str, dict[str, Array]],
+    unit: tuple[float, str],
+    bounds: tuple[float, ...],
+) -> None:
+    factor, label = unit
+    for bound in bounds:
+        axes.axhline(factor * bound, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
+    for (_, columns), (colour, dashes, width) in zip(
+        reversed(list(seen.items())), _looks(len(seen)), strict=True
+    ):
+        axes.plot(
+            columns["t"], factor * columns[column], color=colour, linestyle=dashes, linewidth=width
+        )
+    if not bounds:
+        axes.axhline(0.0, color=MUTED, linewidth=0.6)
+    axes.margins(x=0, y=0.1)
+    axes.set_ylabel(label)
+    axes.grid(axis="y")
+
+
+def _looks(count: int) -> list[tuple[str, str, float]]:
+    """Return how the curves are drawn, the best motion last and on top."""
+    return [(C2, "--", 1.5), (C1, "-", 2.0)][2 - count :]
+
+
+def _name(
+    axes: Axes, seen: dict[str, dict[str, Array]], column: str, unit: tuple[float, str]
+) -> None:
+    """Name the curves at their highest points."""
+    for (name, columns), colour in zip(seen.items(), (C1, C2), strict=False):
+        top = int(np.argmax(columns[column]))
+        label_at(
+            axes,
+            columns["t"][top],
+            unit[0] * columns[column][top],
+            name,
+            colour,
+            offset=(0, -12) if colour == C1 else (0, 9),
+            align="center",
+        )
+
+
+def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
+    """Plot the best motion over a cycle, what it takes and what it brings.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        What `optimise_profile` returns.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Six Axes; a new figure if not given.
+
+    Returns
+    -------
+    array of Axes (6,)
+        The panels; limits are thin lines, the best three-phase motion is dashed.
+    """
+    check_type("optimum", optimum, Optimum)
+    return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
+
+
+def draw_front(front: ParetoFront) -> Draw:
+    """Return a drawing of the mean speed of each motion of a front against its cost."""
+    scale, unit = scale_of(front.costs, COSTS[front.cost])
+    factor, speed_unit = scale_of(front.speeds, "m/s")
+    title = {"energy": "work of the motor per travel", "back_slip": "back-slip per cycle"}
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001  # one panel fits both
+        axes = figure.add_subplot()
+        axes.plot(scale * front.costs, factor * front.speeds, color=C1, marker="o", linewidth=1.0)
+        axes.set_xlabel(f"{title[front.cost]}, {unit}")
+        axes.set_ylabel(f"mean speed, {speed_unit}")
+        axes.set_ylim(bottom=0.0)
+        axes.grid(axis="y")
+
+    return draw
+
+
+def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
+    """Plot the mean speed of each motion of a front against its cost.
+
+    Parameters
+    ----------
+    front : ParetoFront
+        What `pareto_front` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    Axes
+        Motions as points, the fastest at the right.
+    """
+    check_type("front", front, ParetoFront)
+    return on_axes(draw_front(front), ax, FRONT_SIZE)
+
+
+# What was measured beside what a law from elsewhere predicts.
+
+VALIDATION_SIZES: Final = Sizes(wide=(880, 420), narrow=(358, 420))
+MOST_POINTS: Final = 1500
+"""Samples of a record above which only every second, third, ... is drawn."""
+
+
+def draw_validation(seen: Validation, *, record: int = 0) -> Draw:
+    """Return a drawing of a record over its prediction and of the residual, or of all travels."""
+    if not seen.records:
+        return _travels(seen)
+    if not 0 <= record < len(seen.records):
+        raise InputError(
+            f"record must be a whole number from 0 to {len(seen.records) - 1}, got {record!r}."
+        )
+    return _record(seen.records[record])
+
+
+def _record(one: ValidatedRecord) -> Draw:
+    kept = slice(None, None, max(1, len(one.t) // MOST_POINTS))
+    t = one.t[kept]
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+        factor, unit = scale_of(one.predicted, one.unit)
+        fine, fine_unit = scale_of(one.residual, one.unit)
+        above.plot(t, factor * one.measured[kept], ".", color=DATA, markersize=3, label="measured")
+        above.plot(t, factor * one.predicted[kept], color=C1, linewidth=1.6, label="predicted")
+        below.plot(t, fine * one.residual[kept], ".", color=DATA, markersize=3)
+        below.axhline(0.0, color=C1, linewidth=1.0)
+        if one.band is not None:
+            low, high = one.band[:, kept]
+            above.fill_between(
+                t, factor * low, factor * high, color=C1, alpha=0.22, linewidth=0, label="95 % band"
+            )
+            middle = one.predicted[kept]
+            below.fill_between(
+                t, fine * (low - middle), fine * (high - middle), color=C1, alpha=0.22, linewidth=0
+            )
+        above.legend(loc="best")
+        above.set_ylabel(f"{'displacement' if one.quantity == 'position' else 'velocity'}, {unit}")
+        below.set_ylabel(f"residual, {fine_unit}")
+        below.set_xlabel("time, s")
+        for axes in (above, below):
+            axes.margins(x=0, y=0.12)
+            axes.grid(axis="y")
+        figure.align_ylabels()
+
+    return draw
+
+
+def _travels(seen: Validation) -> Draw:
+    """Return a drawing of all readings beside their predictions, in the order of trials."""
+    travels = seen.travels
+    places = np.arange(1, len(travels) + 1)
+    quantity = travels[0].quantity
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        axes = figure.add_subplot()
+        everything = [value for one in travels for value in (one.measured, one.predicted)]
+        factor, unit = scale_of(everything, travels[0].unit)
+        predicted = factor * np.array([one.predicted for one in travels])
+        if all(one.low is not None for one in travels):
+            ends = factor * np.array([[one.low, one.high] for one in travels], dtype=np.float64)
+            axes.vlines(places, ends[:, 0], ends[:, 1], color=C1, alpha=0.4, linewidth=8)
+        axes.plot(places, predicted, "_", color=C1, markersize=12, label="predicted, 95 % band")
+        axes.errorbar(
+            places,
+            [factor * one.measured for one in travels],
+            [1.96 * factor * one.uncertainty for one in travels],
+            fmt="o",
+            color=C2,
+            markersize=4,
+            label="measured, ± 1.96 standard errors",
+        )
+        axes.legend(loc="best")
+        axes.locator_params(axis="x", integer=True)
+        axes.set_xlim(0.5, len(travels) + 0.5)
+        axes.set_xlabel("reading", color=MUTED)
+        axes.set_ylabel(f"{quantity.replace('_', ' ')}, {unit}")
+        axes.grid(axis="y")
+
+    return draw
+
+
+def plot_validation(seen: Validation, ax: PanelTarget = None, *, record: int = 0) -> Panels:
+    """Plot a record over its prediction, with the 95 % band, and the residual; or all travels.
+
+    Parameters
+    ----------
+    seen : Validation
+        What `validate` returns.
+    ax : Axes, sequence of Axes, Figure or SubFigure, optional
+        Two Axes for a record, one for travels; a new figure if not given.
+    record : int
+        Which record, from 0.
+
+    Returns
+    -------
+    array of Axes (2,) or (1,)
+        The panels.
+
+    Raises
+    ------
+    InputError
+        If `ax` is no Axes or has another number of panels, or there is no such record.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock
+    >>> from stickslip.study.sweep import validate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> (axes,) = plot_validation(validate(rig, law, Measurement(travel=0.2)), Figure())
+    >>> axes.get_ylabel()
+    'travel, m'
+    """
+    check_type("seen", seen, Validation)
+    return on_panels(draw_validation(seen, record=record), ax, VALIDATION_SIZES["wide"])

@@ -1,0 +1,605 @@
+"""Figures of campaigns: mean velocities, bifurcation diagrams, basins of attraction."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final, cast
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from stickslip.errors import InputError
+from stickslip.show.formatting import scale_of
+from stickslip.show.plots.axes import LETTER, Target, labelled, on_axes
+from stickslip.show.plots.svg import Draw
+from stickslip.show.plots.theme import (
+    C1,
+    C2,
+    C3,
+    C4,
+    DATA,
+    INK,
+    MUTED,
+    SLIP_BACK,
+    STICK,
+    SURFACE,
+    check_type,
+    name_size,
+    pixel_of,
+    shade,
+)
+from stickslip.study.sweep import (
+    Basins,
+    Bifurcation,
+    Branch,
+    Orbit,
+    OrbitDiagram,
+    SensitivityIndices,
+    VelocityBand,
+    VelocityMap,
+)
+
+BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
+"""Fill of each basin, the largest first."""
+POINT_COLOURS: Final = (C1, C2, C3, C4, INK, MUTED)
+"""Points of the motion each basin leads to."""
+DIVERGING: Final = LinearSegmentedColormap.from_list("direction", [C2, SURFACE, C1])
+"""Backward, nowhere, forward."""
+
+STOPPED: Final[Mapping[str, Any]] = MappingProxyType(
+    {"facecolor": "none", "edgecolor": DATA, "hatch": "////", "linewidth": 0.0}
+)
+"""How it is marked where runs ended early."""
+REASON_WIDTH: Final = 0.48
+"""Share of the width of a figure that a line of a reason takes."""
+
+COLUMN: Final = 290
+"""Width of a column of a legend above a panel [CSS px]."""
+SWEEP_SIZE: Final = (880, 380)
+
+
+def draw_velocity_map(result: VelocityMap) -> Draw:
+    """Return a drawing of mean velocities: a curve over one axis, colours over two.
+
+    Parameters
+    ----------
+    result : VelocityMap
+        Over one or two parameters.
+
+    Returns
+    -------
+    callable
+        Draws it. Backward motion has a band behind the curve, and reversals are marked; where runs
+        ended early it is hatched, with the reason in a legend.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import average_velocity
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> result = average_velocity(
+    ...     axis, Coulomb(kinetic_coefficient=0.5), {"frequency": [1.0, 2.0]}, settle=20, cycles=4
+    ... )
+    >>> callable(draw_velocity_map(result))
+    True
+    """
+    if len(result.axes) not in (1, 2):
+        raise InputError(
+            f"a map cannot show {len(result.axes)} parameters; fix all but two of them."
+        )
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        factor, unit = scale_of(result.velocity[np.isfinite(result.velocity)], result.unit)
+        of = f" of {result.coordinate}" if result.coordinate else ""
+        label = f"mean velocity{of}, {unit}"
+        if len(result.axes) == 1:
+            _curve(axes, result, factor, label)
+        else:
+            _colours(figure, axes, result, factor, label)
+
+    return draw
+
+
+def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
+    ((path, values),) = result.axes.items()
+    axes.plot(values, factor * result.velocity, color=C1, marker="o", markersize=2.5, linewidth=1.6)
+    axes.margins(x=0.01, y=0.12)
+    axes.axhline(0.0, color=MUTED, linewidth=0.8)
+    still = ~result.moves() & np.isfinite(result.velocity)
+    shade(axes, _stretches(values, still))
+    shade(axes, _stretches(values, (result.velocity < 0) & ~still), colour=SLIP_BACK)
+    turns = result.reversals()
+    axes.plot(turns, 0.0 * turns, "o", color=C1, markerfacecolor=SURFACE, markersize=7, zorder=4)
+    for place in turns:
+        axes.annotate(
+            f"{place:.3g}",
+            (place, 0.0),
+            xytext=(7, 8),
+            textcoords="offset points",
+            color=INK,
+            fontsize=name_size(),
+        )
+    _mark_early_ends(axes, values, result.status)
+    axes.set_xlabel(labelled(path, result.units[path]))
+    axes.set_ylabel(label)
+    axes.grid(axis="y")
+
+
+def draw_velocity_band(
+    result: VelocityBand,
+    measured: Mapping[float, float] | Sequence[tuple[float, float]] | None = None,
+) -> Draw:
+    """Return a drawing of the band of the mean velocity over many laws, and what was measured."""
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        low, median, high = result.low, result.median, result.high
+        factor, unit = scale_of(median[np.isfinite(median)], result.velocity_unit)
+        label = f"{result.level:.0%} band, whichever law holds"
+        axes.fill_between(
+            result.values,
+            factor * low,
+            factor * high,
+            color=C1,
+            alpha=0.3,
+            linewidth=0,
+            label=label,
+        )
+        axes.plot(result.values, factor * median, color=C1, linewidth=1.4, label="median")
+        if measured:
+            pairs = measured.items() if isinstance(measured, Mapping) else measured
+            points = np.array([*pairs])
+            axes.plot(
+                points[:, 0],
+                factor * points[:, 1],
+                "o",
+                color=DATA,
+                markersize=3.0 if narrow else 4.5,
+                label="measured",
+            )
+        axes.axhline(0.0, color=MUTED, linewidth=0.8)
+        axes.margins(x=0.01, y=0.08)
+        axes.set_xlabel(labelled(result.path, result.unit))
+        axes.set_ylabel(f"mean velocity, {unit}")
+        axes.grid(axis="y")
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            frameon=False,
+            ncols=1 if narrow else 3,
+            fontsize="small",
+        )
+
+    return draw
+
+
+def plot_velocity_band(
+    result: VelocityBand, ax: Target = None, *, measured: Mapping[float, float] | None = None
+) -> Axes:
+    """Plot the band of the mean velocity over many laws, and what was measured.
+
+    Parameters
+    ----------
+    result : VelocityBand
+        What `velocity_band` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    measured : mapping of float to float, optional
+        Value of the parameter -> mean velocity [m/s], drawn as points.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import velocity_band
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> laws = [Coulomb(kinetic_coefficient=mu) for mu in (0.4, 0.5)]
+    >>> result = velocity_band(axis, laws, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
+    >>> plot_velocity_band(result, Figure(), measured={1.0: 0.0}).get_xlabel()
+    'frequency, Hz'
+    """
+    check_type("result", result, VelocityBand)
+    return on_axes(draw_velocity_band(result, measured), ax, SWEEP_SIZE)
+
+
+def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:
+    """Hatch where runs ended early along the horizontal axis, with the reasons in a legend."""
+    early = np.array([[not one.complete for one in row] for row in status.reshape(len(values), -1)])
+    for low, high in _stretches(values, early.any(axis=1)):
+        axes.axvspan(low, high, zorder=0, **STOPPED)
+    _name_early_ends(axes, status)
+
+
+def _name_early_ends(axes: Axes, status: Any) -> None:
+    """Name what is hatched above the panel: the reasons for which runs ended early, if some did."""
+    reasons = dict.fromkeys(one.label for one in status.ravel() if not one.complete)
+    handles, _ = axes.get_legend_handles_labels()
+    figure = cast("Figure", axes.get_figure(root=True))
+    width = figure.bbox.width * pixel_of(figure)
+    letters = int(REASON_WIDTH * width / LETTER)
+    handles += [
+        Patch(label=textwrap.fill(f"No value: {reason}", max(letters, 20)), **STOPPED)
+        for reason in reasons
+    ]
+    if handles:
+        axes.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2,
+            ncols=max(1, int(width // COLUMN)),
+        )  # fmt: skip
+
+
+def _stretches(values: Any, chosen: Any) -> list[tuple[float, float]]:
+    """Return the spans between the middles of neighbouring points that are chosen."""
+    edges = _edges(np.asarray(values))
+    edges[0], edges[-1] = values[0], values[-1]
+    spans = zip(edges[:-1], edges[1:], chosen, strict=True)
+    return [(min(a, b), max(a, b)) for a, b, wanted in spans if wanted]
+
+
+def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
+    (across, xs), (up, ys) = reversed(list(result.axes.items()))
+    velocity = factor * result.velocity
+    largest = float(np.nanmax(np.abs(velocity), initial=0.0)) or 1.0
+    mesh = axes.pcolormesh(
+        _edges(xs), _edges(ys), velocity, cmap=DIVERGING, vmin=-largest, vmax=largest,
+        rasterized=True,
+    )  # fmt: skip
+    _hatch_cells(axes, xs, ys, result.status)
+    moving = np.ma.masked_where(~_judged(result), velocity)
+    if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
+        axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
+    axes.set_xlabel(labelled(across, result.units[across]))
+    axes.set_ylabel(labelled(up, result.units[up]))
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+    _name_early_ends(axes, result.status)
+
+
+def _hatch_cells(axes: Axes, xs: Any, ys: Any, status: Any) -> None:
+    """Hatch the cells of a map whose runs ended early; what is drawn on them covers that."""
+    early = [[not one.complete for one in row] for row in status]
+    if not np.any(early):
+        return
+    x, y = _edges(np.asarray(xs)), _edges(np.asarray(ys))
+    axes.add_patch(Rectangle((x[0], y[0]), x[-1] - x[0], y[-1] - y[0], zorder=0, **STOPPED))
+
+
+def _judged(result: VelocityMap) -> Any:
+    """Return where the velocity has a sign, or lies right between two signs."""
+    sign = np.where(result.moves(), np.sign(result.velocity), 0.0)
+    rows, columns = sign.shape
+    around = np.pad(sign, 1)
+    shifts = [(i, j) for i in range(3) for j in range(3)]
+    near = np.stack([around[i : i + rows, j : j + columns] for i, j in shifts])
+    between = (near.max(axis=0) > 0) & (near.min(axis=0) < 0)
+    return ((sign != 0) | between) & np.isfinite(result.velocity)
+
+
+def draw_bifurcation(result: Bifurcation) -> Draw:
+    """Return a bifurcation diagram: the samples of each run over its parameter.
+
+    Parameters
+    ----------
+    result : Bifurcation
+        The samples; each start has its own colour.
+
+    Returns
+    -------
+    callable
+        Draws it.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import bifurcation
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> result = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
+    >>> callable(draw_bifurcation(result))
+    True
+    """
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        known = result.samples[np.isfinite(result.samples)]
+        factor, unit = scale_of(known, result.unit)
+        for start in range(result.samples.shape[1]):
+            points = factor * result.samples[:, start, :]
+            places = np.repeat(result.values, points.shape[1])
+            colour = POINT_COLOURS[start % len(POINT_COLOURS)]
+            axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
+        _mark_early_ends(axes, result.values, result.status)
+        axes.margins(x=0.01, y=0.06)
+        when = "once per cycle" if result.sample == "period" else f'at "{result.sample}"'
+        axes.set_xlabel(labelled(result.path, result.path_unit))
+        axes.set_ylabel(f"{result.state} {when}, {unit}")
+        axes.grid(axis="y")
+
+    return draw
+
+
+def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
+    """Return a drawing of branches of periodic orbits: solid where stable, dashed where not.
+
+    Parameters
+    ----------
+    result : OrbitDiagram or Branch
+        The branches; settled runs of a diagram are dots behind them.
+    show : str, optional
+        What stands over the parameter: a coordinate that advances from cycle to cycle, by its mean
+        velocity, or a free state at the start of a cycle. The first that advances if not given, or
+        the first state where none does.
+
+    Returns
+    -------
+    callable
+        Draws it, with marks at folds, period doublings, grazing contacts, and where sticking
+        changes.
+
+    Raises
+    ------
+    InputError
+        If the orbits have neither a free state nor an advance of that name.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import continue_orbit, periodic_orbit
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
+    >>> callable(draw_orbits(continue_orbit(orbit, "frequency", (1.9, 2.4))))
+    True
+    """
+    branches = result.branches if isinstance(result, OrbitDiagram) else (result,)
+    name, velocity = _shown(result, show)
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        curves = [_heights(one, name, velocity=velocity) for one in branches]
+        dots = _settled(result, name, velocity=velocity)
+        known = np.concatenate([*curves, np.ravel(dots[1])])
+        factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
+        axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=4, alpha=0.6)
+        kinds = dict.fromkeys(e.kind for one in branches for e in one.events if e.kind in MARKS)
+        for one, heights in zip(branches, curves, strict=True):
+            colour = POINT_COLOURS[(one.cycles - 1) % len(POINT_COLOURS)]
+            for style, chosen in (("-", one.stable), ("--", ~one.stable)):
+                spread_ = chosen.copy()
+                spread_[1:] |= chosen[:-1]  # a line goes on to the first point of the other kind
+                line = np.where(spread_, factor * heights, np.nan)
+                axes.plot(one.values, line, style, color=colour, linewidth=1.5)
+            for event in (e for e in one.events if e.kind in kinds):
+                height = factor * _height(event.orbit, name, velocity=velocity)
+                axes.plot(event.value, height, MARKS[event.kind], color=INK, markersize=5,
+                          markerfacecolor=SURFACE, zorder=4)  # fmt: skip
+        _name_orbits(axes, branches, kinds, settled=bool(np.size(dots[0])))
+        axes.margins(x=0.01, y=0.06)
+        axes.set_xlabel(labelled(result.path, result.unit))
+        what = f"mean velocity of {name}" if velocity else f"{name} at the start of a cycle"
+        axes.set_ylabel(f"{what}, {unit}")
+        axes.grid(axis="y")
+
+    return draw
+
+
+MARKS: Final[Mapping[str, str]] = MappingProxyType(
+    {"fold": "o", "period doubling": "D", "branch point": "s", "torus": "*", "grazing": "^",
+     "sticking": "v"}
+)  # fmt: skip
+"""Marks of events of branches."""
+
+
+def _name_orbits(
+    axes: Axes, branches: Sequence[Branch], kinds: Mapping[str, object], *, settled: bool
+) -> None:
+    """Name lines, marks and dots in a legend above the panel."""
+    for cycles in sorted({one.cycles for one in branches}):
+        colour = POINT_COLOURS[(cycles - 1) % len(POINT_COLOURS)]
+        axes.plot([], [], "-", color=colour, label=f"period {cycles}")
+    if not all(one.stable.all() for one in branches):
+        axes.plot([], [], "--", color=MUTED, label="unstable")
+    for kind in kinds:
+        axes.plot([], [], MARKS[kind], color=INK, markerfacecolor=SURFACE, markersize=5, label=kind)
+    if settled:
+        axes.plot([], [], ".", color=MUTED, label="settled runs")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncols=4)
+
+
+def _shown(result: OrbitDiagram | Branch, show: str | None) -> tuple[str, bool]:
+    """Return what stands over the parameter, and whether it is a mean velocity."""
+    advance = result.velocities if isinstance(result, OrbitDiagram) else result.advances
+    moving, free = tuple(advance), result.states
+    if show is None:
+        return (moving[0], True) if moving else (free[0], False)
+    if show not in (*moving, *free):
+        raise InputError(
+            f"draw_orbits: show must be one of {', '.join((*moving, *free))}, got {show!r}."
+        )
+    return show, show in moving
+
+
+def _unit_shown(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> str:
+    unit = result.units.get(name, "1")
+    return f"{unit}/s" if velocity else unit
+
+
+def _heights(branch: Branch, name: str, *, velocity: bool) -> Any:
+    if velocity:
+        return branch.mean_velocity(name)
+    return branch.starts[:, branch.states.index(name)]
+
+
+def _height(orbit: Orbit, name: str, *, velocity: bool) -> float:
+    return orbit.mean_velocity[name] if velocity else orbit.start[name]
+
+
+def _settled(result: OrbitDiagram | Branch, name: str, *, velocity: bool) -> tuple[Any, Any]:
+    """Return parameter and height of the dots of settled runs, if there are any."""
+    if isinstance(result, Branch):
+        return np.empty(0), np.empty(0)
+    if velocity:
+        return result.values, result.velocities[name]
+    points = result.samples[:, :, result.states.index(name)]
+    return np.repeat(result.values, points.shape[1]), points.ravel()
+
+
+def draw_basins(result: Basins) -> Draw:
+    """Return a drawing of basins of attraction with the points of the motions they lead to.
+
+    Parameters
+    ----------
+    result : Basins
+        The basins. Hatched are starts whose runs ended early, with the reason in the legend.
+
+    Returns
+    -------
+    callable
+        Draws it.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import basins
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> grid = {"x": [-1.0, 0.0, 1.0], "v": [-1.0, 1.0]}
+    >>> callable(draw_basins(basins(axis, Coulomb(kinetic_coefficient=0.5), grid, settle=30)))
+    True
+    """
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        (across, xs), (up, ys) = result.starts.items()
+        count = max(1, len(result.attractors))
+        fills = [BASIN_COLOURS[i % len(BASIN_COLOURS)] for i in range(count)]
+        axes.pcolormesh(
+            _edges(xs), _edges(ys), np.ma.masked_less(result.index.T, 0),
+            cmap=ListedColormap(fills), vmin=-0.5, vmax=count - 0.5, rasterized=True,
+        )  # fmt: skip
+        _hatch_cells(axes, xs, ys, result.status.T)
+        axes.set_xlim(xs.min(), xs.max())
+        axes.set_ylim(ys.min(), ys.max())
+        axes.set_xlabel(labelled(f"initial {across}", result.units[across]))
+        axes.set_ylabel(labelled(f"initial {up}", result.units[up]))
+        for number, motion in enumerate(result.attractors):
+            colour = POINT_COLOURS[number % len(POINT_COLOURS)]
+            if {across, up} <= set(result.states):
+                i, j = result.states.index(across), result.states.index(up)
+                axes.plot(
+                    motion.points[:, i], motion.points[:, j], "o", color=colour, markersize=4.5
+                )
+            kind = f"period {motion.period}" if motion.period else "not periodic"
+            axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
+        if narrow:
+            axes.locator_params(axis="x", nbins=4)  # numbers of small starts are long
+        _name_early_ends(axes, result.status)
+
+    return draw
+
+
+def _edges(values: Any) -> Any:
+    """Return the borders of cells around points."""
+    if len(values) == 1:
+        half = 0.5 * (abs(values[0]) or 1.0)
+        return np.array([values[0] - half, values[0] + half])
+    middles = 0.5 * (values[1:] + values[:-1])
+    ends = 1.5 * values[[0, -1]] - 0.5 * values[[1, -2]]
+    return np.concatenate([ends[:1], middles, ends[1:]])
+
+
+def draw_sensitivity(results: Sequence[SensitivityIndices]) -> Draw:
+    """Return a drawing of sensitivity indices with their intervals, a panel for each output."""
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        panels = figure.subplots(len(results), squeeze=False)
+        for axes, one in zip(panels[:, 0], results, strict=True):
+            _bars(axes, one)
+
+    return draw
+
+
+def _bars(axes: Axes, result: SensitivityIndices) -> None:
+    shown = [name for name in result.indices if name in result.half_widths]
+    places = np.arange(len(result.factors), dtype=np.float64)
+    height = 0.7 / len(shown)
+    for row, (name, colour) in enumerate(zip(shown, (C1, C2), strict=False)):
+        axes.barh(
+            places + (row - 0.5 * (len(shown) - 1)) * height,
+            result.indices[name],
+            0.9 * height,
+            xerr=result.half_widths[name],
+            color=colour,
+            ecolor=INK,
+            label={"mu_star": "mean size of the change"}.get(name, f"{name} index"),
+        )
+    axes.set_yticks(places, [labelled(path, "1") for path in result.factors])
+    axes.invert_yaxis()
+    axes.axvline(0.0, color=MUTED, linewidth=0.8)
+    of_change = result.method == "morris"
+    axes.set_xlabel(labelled(result.output, result.unit) if of_change else "share of the variance")
+    axes.set_title(f"{result.output}, 95 % intervals", loc="left")
+    axes.set_axisbelow(True)
+    axes.grid(axis="x")
+    if len(shown) > 1:
+        axes.legend(loc="lower right")
+
+
+def plot_sweep(
+    result: VelocityMap | Bifurcation | Basins | SensitivityIndices | OrbitDiagram | Branch,
+    ax: Target = None,
+) -> Axes:
+    """Plot mean velocities, bifurcation diagrams, orbits, basins, or sensitivity indices.
+
+    Parameters
+    ----------
+    result : VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram or Branch
+        What `average_velocity`, `bifurcation`, `basins`, `CampaignRuns.sensitivity`,
+        `orbit_diagram` or `continue_orbit` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel. A colour bar, of velocities over two parameters, is beside it.
+
+    Raises
+    ------
+    InputError
+        If `result` is of another type, or a map of more than two parameters.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import average_velocity
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> result = average_velocity(axis, law, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
+    >>> plot_sweep(result, Figure()).get_xlabel()
+    'frequency, Hz'
+    """
+    kinds = (VelocityMap, Bifurcation, Basins, SensitivityIndices, OrbitDiagram, Branch)
+    check_type("result", result, *kinds)
+    if isinstance(result, VelocityMap):
+        draw = draw_velocity_map(result)
+    elif isinstance(result, SensitivityIndices):
+        draw = draw_sensitivity([result])
+    elif isinstance(result, OrbitDiagram | Branch):
+        draw = draw_orbits(result)
+    else:
+        draw = draw_bifurcation(result) if isinstance(result, Bifurcation) else draw_basins(result)
+    return on_axes(draw, ax, SWEEP_SIZE)

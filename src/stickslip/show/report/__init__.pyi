@@ -1,0 +1,109 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.show.report.blocks import Animation as Animation
+from stickslip.show.report.blocks import Block as Block
+from stickslip.show.report.blocks import Caption as Caption
+from stickslip.show.report.blocks import Code as Code
+from stickslip.show.report.blocks import Columns as Columns
+from stickslip.show.report.blocks import Fact as Fact
+from stickslip.show.report.blocks import Facts as Facts
+from stickslip.show.report.blocks import Figure as Figure
+from stickslip.show.report.blocks import Gallery as Gallery
+from stickslip.show.report.blocks import KeyValue as KeyValue
+from stickslip.show.report.blocks import KeyValues as KeyValues
+from stickslip.show.report.blocks import LawLine as LawLine
+from stickslip.show.report.blocks import MOST as MOST
+from stickslip.show.report.blocks import Math as Math
+from stickslip.show.report.blocks import Note as Note
+from stickslip.show.report.blocks import Opening as Opening
+from stickslip.show.report.blocks import Origin as Origin
+from stickslip.show.report.blocks import Page as Page
+from stickslip.show.report.blocks import PageSections as PageSections
+from stickslip.show.report.blocks import Panel as Panel
+from stickslip.show.report.blocks import Paragraph as Paragraph
+from stickslip.show.report.blocks import Reference as Reference
+from stickslip.show.report.blocks import References as References
+from stickslip.show.report.blocks import Section as Section
+from stickslip.show.report.blocks import SectionMaker as SectionMaker
+from stickslip.show.report.blocks import Subheading as Subheading
+from stickslip.show.report.blocks import colophon as colophon
+from stickslip.show.report.blocks import made_sections as made_sections
+from stickslip.show.report.blocks import render as render
+from stickslip.show.report.blocks import versions as versions
+from stickslip.show.report.blocks import write as write
+from stickslip.show.report.contacts import ContactsReport as ContactsReport
+from stickslip.show.report.contacts import contacts_page as contacts_page
+from stickslip.show.report.laws import characterization_page as characterization_page
+from stickslip.show.report.markup import formula_text as formula_text
+from stickslip.show.report.markup import inline as inline
+from stickslip.show.report.markup import label_of as label_of
+from stickslip.show.report.markup import mathml as mathml
+from stickslip.show.report.markup import plain as plain
+from stickslip.show.report.markup import published_dict as published_dict
+from stickslip.show.report.markup import symbol as symbol
+from stickslip.show.report.markup import symbol_text as symbol_text
+from stickslip.show.report.markup import typeset as typeset
+from stickslip.show.report.runs import RunReport as RunReport
+from stickslip.show.report.runs import run_page as run_page
+from stickslip.show.report.shared_sections import candidates_heading as candidates_heading
+from stickslip.show.report.shared_sections import identified_heading as identified_heading
+from stickslip.show.report.shared_sections import law_references as law_references
+from stickslip.show.report.shared_sections import opening as opening
+from stickslip.show.report.shared_sections import parameters as parameters
+from stickslip.show.report.shared_sections import record_and_checks as record_and_checks
+from stickslip.show.report.shared_sections import reproduce as reproduce
+from stickslip.show.report.tables import Axis as Axis
+from stickslip.show.report.tables import Blank as Blank
+from stickslip.show.report.tables import Cell as Cell
+from stickslip.show.report.tables import Colour as Colour
+from stickslip.show.report.tables import Column as Column
+from stickslip.show.report.tables import Correlations as Correlations
+from stickslip.show.report.tables import Mark as Mark
+from stickslip.show.report.tables import Name as Name
+from stickslip.show.report.tables import Number as Number
+from stickslip.show.report.tables import Row as Row
+from stickslip.show.report.tables import RowPlot as RowPlot
+from stickslip.show.report.tables import Table as Table
+from stickslip.show.report.tables import error_axis as error_axis
+from stickslip.show.report.tables import error_plot as error_plot
+
+__all__ = [
+    "Animation",
+    "Axis",
+    "Blank",
+    "Block",
+    "Caption",
+    "Cell",
+    "Code",
+    "Column",
+    "Columns",
+    "Correlations",
+    "Fact",
+    "Facts",
+    "Figure",
+    "Gallery",
+    "KeyValue",
+    "KeyValues",
+    "LawLine",
+    "Mark",
+    "Math",
+    "Name",
+    "Note",
+    "Number",
+    "Opening",
+    "Page",
+    "Panel",
+    "Paragraph",
+    "Reference",
+    "References",
+    "Row",
+    "RowPlot",
+    "Section",
+    "Subheading",
+    "Table",
+    "inline",
+    "mathml",
+    "render",
+    "symbol",
+    "symbol_text",
+    "write",
+]

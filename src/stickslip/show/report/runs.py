@@ -1,0 +1,859 @@
+"""The report of a run: what moved, how surely, and how far to trust it.
+
+In this order: the motion in figures and tables, its cycles, events and criteria, the law and its
+doubt, the certificate, and how to reproduce it.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+import numpy as np
+
+from stickslip.data import HARD, LawEstimates, Rig, equated, unfitted_bristles, unit_on
+from stickslip.engine.trajectory import Event, Trajectory
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.candidates import Criteria, criteria_of
+from stickslip.mechanisms import cycle_or_none, slip_names
+from stickslip.quantities import parameters
+from stickslip.show.formatting import (
+    Scale,
+    capital,
+    count,
+    interval,
+    joined,
+    number,
+    quantity,
+    scale_of,
+    significant,
+)
+from stickslip.show.plots import (
+    CYCLE_SIZES,
+    FORCE_SIZES,
+    FRICTION_SIZES,
+    RUN_SIZES,
+    VALIDATION_SIZES,
+    animation_html,
+    draw_cycles,
+    draw_friction_velocity,
+    draw_run,
+    draw_validation,
+    horizon,
+    inline_svg,
+)
+from stickslip.show.report.blocks import (
+    Animation,
+    Block,
+    Caption,
+    Fact,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Math,
+    Note,
+    Opening,
+    Origin,
+    Page,
+    Section,
+    colophon,
+    made_sections,
+    render,
+)
+from stickslip.show.report.shared_sections import ended_early, evidence, reproduce
+from stickslip.show.report.tables import Cell, Column, Row, Table
+from stickslip.study.sweep import Band, DrivenCycle, Spread, Validation, cycles_in
+
+# What a report of a run is about, and the words that its sections share.
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunReport:
+    """A run with what is known of it.
+
+    Parameters
+    ----------
+    rig : Rig
+        What moved.
+    law : FrictionLaw
+        With what friction.
+    run : Trajectory
+        How.
+    estimates : LawEstimates, optional
+        How well the law is known.
+    remarks : tuple of str
+        What does not carry over from where the law was fitted.
+    law_file : str
+        Where that was, if it was another file than the rig's.
+    band : Band, optional
+        The motion with the law's parameters drawn from their estimates.
+    validation : Validation, optional
+        What was measured on the rig beside the prediction.
+    refit : tuple of str
+        How the law compares with a fit to that measurement, in sentences.
+    fixed_step : float, optional
+        The step [s], where the run was made in fixed steps.
+    commands : tuple of str
+        Commands that give this report again.
+    versions : mapping of str to str
+        What the result may depend on.
+    digests : mapping of str to str
+        Hashes of the inputs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = Rig(title="Block", mechanism=SpringBlock(mass=1.0, stiffness=100.0, compression=0.1))
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> subject = RunReport(rig=rig, law=law, run=simulate(rig.mechanism, law, t_end=1.0))
+    >>> subject.unit, subject.cycles, round(subject.criteria.travel, 4)
+    ('m', (), 0.2039)
+    """
+
+    rig: Rig
+    law: FrictionLaw
+    run: Trajectory
+    estimates: LawEstimates | None = None
+    remarks: tuple[str, ...] = ()
+    law_file: str = ""
+    band: Band | None = None
+    validation: Validation | None = None
+    refit: tuple[str, ...] = ()
+    fixed_step: float | None = None
+    commands: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def part(self) -> str:
+        """What slips, such as "cart"."""
+        return self.rig.mechanism.moving_part
+
+    @property
+    def slip(self) -> str:
+        """Name of the slipping coordinate."""
+        return slip_names(self.rig.mechanism)[0]
+
+    @property
+    def rate(self) -> str:
+        """Name of its rate."""
+        return slip_names(self.rig.mechanism)[1]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the slipping coordinate."""
+        return self.run.units[self.slip]
+
+    @property
+    def moves(self) -> bool:
+        """Whether the body moves at all."""
+        # an exact step may lead from rest to rest
+        return bool(np.any(self.run[self.rate] != 0.0) or np.ptp(self.run[self.slip]) > 0.0)
+
+    @property
+    def mean_velocity(self) -> float:
+        """Over all whole cycles, or without any over the run."""
+        if self.cycles:
+            return sum(one.travel for one in self.cycles) / (
+                len(self.cycles) * self.cycles[0].period
+            )
+        first, last = self.run.span
+        return self.criteria.travel / (last - first)
+
+    @cached_property
+    def criteria(self) -> Criteria:
+        """What the run does, in the terms of the source paper."""
+        measurement = self.rig.measurement
+        records = () if measurement is None else measurement.records()
+        travel = records[0].travel if len(records) == 1 else None
+        return criteria_of(self.run, self.rig.mechanism, None if travel is None else float(travel))
+
+    @cached_property
+    def cycles(self) -> tuple[DrivenCycle, ...]:
+        """The whole cycles of a run whose drives repeat themselves."""
+        period = cycle_or_none(self.rig.mechanism)
+        return () if period is None else cycles_in(self.run, self.rig.mechanism, period)
+
+    def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
+        """Return a distance or a speed of the slipping coordinate, with its unit."""
+        return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)
+
+    def range_beside(self, spread: Spread, value: float, *, per_second: bool = False) -> str:
+        """Return a range of distances or speeds in the unit of the number beside it."""
+        unit = self.unit + ("/s" if per_second else "")
+        scale = scale_of([value] if value else [spread.low, spread.high], unit)
+        return scale.interval(spread.low, spread.high)
+
+    def advances(self, travel: float, digits: int = 3) -> str:
+        """Return by how much the body advances or moves back, as a predicate."""
+        verb = "advances" if travel >= 0.0 else "moves back"
+        return f"{verb} {self.of(abs(travel), digits)}"
+
+
+# The motion in figures and tables: run, cycles, events, criteria.
+
+FIRST_ROWS, LAST_ROWS = 6, 4
+"""Cycles of which a table shows the first and the last."""
+MOST_DRAWN, DRAWN = 12, 8
+"""Cycles up to which all are drawn against time, and how many of more than that."""
+ANIMATED = 12.0
+"""Frames a second."""
+STACKED = (520.0, 560.0)
+"""Scene above time plots, in a column of the page [CSS px]."""
+PHONE = (358.0, 560.0)
+"""The same on a phone."""
+SHORTEST, LONGEST = 3.0, 8.0
+"""How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
+or sped up."""
+ANIMATED_CYCLES = 2
+SAMPLES = 2001
+"""Times at which the width of a band is asked for."""
+LINE = 0.01
+"""Width of the line of a curve, as a share of its range."""
+ROUNDING = 1e-9
+"""Relative error of a travel that is 0: a law fitted to one travel reproduces it to rounding."""
+
+
+def motion_section(about: RunReport) -> Section:
+    """Return the run against time, and friction against velocity."""
+    force = about.run["normal_force"]
+    varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
+    what = "Displacement, velocity, friction" + (" and normal force" if varies else "")
+    caption = f"**{what}** against time"
+    until = None
+    if len(about.cycles) > MOST_DRAWN:
+        until = about.cycles[DRAWN].begin
+    caption += f"; yellow: the {about.part} sticks." if _sticks(about.run, until=until) else "."
+    if until is not None:
+        caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
+    if about.band is not None:
+        shaded = "Shaded" if _seen(about, about.band) else "Narrower than the line"
+        caption += (
+            f" {shaded}: range of 95 % of {about.band.count} runs with uncertain parameters drawn,"
+            " for displacement and velocity."
+        )
+    blocks = (
+        Figure(
+            svg=inline_svg(
+                draw_run(
+                    about.run,
+                    slip=about.slip,
+                    rate=about.rate,
+                    until=until,
+                    normal_force=varies,
+                    band=about.band,
+                ),
+                alt=f"{what} against time",
+                prefix="motion",
+                **(FORCE_SIZES if varies else RUN_SIZES),
+            ),
+            caption=caption,
+        ),
+        Figure(
+            svg=inline_svg(
+                draw_friction_velocity(about.run, rate=about.rate, slip=about.slip, until=until),
+                alt="Friction against velocity along the run",
+                prefix="friction-velocity",
+                **FRICTION_SIZES,
+            ),
+            caption="**Friction against velocity** along the run.",
+        ),
+    )
+    return Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
+
+
+def _seen(about: RunReport, band: Band) -> bool:
+    """Whether the band is anywhere wider than the line that is drawn through it."""
+    times = np.linspace(*about.run.span, SAMPLES)
+    seen = about.run.at(times)
+    return any(
+        float(np.max(high - low)) > LINE * float(np.ptp(seen[name]))
+        for name in band.states
+        for low, _, high in [band.at(name, times)]
+    )
+
+
+def _sticks(run: Trajectory, begin: float = -math.inf, until: float | None = None) -> bool:
+    """Whether a stick phase, which figures shade yellow, is in what they show."""
+    end = math.inf if until is None else until
+    return any(start < end and stop > begin for start, stop in run.stick_spans())
+
+
+def cycles_section(about: RunReport) -> Section | None:
+    """Return the travel of each cycle of the drives, None without whole cycles."""
+    cycles = about.cycles
+    if not cycles:
+        return None
+    last = cycles[-1]
+    end = min(last.begin + last.period, about.run.span[1])
+    runs = {about.law.title: about.run}
+    figure = Figure(
+        svg=inline_svg(
+            draw_cycles(
+                runs,
+                chosen=about.law.title,
+                cycle=(last.begin, end),
+                slip=about.slip,
+                rate=about.rate,
+            ),
+            alt="Displacement in all cycles, and the velocity in the last",
+            prefix="cycles",
+            **CYCLE_SIZES,
+        ),
+        caption="**All cycles, and the velocity in the last one**, near zero if the"
+        f" {about.part} moves back in it."
+        + (f" Yellow: the {about.part} sticks." if _sticks(about.run, last.begin, end) else ""),
+    )
+    blocks: list[Block] = [figure, _cycle_table(about)]
+    if len(cycles) > FIRST_ROWS + LAST_ROWS:
+        left = f"{FIRST_ROWS + 1} to {len(cycles) - LAST_ROWS}"
+        blocks.append(Caption(text=f"Cycles {left} of {len(cycles)} are left out."))
+    return Section(id="cycles", nav="Cycles", heading=_cycles_heading(about), blocks=tuple(blocks))
+
+
+def _cycles_heading(about: RunReport) -> str:
+    if not about.moves:
+        return f"The {about.part} does not move in any cycle"
+    if not about.cycles[-1].moves_on:
+        return "The last cycle ends where it began"
+    travels = [one.travel for one in about.cycles]
+    advance = f"The {about.part} {about.advances(travels[-1])}"
+    if len(travels) == 1:
+        return f"{advance} in one cycle"
+    if about.cycles[-1].repeats(about.cycles[-2]):
+        return f"{advance} per cycle once the motion has settled"
+    return f"{advance} in the last cycle and has not settled"
+
+
+def _cycle_table(about: RunReport) -> Table:
+    unit = "mm" if about.unit == "m" else f"m{about.unit}"
+    heads = [f"travel\n{unit}"]
+    heads += ["95 % band\n" + unit] if about.band is not None else []
+    heads += [f"mean velocity\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
+    heads.append("lowest normal force\nN")
+    columns = [Column(head="")]
+    columns += [Column(head=head, numeric=True, phone="label") for head in heads]
+    cycles = about.cycles
+    shown = list(range(len(cycles)))
+    if len(cycles) > FIRST_ROWS + LAST_ROWS:
+        shown = [*shown[:FIRST_ROWS], *shown[-LAST_ROWS:]]
+    return Table(columns=tuple(columns), rows=tuple(_cycle_row(about, k, cycles[k]) for k in shown))
+
+
+def _cycle_row(about: RunReport, place: int, one: DrivenCycle) -> Row:
+    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.advance, 4)]
+    if about.band is not None:
+        spreads = about.band.cycles
+        low, _, high = spreads[place]
+        cells.append(Scale(1e3, "").interval(low, high))
+    cells += [_thousandth(value) for value in (one.advance / one.period, one.back_slip)]
+    cells += [_thousandth(one.least_velocity), number(one.least_normal_force)]
+    return Row(cells=tuple(cells))
+
+
+def _thousandth(value: float, digits: int = 3) -> str:
+    return significant(1e3 * value, digits) if abs(value) > 1e-12 else "0"
+
+
+def animation_section(about: RunReport) -> Section | None:
+    """Return the run as a moving picture, None where it is over at once."""
+    first, last = about.run.span
+    if about.cycles:
+        until = first + ANIMATED_CYCLES * about.cycles[0].period
+    else:
+        until = horizon(about.run, about.slip)
+    until = min(until, last)
+    length = until - first
+    if length <= 0.0:
+        return None
+    speed = length / min(max(length, SHORTEST), LONGEST)
+    pace = "in real time"
+    if abs(speed - 1.0) > 1e-9:
+        pace = (
+            f"slowed down {number(1.0 / speed, 2)} times"
+            if speed < 1.0
+            else f"sped up {number(speed, 2)} times"
+        )
+    html = animation_html(
+        about.run,
+        about.rig.mechanism,
+        alt=f"The mechanism moves, with {about.law.title} friction",
+        fps=ANIMATED,
+        speed=speed,
+        until=until,
+        size=STACKED,
+        narrow=PHONE,
+    )
+    sticks = f"The {about.part} is yellow where it sticks; arrows"
+    said = sticks if _sticks(about.run, until=until) else "Arrows"
+    caption = f"**The first {quantity(length, 's')}**, to scale, {pace}. {said} are forces."
+    block = Animation(html=html, caption=caption)
+    return Section(id="animation", nav="Animation", heading="Animation", blocks=(block,))
+
+
+def events_section(about: RunReport) -> Section:
+    """Return what happened how often, first and last."""
+    events = about.run.events
+    if about.fixed_step is not None or not events:
+        text = "Fixed steps locate no events." if about.fixed_step is not None else "No events."
+        blocks: Sequence[Block] = (Caption(text=text),)
+        return Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
+    kinds = list(dict.fromkeys(event.reason for event in events))
+    heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
+    table = event_table({"": events})
+    return Section(id="events", nav="Events", heading=heading, blocks=(table,))
+
+
+def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
+    """Return how often, and when first and last, each kind of event was seen at each contact.
+
+    Contacts without a name have no column.
+    """
+    named = any(seen)
+    rows = []
+    for name, events in seen.items():
+        for kind in dict.fromkeys(event.reason for event in events):
+            times = [event.t for event in events if event.reason == kind]
+            cells = (kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")
+            rows.append(Row(cells=(name, *cells) if named else cells))
+    first = (
+        (Column(head="contact"), Column(head="event", phone="label", label="event:"))
+        if named
+        else (Column(head="event"),)
+    )
+    columns = (
+        *first,
+        Column(head="count", numeric=True, phone="label", label="count:"),
+        Column(head="first\ns", numeric=True, phone="label"),
+        Column(head="last\ns", numeric=True, phone="label"),
+    )
+    return Table(columns=columns, rows=tuple(rows))
+
+
+def criteria_section(about: RunReport) -> Section:
+    """Return the three criteria of the source paper, evaluated on the run."""
+    seen = about.criteria
+    items = (
+        KeyValue(
+            key="1. The velocity never becomes negative",
+            value=_held(
+                seen.velocity_never_negative,
+                f"lowest velocity {about.of(seen.least_velocity, 3, per_second=True)}",
+            ),
+            mark="ok" if seen.velocity_never_negative else "warn",
+        ),
+        KeyValue(
+            key="2. The displacement never decreases",
+            value=_held(
+                seen.displacement_never_decreases,
+                f"largest back-slip {about.of(seen.largest_return)}"
+                if seen.travel >= 0.0
+                else f"travel {about.of(seen.travel)}",
+            ),
+            mark="ok" if seen.displacement_never_decreases else "warn",
+        ),
+        KeyValue(
+            key="3. Relative error of the travel",
+            value=_third(about),
+        ),
+    )
+    text = (
+        f"A drive force larger than friction can move the {about.part} backwards, and elastic"
+        f" bristles spring back when the {about.part} stops: failing criterion 1 or 2 does not"
+        " refute the law."
+    )
+    blocks = (KeyValues(items=items), Caption(text=text))
+    return Section(
+        id="criteria", nav="Criteria", heading="The criteria of the source paper", blocks=blocks
+    )
+
+
+def _third(about: RunReport) -> str:
+    """Return the error of the travel, or of all that were measured, in words."""
+    error, measurement = about.criteria.relative_error, about.rig.measurement
+    if error is not None:
+        return f"{number(100.0 * error) if abs(error) > ROUNDING else 0} % of the measured one"
+    if measurement is None or not measurement.travelled:
+        return "no travel of this rig was measured"
+    travels = () if about.validation is None else about.validation.travels
+    errors = [one.relative_error for one in travels if one.relative_error is not None]
+    if not errors:
+        return "the measured travels were not compared"
+    what = travels[0].quantity.replace("_", " ")
+    if len(errors) == 1:
+        return f"{number(100.0 * errors[0])} % of the measured {what}"
+    ends = (number(100.0 * end) for end in (min(errors), max(errors)))
+    return f"{' to '.join(ends)} % of {len(errors)} measured values ({what})"
+
+
+def _held(holds: bool, found: str) -> str:
+    return f"{'holds' if holds else 'does not hold'}: {found}"
+
+
+# The end of the report of a run: the law and its doubt, certificate, how to reproduce it.
+
+
+def law_section(about: RunReport) -> Section:
+    """Return the law with its parameters, their intervals, and what does not carry over."""
+    law = about.law
+    rows = []
+    for path, one, value in parameters(law, "friction"):
+        name = path.removeprefix("friction.")
+        span, how = how_known(about.estimates, name)
+        label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
+        unit = unit_on(about.rig.mechanism, one)
+        unit = "none" if unit == "1" else unit
+        rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
+    for name, (own, other) in equated(law).items():
+        label = f"{name.replace('_', ' ').capitalize()} ${own}$"
+        rows.append(Row(cells=(label, f"${other}$", "none", "—", "assumed, not measured")))
+    kind = "95 %" if about.estimates is None else about.estimates.interval
+    columns = (
+        Column(head="parameter"),
+        Column(head="value", numeric=True),
+        Column(head="unit", phone="label", label="unit:"),
+        Column(head=kind, numeric=True, phone="label", label=f"{kind}:"),
+        Column(head="how it is known"),
+    )
+    blocks: list[Block] = [Math(latex=law.formula), Table(columns=columns, rows=tuple(rows))]
+    if about.remarks:
+        title = "Validity of the law."
+        blocks.append(Note(kind="info", title=title, text=" ".join(about.remarks)))
+    blocks += drawn(about.band, about.estimates)
+    from_file = f", from `{about.law_file}`" if about.law_file else ""
+    heading = f"{law.title} friction{from_file}"
+    return Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
+
+
+def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
+    """Return the interval of a parameter, and how it is known."""
+    if known is None or name not in (*known.intervals, *known.not_identified, *known.not_fitted):
+        return "—", "as given"
+    if name in known.not_fitted:
+        return "—", "overridden" if name in known.overridden else "given or assumed"
+    if name in known.not_identified:
+        return "—", f"not identified: {known.not_identified[name]}"
+    return interval(*known.intervals[name]), "stated" if name in known.stated else "fitted"
+
+
+def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
+    """Return how the runs of a band were drawn, in words; nothing where there is no band."""
+    if band is None:
+        return []
+    of_law = [path for path in band.draws if path.startswith("friction.")]
+    of_rig = ", ".join(_in_words(path) for path in band.draws if path not in of_law)
+    begin = f"The band: {band.count} draws (seed {band.seed}) of"
+    rig = f"{of_rig}, normal with their standard uncertainties and independent"
+    if known is None or not of_law:
+        return [Caption(text=f"{begin} {rig}. It has no measurement noise."), *explained(band)]
+    names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
+    how = (
+        "with their covariance"
+        if len(known.covariance_of) > 1
+        else f"uniform within the {known.interval}"
+        if known.interval in HARD
+        else "normal with the 95 % interval"
+    )
+    text = (
+        f"{begin} {names}, {how}, in the valid ranges of"
+        f" {'the law' if isinstance(known.law, str) else 'the laws'}"
+        f"{f'; and of {rig}' if of_rig else ''}. It has no measurement noise."
+    )
+    if known.kept:
+        words = ", ".join(map(_in_words, known.kept))
+        text += f" Fixed: {words}."
+    return [Caption(text=text), *explained(band)]
+
+
+def explained(band: Band) -> list[Block]:
+    """Return which uncertain parameter spreads each travel, or why that is not said."""
+    if len(band.draws) < 2:
+        return []
+    try:
+        shares = {name: band.shares(name) for name in band.travels}
+    except InputError as error:
+        return [Caption(text=f"Which parameter the spread comes from is not said: {error}")]
+    rows = tuple(
+        Row(
+            cells=(
+                _in_words(path.removeprefix("friction.").removeprefix("mechanism.")),
+                *(one.text_of("first", place) for one in shares.values()),
+            )
+        )
+        for place, path in enumerate(band.draws)
+    )
+    heads = (
+        Column(head=f"share of the variance\nof the travel of {name}", numeric=True)
+        for name in shares
+    )
+    table = Table(columns=(Column(head="uncertain parameter"), *heads), rows=rows)
+    text = (
+        "Sobol indices of first order with 95 % intervals, from the draws of the band: what each"
+        " parameter explains alone."
+    )
+    for name, one in shares.items():
+        share, half = one.indices["first"], one.half_widths["first"]
+        *_, second, first = np.argsort(share).tolist()
+        if share[first] - share[second] > math.hypot(half[first], half[second]):
+            text += (
+                f" To know the travel of {name} better, measure the {rows[first].cells[0]} first."
+            )
+        elif share[first] <= half[first]:
+            text += f" No parameter alone is shown to spread the travel of {name}."
+        else:
+            both = f"{rows[first].cells[0]} and {rows[second].cells[0]}"
+            text += (
+                f" {one.used} runs do not settle which of {both} spreads the travel of {name} more."
+            )
+    return [table, Caption(text=text)]
+
+
+def _in_words(name: str) -> str:
+    """Return a parameter in words, after its contact if it has one."""
+    contact, _, own = name.rpartition(".")
+    return f"{contact} {own.replace('_', ' ')}".strip()
+
+
+def certificate_section(about: RunReport) -> Section:
+    """Return how far to trust the computation, in words."""
+    return certificate_of(about.run, exact=about.fixed_step is None)
+
+
+def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
+    """Return how far to trust a computation, in words."""
+    if not exact:
+        heading = "Fixed steps have no certificate"
+    elif run.certificate.certified:
+        heading = "The run is certified"
+    else:
+        heading = "The run is not certified"
+    text = (
+        "The certificate shows that the equations were solved correctly: energies are integrated"
+        " independently of the motion. It does not show that the law describes the contact."
+    )
+    items = evidence(run, located=exact)
+    blocks = (KeyValues(items=items), Caption(text=text))
+    return Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
+
+
+def reproduce_section(about: RunReport) -> Section:
+    """Return commands, versions, hashes and the sources of the law."""
+    origin = Origin(
+        title=about.rig.heading,
+        data="",
+        files=about.digests,
+        commands=about.commands,
+        versions=about.versions,
+    )
+    return reproduce(origin, laws=[about.law], cited={"paper": ["criteria"]})
+
+
+# The report of a run as a page.
+
+MOST_RECORDS = 4
+"""Records that have a figure."""
+HEADINGS = {
+    True: "What was measured agrees with the prediction",
+    False: "What was measured does not agree with the prediction",
+    None: "What was measured beside the prediction",
+}
+
+
+def validation_section(about: RunReport) -> Section | None:
+    """Return what was measured beside the prediction, None where nothing was compared."""
+    seen = about.validation
+    if seen is None:
+        return None
+    verdict, *rest = seen.sentences()
+    blocks: list[Block] = [Caption(text=verdict)]
+    for index in range(min(len(seen.records), MOST_RECORDS)):
+        name = seen.records[index].name or f"record {index + 1}"
+        band = "; shaded: 95 % band of the prediction, without noise" if seen.drawn else ""
+        svg = inline_svg(
+            draw_validation(seen, record=index),
+            alt=f"Measured and predicted, {name}",
+            prefix=f"validation-{index}",
+            **VALIDATION_SIZES,
+        )
+        label = f" ({name})" if len(seen.records) > 1 else ""
+        blocks.append(
+            Figure(svg=svg, caption=f"**Measured and predicted**{label}, and residual{band}.")
+        )
+    if seen.travels:
+        blocks.append(_travels(seen))
+    blocks += [Caption(text=text) for text in rest]
+    if about.refit:
+        blocks.append(Caption(text="**Refitted to this measurement.** " + " ".join(about.refit)))
+    return Section(
+        id="validation", nav="Measured", heading=HEADINGS[seen.agrees], blocks=tuple(blocks)
+    )
+
+
+def _travels(seen: Validation) -> Table:
+    heads = ("measured", "predicted", "95 % band", "meets it")
+    columns = (
+        Column(head="trial"),
+        Column(head="quantity", phone="label", label="quantity:"),
+        *(Column(head=head, numeric=True, phone="label", label=f"{head}:") for head in heads),
+    )
+    rows = (
+        Row(cells=(one.name, one.quantity.replace("_", " "), *one.cells())) for one in seen.travels
+    )
+    return Table(columns=columns, rows=tuple(rows))
+
+
+def opening_section(about: RunReport) -> Section:
+    """Return the headline with its numbers, and what the run cannot tell."""
+    opening = Opening(
+        kicker=f"{about.rig.heading}, {about.law.title} friction",
+        verdict=_headline(about),
+        lede=_lede(about),
+        facts=_facts(about),
+        settles=_settles(about),
+        cannot_tell=_cannot_tell(about),
+        record="run",
+    )
+    return Section(id="result", nav="Result", heading="", blocks=(opening,))
+
+
+def _headline(about: RunReport) -> str:
+    run, seen, part = about.run, about.criteria, about.part
+    if not run.status.complete:
+        return ended_early(run.span[1])
+    if not about.moves:
+        return f"The {part} does not move"
+    if about.cycles:
+        last = about.cycles[-1]
+        if not last.moves_on:
+            return f"The {part} makes no net motion: the last cycle ends where it began"
+        way = "moves" if last.travel > 0.0 else "moves back"
+        return (
+            f"The {part} {way} {about.of(abs(last.travel))} in a cycle of"
+            f" {quantity(last.period, 's')}"
+        )
+    if seen.stop_time is not None:
+        after = quantity(seen.stop_time, "s")
+        return f"The {part} comes to rest {about.of(seen.travel)} from its start, after {after}"
+    return f"The {part} has moved {about.of(seen.travel)} after {quantity(run.span[1], 's')}"
+
+
+def _lede(about: RunReport) -> str:
+    said = [about.run.ending]
+    if about.cycles:
+        number = count(len(about.cycles), "whole cycle")
+        travel = sum(one.travel for one in about.cycles)
+        if about.moves:
+            said.append(f"The {about.part} {about.advances(travel, 4)} in {number}.")
+    resting = _resting(about, about.cycles[-1].advance if about.cycles else about.criteria.travel)
+    said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
+    band = about.band
+    if band is not None:
+        travels = about.range_beside(band.travel, about.criteria.travel)
+        said.append(
+            f"With uncertain parameters drawn, the travel of the whole run is"
+            f" {travels} in 95 % of {band.count} runs."
+        )
+        said += band.reasons
+    return " ".join(said)
+
+
+def _facts(about: RunReport) -> tuple[Fact, ...]:
+    band, seen = about.band, about.criteria
+    moved = about.cycles[-1].advance if about.cycles else seen.travel
+    travel = Fact(
+        value=about.of(seen.travel, 4),
+        aside="" if band is None else about.range_beside(band.travel, seen.travel),
+        what=f"travel in the whole run{_resting(about, moved)}",
+    )
+    mean = Fact(
+        value=about.of(about.mean_velocity, per_second=True),
+        aside=""
+        if band is None
+        else about.range_beside(band.mean_velocity, about.mean_velocity, per_second=True),
+        what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
+    )
+    slip = about.cycles[-1].back_slip if about.cycles else seen.largest_return
+    name = "back-slip in the last cycle" if about.cycles else "largest back-slip"
+    back = Fact(value=about.of(slip), what=f"{name}{_resting(about, slip)}")
+    return travel, mean, back
+
+
+def _resting(about: RunReport, distance: float) -> str:
+    """Return on which bristles a distance rests that no measurement determined, behind a comma."""
+    found = unfitted_bristles(about.law, about.estimates, distance, about.rig.mechanism)
+    return f"; depends on {joined(list(found))}, which no measurement determined" if found else ""
+
+
+def _settles(about: RunReport) -> tuple[str, ...]:
+    if about.fixed_step is not None:
+        step = quantity(about.fixed_step, "s")
+        return (f"The solution in fixed steps of {step}; events are not located.",)
+    if not about.run.certificate.certified:
+        return ()
+    return ("The solution of the equations with this law: the run is certified.",)
+
+
+def _cannot_tell(about: RunReport) -> tuple[str, ...]:
+    said = []
+    if about.law_file:
+        said.append(
+            "Whether this contact has the same friction as the one to which the law was fitted."
+        )
+    said += [
+        f"By how much static friction exceeds sliding friction: ${own}$ was neither measured nor"
+        f" given and is set equal to ${other}$."
+        for own, other in equated(about.law).values()
+    ]
+    if about.estimates is None:
+        said.append("The uncertainty of the motion: the law has no intervals.")
+    elif about.band is None:
+        said.append(
+            "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
+        )
+    else:
+        said.append(f"How the {about.part} would move with another law that fits the data as well.")
+    if not about.run.status.complete:
+        said.append("The motion after the run ended.")
+    return tuple(said)
+
+
+SECTIONS = (
+    opening_section,
+    motion_section,
+    validation_section,
+    cycles_section,
+    animation_section,
+    events_section,
+    criteria_section,
+    law_section,
+    certificate_section,
+    reproduce_section,
+)
+
+
+def run_page(about: RunReport) -> str:
+    """Return the report of a run as one HTML file.
+
+    A section that cannot be made is a line on the page that says why.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Rig, SpringBlock, simulate
+    >>> rig = Rig(title="Block", mechanism=SpringBlock(mass=1.0, stiffness=100.0, compression=0.1))
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> run = simulate(rig.mechanism, law, t_end=1.0)
+    >>> page = run_page(RunReport(rig=rig, law=law, run=run))
+    >>> "The block comes to rest" in page, "could not be made" in page
+    (True, False)
+    """
+    sections = made_sections(*(partial(make, about) for make in SECTIONS))
+    return render(
+        Page(
+            title=f"{about.rig.heading}: {about.law.title} friction",
+            subject=about.rig.path or about.rig.heading,
+            sections=sections,
+            footer=colophon(about.versions),
+            kicker="simulation report",
+        )
+    )

@@ -1,0 +1,336 @@
+"""Sections that several kinds of pages share, with their headings: from the verdict to sources."""
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Final, Literal
+
+from stickslip.data import Checks
+from stickslip.engine.trajectory import Trajectory
+from stickslip.friction import CITATIONS, FrictionLaw, RateState
+from stickslip.identify.candidates import Wording
+from stickslip.identify.fits import Estimate
+from stickslip.show.formatting import (
+    fixed,
+    in_words,
+    joined,
+    quantity,
+    residue,
+    scale_of,
+    significant,
+    with_unit,
+)
+from stickslip.show.report.blocks import (
+    MOST,
+    Block,
+    Caption,
+    Code,
+    Fact,
+    Figure,
+    KeyValue,
+    KeyValues,
+    LawLine,
+    Math,
+    Opening,
+    Origin,
+    Reference,
+    References,
+    Section,
+    Subheading,
+)
+from stickslip.show.report.markup import label_of, typeset
+from stickslip.show.report.tables import Column, Name, Number, Row, Table
+
+CERTIFICATE: Final = "Certificate of the computation"
+
+
+def checks_heading(warned: int, source: str = "its checks") -> str:
+    """Return the heading of the section on a record and its checks.
+
+    Examples
+    --------
+    >>> checks_heading(0), checks_heading(2)
+    ('The record: no warnings from its checks', 'The record: two warnings from its checks')
+    """
+    if not warned:
+        return "The record: no warnings from its checks"
+    noun = "warning" if warned == 1 else "warnings"
+    return f"The record: {in_words(warned)} {noun} from {source}"
+
+
+def ended_early(t: float) -> str:
+    """Return what is said first of a run that ended before its end time.
+
+    Examples
+    --------
+    >>> ended_early(0.25)
+    'The run ends early, at 0.25 s'
+    """
+    return f"The run ends early, at {quantity(t, 's')}"
+
+
+def identified_heading(count: int) -> str:
+    """Return the heading of the section on parameters that are all identified.
+
+    Examples
+    --------
+    >>> identified_heading(2), identified_heading(5)
+    ('Both parameters are identified', 'All five parameters are identified')
+    """
+    if count == 1:
+        return "The parameter is identified"
+    if count == 2:
+        return "Both parameters are identified"
+    return f"All {in_words(count)} parameters are identified"
+
+
+MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
+
+
+def check_items(checks: Checks) -> tuple[KeyValue, ...]:
+    """Return a line for each finding of the checks of a record, warnings and errors marked.
+
+    Examples
+    --------
+    >>> from stickslip import Measurement, check
+    >>> [one.mark for one in check_items(check(Measurement(travel=0.2, uncertainty=0.005)))]
+    ['warn']
+    """
+    return tuple(
+        KeyValue(
+            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
+            value=str(finding),
+            mark=MARKS.get(finding.severity, "none"),
+        )
+        for finding in checks.findings
+    )
+
+
+def opening(
+    words: Wording,
+    kicker: str,
+    remark: str = "",
+    *,
+    symbols: Collection[str] = (),
+    figure: Figure | None = None,
+    law: Sequence[LawLine] = (),
+    facts: Sequence[Fact] = (),
+    settles: Sequence[str] | None = None,
+    no_score: str = "",
+    record: str = "record",
+) -> Section:
+    """Return the section that a reader may stop after: the verdict and what one would quote.
+
+    Symbols in the sentences are typeset; `settles` stands for what the wording says is settled.
+    """
+
+    def typeset_all(lines: Sequence[str]) -> tuple[str, ...]:
+        return tuple(typeset(line, symbols) for line in lines[:MOST])
+
+    block = Opening(
+        kicker=kicker,
+        verdict=typeset(words.verdict, symbols),
+        lede=typeset(" ".join(part for part in (words.lede, no_score, remark) if part), symbols),
+        figure=figure,
+        law=tuple(law),
+        facts=tuple(facts[:MOST]),
+        settles=tuple(settles[:MOST]) if settles is not None else typeset_all(words.settles),
+        cannot_tell=typeset_all(words.cannot_tell),
+        measure_next=typeset_all(words.measure_next),
+        record=record,
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
+
+
+def candidates_heading(count: int, judged_on: str) -> str:
+    """Return the heading of the section that compares all laws.
+
+    Examples
+    --------
+    >>> candidates_heading(1, "held-out blocks"), candidates_heading(3, "held-out blocks")
+    ('One candidate, scored on held-out blocks', 'Three candidates, scored on held-out blocks')
+    """
+    noun = "candidate" if count == 1 else "candidates"
+    return f"{in_words(count).capitalize()} {noun}, scored on {judged_on}"
+
+
+def parameters(
+    formula: str,
+    estimates: Sequence[Estimate],
+    last: tuple[str, Callable[[Estimate, str], str]],
+    *,
+    heading: str,
+    caption: str,
+    more: Sequence[Block] = (),
+    remarks: tuple[str, Sequence[str]],
+    label: Callable[[Estimate], str] = label_of,
+) -> Section:
+    """Return the section on the parameters of a law: its formula, their table, and remarks.
+
+    `last` has the title of the last column, and what it says of an estimate with its unit.
+    """
+    (head, said), (title, lines) = last, remarks
+
+    def row(one: Estimate) -> Row:
+        value, doubt = one.parts
+        unit = "" if one.quantity.unit == "1" else one.quantity.unit
+        shown = Number(value=value, doubt=doubt, unit=unit) if one.bounded else one.plus_minus
+        name = Name(text=label(one), aside="" if one.bounded else one.reason)
+        return Row(cells=(name, shown, said(one, unit)))
+
+    columns = (
+        Column(head="parameter"),
+        Column(head="estimate, 95 % interval", numeric=True),
+        Column(head=head, numeric=True, phone="label"),
+    )
+    table = Table(columns=columns, rows=tuple(map(row, estimates)), caption=caption)
+    blocks: list[Block] = [Math(latex=formula), table, *more]
+    if lines:
+        items = tuple(KeyValue(key="Note", value=line) for line in lines)
+        blocks += [Subheading(text=title), KeyValues(items=items)]
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
+
+
+def record_and_checks(
+    checks: Checks,
+    *,
+    blocks: Sequence[Block] = (),
+    items: Sequence[KeyValue] = (),
+    source: str = "its checks",
+) -> Section | None:
+    """Return the section on the record: what is said of it, and what was checked of it."""
+    found = (*items, *check_items(checks))
+    shown = (*blocks, *([KeyValues(items=found)] if found else []))
+    if not shown:
+        return None
+    heading = checks_heading(sum(item.mark != "none" for item in found), source)
+    return Section(id="record", nav="Record and checks", heading=heading, blocks=shown)
+
+
+def certificate(items: Sequence[KeyValue]) -> Section:
+    """Return the section that says how far to trust the computation behind a verdict."""
+    blocks = (KeyValues(items=tuple(items)),)
+    return Section(id="certificate", nav="Certificate", heading=CERTIFICATE, blocks=blocks)
+
+
+def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
+    """Return the certificate of a run, check by check.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> [item.key for item in evidence(run)]
+    ['Energy', 'Events', 'Sticking and slipping', 'Drift at rest', 'Steps']
+    """
+    book = run.certificate
+    parts = book.work_friction, book.work_stops, book.energy_end
+    given, friction, at_stops, left = _balance(book.energy_start + book.work_supplied, *parts)
+    stops = f", {at_stops} by the stops" if book.work_stops else ""
+    energy = (
+        f"{given} initially and from the drives; {friction} dissipated by friction{stops};"
+        f" {left} remaining. Mismatch {residue(book.energy_error)}"
+    )
+    items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
+    if located:
+        events = "event" if len(run.events) == 1 else "events"
+        still = book.stick_drift == 0.0
+        items += [
+            KeyValue(
+                key="Events",
+                value=f"{len(run.events):,} {events} located; largest relative residual of an"
+                f" event condition {residue(book.event_residual)}",
+            ),
+            KeyValue(
+                key="Sticking and slipping",
+                value=f"largest violation of a condition: {residue(book.guard_violation)}",
+            ),
+            KeyValue(
+                key="Drift at rest",
+                value="exactly 0" if still else quantity(book.stick_drift, "m", 1),
+                mark="ok" if still else "warn",
+            ),
+        ]
+    steps = f"{book.steps:,} accepted, {book.rejected:,} rejected"
+    items.append(KeyValue(key="Steps", value=steps))
+    items += [KeyValue(key="Warning", value=text, mark="warn") for text in book.warnings]
+    items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    return tuple(items)
+
+
+def _balance(*energies: float) -> list[str]:
+    """Return energies in one unit and with the decimals of the largest, which has four digits."""
+    scale = scale_of(energies, "J")
+    largest = scale.factor * max((abs(one) for one in energies if math.isfinite(one)), default=0.0)
+    if not largest >= 1e-3:
+        return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
+    decimals = max(3 - math.floor(math.log10(largest)), 0)
+    return [
+        with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
+        for one in energies
+    ]
+
+
+REPRODUCE: Final = "Reproduce and cite"
+
+
+def reproduce(
+    origin: Origin,
+    *,
+    code: Sequence[tuple[str, str]] = (),
+    items: Sequence[KeyValue] = (),
+    data: str = "",
+    laws: Iterable[FrictionLaw | RateState] = (),
+    cited: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> Section:
+    """Return the section with commands, code, data, versions, hashes and the sources of laws.
+
+    `cited` has by key what else is cited, and for what.
+
+    Examples
+    --------
+    >>> section = reproduce(
+    ...     Origin(title="Block", data="one travel", commands=("stickslip select",))
+    ... )
+    >>> section.blocks[0].text
+    '$ stickslip select'
+    """
+    blocks: list[Block] = []
+    if origin.commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in origin.commands)))
+    for text, caption in code:
+        blocks.append(Code(text=text))
+        if caption:
+            blocks.append(Caption(text=caption))
+    known = [*items, *([KeyValue(key="Data", value=data)] if data else [])]
+    known += (KeyValue(key=name, value=one) for name, one in origin.versions.items())
+    known += [
+        KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
+    ]
+    if origin.digest:
+        known.append(KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
+    if known:
+        blocks.append(KeyValues(items=tuple(known)))
+    references = law_references(laws, cited)
+    if references:
+        text = "Sources of the laws and criteria on this page."
+        blocks += [References(items=references), Caption(text=text)]
+    return Section(id="reproduce", nav=REPRODUCE, heading=REPRODUCE, blocks=tuple(blocks))
+
+
+def law_references(
+    laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
+) -> tuple[Reference, ...]:
+    """Return the sources of laws with the laws they are for, after those given by key."""
+    used = {key: list(who) for key, who in first.items()}
+    for law in laws:
+        for key in law.sources:
+            who = used.setdefault(key, [])
+            if law.title not in who:
+                who.append(law.title)
+    return tuple(
+        Reference(**CITATIONS[key]._asdict(), note=joined(who))
+        for key, who in used.items()
+        if key in CITATIONS
+    )

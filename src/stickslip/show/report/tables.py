@@ -1,0 +1,575 @@
+"""Tables that become cards on a phone, with plots one line high in their cells."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise, zip_longest
+from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
+
+from stickslip.errors import InputError
+from stickslip.show.formatting import Scale, fixed, number
+from stickslip.show.report import markup
+
+# Plots one line high inside a table: placed in percent, so that they stretch with the cell.
+
+ERRORS: Final = "dot: error; bar: ± 1 s.e."
+"""Caption of an axis of errors."""
+Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
+"""A colour by its meaning; the style sheet says which it is in light, dark and print."""
+
+_NEAR_AN_END: Final = 4.0
+DIGITS_OF_A_FLOAT: Final = 15
+"""Significant digits that every float holds; ticks are never written with more."""
+UNSEEN: Final = 0.02
+"""Share of the length of an axis by which the number of a tick may be off."""
+
+
+class Tick(NamedTuple):
+    """A tick of an axis, ready to place.
+
+    Parameters
+    ----------
+    left : str
+        Distance from the left end of the axis, as a percentage of its length.
+    text : str
+        The number.
+    side : {"first", "middle", "last"}
+        Where along the axis it is, which decides how the number is aligned.
+    """
+
+    left: str
+    text: str
+    side: Literal["first", "middle", "last"]
+
+
+class Shape(NamedTuple):
+    """A piece of a row plot, ready to place.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of mark, or ``"below"`` or ``"above"`` for an arrow at the end of the axis.
+    colour : str
+        Colour, by its name in the style sheet.
+    left : str
+        Distance from the left end of the axis, as a percentage of its length.
+    right : str
+        Distance from the right end, likewise.
+    """
+
+    kind: str
+    colour: str
+    left: str
+    right: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """The horizontal axis that the plots of a column share.
+
+    Parameters
+    ----------
+    low, high : float
+        Its ends, finite.
+    ticks : tuple of float
+        Where thin lines and numbers stand.
+    labels : tuple of str
+        The numbers; the ticks themselves if left out.
+    log : bool
+        Whether equal ratios have equal lengths. For scores that span more than 20 times.
+    reference : float, optional
+        Where a strong line stands, such as the measured value.
+    caption : str
+        Quantity and unit, and what each mark is.
+
+    Raises
+    ------
+    InputError
+        If the ends are not finite and in order, or something lies outside.
+
+    Examples
+    --------
+    >>> Axis(low=0.1, high=10.0, ticks=(0.1, 1.0, 10.0), log=True).position(1.0)
+    50.0
+    """
+
+    low: float
+    high: float
+    ticks: tuple[float, ...] = ()
+    labels: tuple[str, ...] = ()
+    log: bool = False
+    reference: float | None = None
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise InputError(f"Axis: low and high must be finite and low < high, got {self}.")
+        if self.log and self.low <= 0:
+            raise InputError(f"Axis: a logarithmic axis begins above 0, got low={self.low!r}.")
+        if self.labels and len(self.labels) != len(self.ticks):
+            raise InputError(f"Axis: {len(self.ticks)} ticks but {len(self.labels)} labels.")
+        placed = self.ticks if self.reference is None else (*self.ticks, self.reference)
+        outside = [value for value in placed if not self.low <= value <= self.high]
+        if outside:
+            raise InputError(f"Axis: outside {self.low!r} to {self.high!r}: {outside}.")
+
+    def position(self, value: float) -> float:
+        """Return where a value stands, in percent of the length of the axis.
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=0.5).position(0.2)
+        40.0
+        """
+        if not self.log:
+            return 100 * (value - self.low) / (self.high - self.low)
+        if not value > 0:
+            return math.nan if math.isnan(value) else -math.inf
+        return 100 * math.log(value / self.low) / math.log(self.high / self.low)
+
+    def percent(self, value: float) -> str:
+        """Return where a value stands, as a CSS length.
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=0.5).percent(0.2)
+        '40%'
+        """
+        return _percent(self.position(value))
+
+    def placed_ticks(self) -> tuple[Tick, ...]:
+        """Return the ticks with their places; those at the ends must not stick out.
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=1.0, ticks=(0.0, 0.5)).placed_ticks()[1]
+        Tick(left='50%', text='0.5', side='middle')
+        """
+        labels = self.labels or _tick_texts(self.ticks)
+        out = []
+        for tick, text in zip(self.ticks, labels, strict=True):
+            at = self.position(tick)
+            is_first, is_last = at < _NEAR_AN_END, at > 100 - _NEAR_AN_END
+            out.append(
+                Tick(_percent(at), text, "first" if is_first else "last" if is_last else "middle")
+            )
+        return tuple(out)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """One mark of a row plot.
+
+    Parameters
+    ----------
+    kind : {"dot", "ring", "triangle", "bar", "link"}
+        A dot is this fit, a ring a published value, a triangle a further one; a bar is an
+        interval, a dotted link joins two marks.
+    at : float
+        Where it stands or begins.
+    to : float, optional
+        Where a bar or link ends.
+    colour : str
+        Its meaning; a ring is always muted.
+
+    Raises
+    ------
+    InputError
+        If a bar or link has no end, or another mark has one.
+
+    Examples
+    --------
+    >>> Mark(kind="bar", at=0.2, to=0.3).colour
+    'c1'
+    """
+
+    kind: Literal["dot", "ring", "triangle", "bar", "link"]
+    at: float
+    to: float | None = None
+    colour: Colour = "c1"
+
+    def __post_init__(self) -> None:
+        if (self.kind in {"bar", "link"}) is (self.to is None):
+            wanted = "needs `to`" if self.to is None else "takes no `to`"
+            raise InputError(f"Mark: a {self.kind} {wanted}, got {self.to!r}.")
+
+    def shapes(self, axis: Axis) -> tuple[Shape, ...]:
+        """Return what to draw; what lies beyond the axis becomes an arrow at that end.
+
+        Examples
+        --------
+        >>> [s.kind for s in Mark(kind="bar", at=1, to=math.inf).shapes(Axis(low=0, high=2))]
+        ['bar', 'above']
+        """
+        ends = sorted(
+            axis.position(end) for end in (self.at, self.at if self.to is None else self.to)
+        )
+        if any(math.isnan(end) for end in ends):
+            return ()
+        first, last = ends
+        arrows = [("below", first < 0), ("above", last > 100)]
+        out = [Shape(kind, self.colour, "0%", "0%") for kind, is_drawn in arrows if is_drawn]
+        if last >= 0 and first <= 100:
+            left, right = _percent(max(first, 0)), _percent(100 - min(last, 100))
+            out.insert(0, Shape(self.kind, self.colour, left, right))
+        return tuple(out)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowPlot:
+    """A table cell that shows numbers of its row along an axis.
+
+    Parameters
+    ----------
+    marks : tuple of Mark
+        What is drawn, the last on top.
+    axis : Axis, optional
+        An axis of its own, with numbers below; without it, that of the column.
+    lanes : {1, 2}
+        With 2, rings stand above the other marks, which they might hide.
+    alt : str
+        What it shows, if the cells beside it do not say so.
+
+    Examples
+    --------
+    >>> RowPlot(marks=(Mark(kind="dot", at=0.204),)).lanes
+    1
+    """
+
+    marks: tuple[Mark, ...]
+    axis: Axis | None = None
+    lanes: Literal[1, 2] = 1
+    alt: str = ""
+
+
+def _tick_texts(ticks: tuple[float, ...]) -> tuple[str, ...]:
+    """Return numbers with the fewest digits, three at least, that move no tick by `UNSEEN`."""
+    near = UNSEEN * (max(ticks, default=0.0) - min(ticks, default=0.0))
+    enough = (
+        digits
+        for digits in range(3, DIGITS_OF_A_FLOAT)
+        if all(abs(float(f"{tick:.{digits}g}") - tick) <= near for tick in ticks)
+    )
+    digits = next(enough, DIGITS_OF_A_FLOAT)
+    return tuple(number(tick, digits) for tick in ticks)
+
+
+def _percent(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".") + "%"
+
+
+_WIDEST: Final = 20.0
+"""Scores that span more than this many times have a logarithmic axis."""
+_SHORTEST: Final = 0.2
+"""Share of a score down to which its bar is drawn at most."""
+
+
+def error_plot(score: float, error: float, scale: Scale, colour: Colour, axis: Axis) -> RowPlot:
+    """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
+
+    Examples
+    --------
+    >>> bar, dot = error_plot(2e-3, 3e-3, Scale(1e3, "mm"), "c1", Axis(low=0.0, high=5.0)).marks
+    >>> bar.at, bar.to, dot.at
+    (0.0, 5.0, 2.0)
+    """
+    if not math.isfinite(score):
+        return RowPlot(marks=())
+    at = scale.factor * score
+    marks = [Mark(kind="dot", at=at, colour=colour)]
+    if math.isfinite(error):
+        half = scale.factor * error
+        low = _SHORTEST * at if axis.log else axis.low  # a bar has a place on a logarithmic axis
+        marks.insert(0, Mark(kind="bar", at=max(at - half, low), to=at + half, colour=colour))
+    return RowPlot(marks=tuple(marks))
+
+
+def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = ()) -> Axis | None:
+    """Return the axis of held-out errors, logarithmic if they span more than 20 times.
+
+    Examples
+    --------
+    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm")).ticks
+    (0.0, 2.5, 5.0)
+    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm"), [1e-4, 3e-4]).ticks
+    (0.0, 5.0, 10.0)
+    >>> error_axis([1e-4, 9e-3], Scale(1e3, "mm"), [0.0, 3e-3]).ticks
+    (0.1, 1.0, 10.0, 100.0)
+    """
+    known = [
+        (scale.factor * one, scale.factor * half if math.isfinite(half) else 0.0)
+        for one, half in zip_longest(errors, halves, fillvalue=0.0)
+        if 0.0 < one < math.inf
+    ]
+    if len(known) < 2:
+        return None
+    scores = [one for one, _ in known]
+    end = max(one + half for one, half in known)
+    if max(scores) > _WIDEST * min(scores):
+        low = min(max(one - half, _SHORTEST * one) for one, half in known)
+        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(end)) + 1)
+        ticks = tuple(10.0**power for power in powers)
+        shown = ticks[:: 1 + len(ticks) // 6]
+        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=ERRORS)
+    power = 10.0 ** math.floor(math.log10(end))
+    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= end)
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)
+
+
+# Tables that become cards on a phone.
+
+_MANY_ROWS: Final = 12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A cell with a number, its doubt and its unit, each set in its own weight.
+
+    Parameters
+    ----------
+    value : str
+        The number, formatted.
+    doubt : str
+        Such as "± 4".
+    unit : str
+        Only where the rows of a column differ; else it stands in the head. A pure number, ``"1"``,
+        has none.
+
+    Examples
+    --------
+    >>> Number(value="158", doubt="± 4", unit="N s/m").value
+    '158'
+    """
+
+    value: str
+    doubt: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Name:
+    """A cell with a name and, below it in small print, what distinguishes it.
+
+    Parameters
+    ----------
+    text : str
+        The name.
+    aside : str
+        Such as "the usual choice".
+
+    Examples
+    --------
+    >>> Name(text="Coulomb", aside="no offset").aside
+    'no offset'
+    """
+
+    text: str
+    aside: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blank:
+    """A cell to write into by hand.
+
+    Parameters
+    ----------
+    what : str
+        What is written there, for who cannot see the line.
+
+    Examples
+    --------
+    >>> Blank(what="travel").what
+    'travel'
+    """
+
+    what: str
+
+
+Cell: TypeAlias = str | Number | Name | Blank | RowPlot
+"""What a cell may hold; plain text has the markup of `stickslip.show.report.markup.inline`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    r"""A column of a table.
+
+    Parameters
+    ----------
+    head : str
+        Quantity and unit; a line break separates the two.
+    numeric : bool
+        Whether its cells are aligned to the right.
+    phone : {"show", "hide", "label"}
+        What happens on a phone, where a row is a card: shown as it is, left out, or shown with
+        a label.
+    label : str
+        That label; the head if left out.
+    axis : Axis, optional
+        The axis of its row plots.
+
+    Examples
+    --------
+    >>> Column(head="travel\nm", numeric=True).phone
+    'show'
+    """
+
+    head: str
+    numeric: bool = False
+    phone: Literal["show", "hide", "label"] = "show"
+    label: str = ""
+    axis: Axis | None = None
+
+    @property
+    def phone_label(self) -> str:
+        """The label on a phone, or nothing."""
+        text = self.label or self.head.replace("\n", ", ")
+        return markup.plain(text) if self.phone == "label" else ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A row of a table.
+
+    Parameters
+    ----------
+    cells : tuple of str, Number, Name, Blank or RowPlot
+        One for each column.
+    chosen : bool
+        Whether it is the model that the page recommends.
+    muted : bool
+        Whether it was dropped.
+
+    Examples
+    --------
+    >>> Row(cells=("Coulomb", "0.204"), chosen=True).muted
+    False
+    """
+
+    cells: tuple[Cell, ...]
+    chosen: bool = False
+    muted: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    r"""A table.
+
+    Parameters
+    ----------
+    columns : tuple of Column
+        The first names the rows.
+    rows : tuple of Row
+        At least one.
+    caption : str
+        What the marks are and what to see.
+
+    Raises
+    ------
+    InputError
+        If a row has too many or too few cells, a cell is empty, or a plot has no axis.
+
+    Examples
+    --------
+    >>> columns = (Column(head="model"), Column(head="travel\nm", numeric=True))
+    >>> Table(columns=columns, rows=(Row(cells=("Coulomb", "0.204")),)).is_long
+    False
+    """
+
+    template: ClassVar[str] = "table"
+    columns: tuple[Column, ...]
+    rows: tuple[Row, ...]
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.rows:
+            raise InputError("Table: no rows; leave the section out or say why in words.")
+        for row in self.rows:
+            if len(row.cells) != len(self.columns):
+                raise InputError(f"Table: {len(self.columns)} columns but the row {row.cells}.")
+            for column, cell in zip(self.columns, row.cells, strict=True):
+                _check(column, cell)
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it may be broken over two printed pages."""
+        return len(self.rows) > _MANY_ROWS
+
+    @property
+    def phone_plots(self) -> tuple[Column, ...]:
+        """The columns whose axis stands above the table on a phone, where the head is hidden."""
+        return tuple(column for column in self.columns if column.axis and column.phone != "hide")
+
+    def css(self, index: int) -> str:
+        """Return the CSS classes of the cells of a column."""
+        column = self.columns[index]
+        is_plot = any(isinstance(row.cells[index], RowPlot) for row in self.rows)
+        classes = {
+            "n": column.numeric,
+            "plot": is_plot,
+            "full": index > 0 and (is_plot or not column.numeric),
+            "hide": column.phone == "hide",
+        }
+        return " ".join(name for name, holds in classes.items() if holds)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Correlations:
+    """The triangle of correlations between estimates.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The parameters, at least two.
+    values : tuple of tuple of float
+        Below the diagonal: the row of the second parameter has one number, the next two, ...
+    caption : str
+        What trades off against what, in words.
+
+    Raises
+    ------
+    InputError
+        If the rows do not form a triangle of numbers from -1 to 1.
+
+    Examples
+    --------
+    >>> Correlations(names=("$F_c$", "$F_v$"), values=((-0.98,),)).shade(-0.98)
+    ('c2', 41)
+    """
+
+    template: ClassVar[str] = "correlations"
+    names: tuple[str, ...]
+    values: tuple[tuple[float, ...], ...]
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        lengths = [0, *(len(row) for row in self.values)]
+        is_triangle = all(b - a == 1 for a, b in pairwise(lengths))
+        if len(self.names) < 2 or len(lengths) != len(self.names) or not is_triangle:
+            raise InputError(
+                f"Correlations: not a triangle for {len(self.names)} names: {lengths}."
+            )
+        if not all(-1 <= value <= 1 for row in self.values for value in row):
+            raise InputError(f"Correlations: numbers must be from -1 to 1, got {self.values}.")
+
+    def shade(self, value: float) -> tuple[str, int]:
+        """Return the colour of a correlation and how much of it, in percent."""
+        return ("c2" if value < 0 else "c1"), round(42 * abs(value))
+
+    def text(self, value: float) -> str:
+        """Return a correlation with two decimals and its sign."""
+        return ("+" if value >= 0.005 else "") + fixed(value, 2)
+
+
+def _check(column: Column, cell: Cell) -> None:
+    if isinstance(cell, RowPlot):
+        if cell.axis is None and column.axis is None:
+            raise InputError(f"Table: the plots of column {column.head!r} have no axis.")
+        return
+    if isinstance(cell, Number | Blank):
+        text = cell.value if isinstance(cell, Number) else cell.what
+    else:
+        text = cell.text if isinstance(cell, Name) else cell
+    if not text.strip():
+        raise InputError(
+            f"Table: an empty cell in column {column.head!r}; say in words what is not known."
+        )

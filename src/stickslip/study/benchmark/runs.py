@@ -1,0 +1,666 @@
+"""Runs of the benchmark, a folder of results that goes on, and the page made of it."""
+
+import functools
+import hashlib
+import inspect
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from typing_extensions import override
+
+from stickslip.engine.executors import Inline, check_executor, spread
+from stickslip.errors import InputError, StickslipError, UnknownNameError
+from stickslip.friction import law_type
+from stickslip.identify.fits import RecordFit
+from stickslip.identify.kinds import fit, select
+from stickslip.quantities import vary
+from stickslip.show.described import Described
+from stickslip.show.documents import document, json_text, regular_bytes, unwritable, write_file
+from stickslip.show.formatting import Scale, count, joined, number, quantity, scale_of
+from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, inline_svg
+from stickslip.show.report import (
+    Block,
+    Caption,
+    Cell,
+    Code,
+    Column,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Name,
+    Number,
+    Page,
+    Paragraph,
+    Section,
+    Table,
+    colophon,
+)
+from stickslip.show.report import Row as TableRow
+from stickslip.show.tables import Tabular
+from stickslip.study.benchmark.definition import CoefficientError, Task
+from stickslip.study.benchmark.peers import PEERS, Found, by_speed
+from stickslip.study.benchmark.sets import task
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+# Runs of the benchmark: a task given to a tool, and a folder of results that goes on.
+
+OURS: Final = "stickslip"
+JOURNAL: Final = "results.jsonl"
+TABLE: Final = "results.csv"
+DOCUMENT: Final = "results.json"
+PLAIN: Final = "coulomb-viscous"
+"""The law whose fit alone is timed, beside that of the peers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row(metaclass=Described):
+    """A law that a tool fitted, and how it was judged.
+
+    Examples
+    --------
+    >>> Row(task="emps", tool="stickslip", law="coulomb", title="Coulomb", error=2e-3).failed
+    ''
+    """
+
+    task: str
+    """Name of the task."""
+    tool: str
+    """``"stickslip"`` or the name of a peer."""
+    law: str = ""
+    """Name of the law; of several joints, of each alike."""
+    title: str = ""
+    """Name of the law in running text."""
+    error: float = math.nan
+    """Error on the part that judges, in the unit of the task's metric."""
+    doubt: float = math.nan
+    """Standard error of the error; NaN where the record has no parts."""
+    estimates: tuple[Mapping[str, Any], ...] = ()
+    """Path, symbol, unit, value and 95 % interval of each parameter."""
+    seconds: float = math.nan
+    """Processor time of the fit [s]; of a selection, of all its laws."""
+    named: bool = False
+    """Whether the selection recommends it."""
+    outcome: str = ""
+    """What became of it in the selection, or what a peer was given."""
+    failed: str = ""
+    """Why there is no result; empty if there is one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Results(Tabular):
+    """The rows of a folder."""
+
+    rows: tuple[Row, ...]
+    """By task, tool and law."""
+    made: int = 0
+    """Pairs of task and tool that were run now; the others were there."""
+    complete: bool = True
+    """Whether all pairs that were asked for are there."""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    """Of all that the results depend on."""
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each law, its parameters as text."""
+        import pandas as pd
+
+        rows = []
+        for one in self.rows:
+            own = asdict(one)
+            own["unit"] = task(one.task).metric.unit
+            own["estimates"] = "; ".join(map(_text, one.estimates))
+            rows.append(own)
+        return pd.DataFrame(rows)
+
+    def of(self, name: str) -> tuple[Row, ...]:
+        """Return the rows of a task."""
+        return tuple(one for one in self.rows if one.task == name)
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"seconds": "s"}
+
+
+def _text(one: Mapping[str, Any]) -> str:
+    ends = "" if one["low"] is None else f" ({one['low']:.4g} to {one['high']:.4g})"
+    return f"{one['path']} = {one['value']:.5g}{ends} {one['unit']}"
+
+
+def run(
+    names: Sequence[str],
+    folder: str | Path,
+    *,
+    peers: Sequence[str] | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Results:
+    """Give tasks to stickslip and its peers, and keep each result in a folder.
+
+    A pair of task and tool that is there, made by the same versions of the same code from the same
+    data, is not run again: what was ended at any time goes on where it was.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Tasks, as in `tasks`.
+    folder : str or Path
+        Where ``results.jsonl`` is kept, and ``results.csv`` and ``results.json`` are written.
+    peers : sequence of str, optional
+        Names of `PEERS`; those that are installed if not given.
+    executor : concurrent.futures.Executor, optional
+        Runs pairs at the same time; one after the other if not given, as processor times ask for.
+    progress : callable, optional
+        Called with the number of pairs that are there and of all; False ends after those in work.
+
+    Returns
+    -------
+    Results
+        The rows of the tasks that were asked for.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such task or peer.
+    InputError
+        If the folder cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     run([], folder).rows
+    ()
+    """
+    check_executor(executor)
+    chosen = [task(name) for name in names]
+    asked = (
+        [name for name, one in PEERS.items() if _version(one.package)] if peers is None else peers
+    )
+    for name in asked:
+        if name not in PEERS:
+            raise UnknownNameError("peer of the benchmark", name, PEERS)
+    pairs = [(one.name, tool) for one in chosen for tool in (OURS, *asked)]
+    folder = Path(folder)
+    known = _read(folder / JOURNAL)
+    digests = {pair: _digest(*pair) for pair in pairs}
+    there = {pair: known[digest] for pair, digest in digests.items() if digest in known}
+    missing = [pair for pair in pairs if pair not in there]
+    made = 0
+
+    def keep(found: tuple[tuple[str, str], list[Row]]) -> bool:
+        nonlocal made
+        pair, rows = found
+        _append(folder / JOURNAL, digests[pair], rows)
+        there[pair] = rows
+        made += 1
+        answer = None if progress is None else progress(len(there), len(pairs))
+        return answer is None or bool(answer)
+
+    if progress is not None:
+        progress(len(there), len(pairs))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    complete = spread(made_by, missing, keep, executor or Inline())
+    results = Results(
+        rows=tuple(row for pair in pairs for row in there.get(pair, ())),
+        made=made,
+        complete=complete,
+        versions=_versions(asked),
+    )
+    if results.rows:
+        write_file(folder / TABLE, results.to_dataframe().to_csv(index=False))
+        rows = [_plain(one) for one in results.rows]
+        content = {"versions": results.versions, "complete": complete, "rows": rows}
+        write_file(folder / DOCUMENT, json_text(document("benchmark", content)))
+    return results
+
+
+def made_by(name: str, tool: str) -> tuple[tuple[str, str], list[Row]]:
+    """Return the rows of a tool on a task; what it cannot do is said in a row."""
+    asked = task(name)
+    empty = Row(task=name, tool=tool)
+    if tool in asked.left_out:
+        return (name, tool), [replace(empty, failed=f"left out: {asked.left_out[tool]}")]
+    try:
+        rows = list(_ours(asked) if tool == OURS else _of_peer(asked, tool))
+    except (StickslipError, ValueError, RuntimeError, ArithmeticError) as error:
+        rows = [replace(empty, failed=f"{type(error).__name__}: {error}")]
+    return (name, tool), rows
+
+
+def _fit(asked: Task, law: Any, record: Any) -> Any:
+    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
+    if asked.route is not None:
+        options["route"] = asked.route
+    return fit(asked.mechanism, law, record, **options)
+
+
+def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    begun = time.process_time()
+    found = work()
+    return time.process_time() - begun, found
+
+
+def _ours(asked: Task) -> Iterator[Row]:
+    """Yield the laws of a selection, or each law fitted."""
+    fitted, judging = asked.split()
+    row = Row(task=asked.name, tool=OURS)
+    if not asked.selects:
+        for law in asked.laws or ():
+            own = replace(row, law=law, title=law)
+            try:
+                own = replace(own, title=law_type(law).title)
+                seconds, found = _timed(partial(_fit, asked, law, fitted))
+                yield _judged(replace(own, seconds=seconds), asked, found, judging)
+            except StickslipError as error:
+                yield replace(own, failed=str(error))
+        return
+    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
+    if asked.route is not None:
+        options["route"] = asked.route
+    seconds, verdict = _timed(lambda: select(asked.mechanism, asked.laws, fitted, **options))
+    for one in verdict.candidates:
+        named = one is verdict.best and not one.dropped
+        own = replace(
+            row, law=one.name, title=one.title, seconds=seconds, named=named, outcome=one.outcome
+        )
+        if one.fit is None:
+            yield replace(own, failed=one.dropped or "not fitted")
+        else:
+            yield _judged(own, asked, one.fit, judging)
+
+
+def _judged(row: Row, asked: Task, found: Any, judging: Any) -> Row:
+    error, doubt = asked.metric.of(found, judging)
+    estimates = tuple(
+        {
+            "path": one.path,
+            "symbol": one.quantity.symbol,
+            "unit": one.quantity.unit,
+            "value": one.value,
+            "low": one.low if math.isfinite(one.high - one.low) and not one.reason else None,
+            "high": one.high if math.isfinite(one.high - one.low) and not one.reason else None,
+        }
+        for one in found.estimates
+    )
+    return replace(row, error=error, doubt=doubt, estimates=estimates)
+
+
+def _of_peer(asked: Task, tool: str) -> Iterator[Row]:
+    """Yield what a peer finds, judged as the fit of stickslip with its values."""
+    peer = PEERS[tool]
+    fitted, judging = asked.split()
+    if isinstance(asked.metric, CoefficientError):
+        since = asked.metric.since
+        seconds, (told, error) = _timed(lambda: by_speed(tool, fitted, judging, since))
+        numbers = tuple(
+            {
+                "path": path, "symbol": path, "unit": "s/m" if path == "b" else "1", "value": value,
+                "low": _end_of(told, path, -1.0), "high": _end_of(told, path, 1.0),
+            }
+            for path, value in told.values.items()
+        )  # fmt: skip
+        law = {"scipy": "c + b V", "lmfit": "c + a ln V"}[tool]
+        yield Row(
+            task=asked.name, tool=tool, law=law, title=f"{peer.title.partition(',')[0]}, {law}",
+            error=error, estimates=numbers, seconds=seconds, outcome=told.note,
+        )  # fmt: skip
+        return
+    own = _fit(asked, peer.law, fitted)
+    seconds, found = _timed(lambda: peer.fit(asked, fitted, own))
+    at = _at(own, found)
+    row = Row(task=asked.name, tool=tool, law=peer.law, title=peer.title, seconds=seconds)
+    error, doubt = asked.metric.of(at, judging)
+    estimates = tuple(
+        {
+            "path": item.path,
+            "symbol": item.quantity.symbol,
+            "unit": item.quantity.unit,
+            "value": found.values[item.path],
+            "low": _end_of(found, item.path, -1.0),
+            "high": _end_of(found, item.path, 1.0),
+        }
+        for item in own.free_parameters.items
+    )
+    yield replace(row, error=error, doubt=doubt, estimates=estimates, outcome=found.note)
+
+
+def _end_of(found: Found, path: str, side: float) -> float | None:
+    half = found.halves.get(path, math.nan)
+    return found.values[path] + side * half if math.isfinite(half) else None
+
+
+def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
+    """Return a fit with other values of its unknowns, as what is judged."""
+    values = own.free_parameters.start
+    values[:] = [found.values[path] for path in own.free_parameters.paths]
+    best = own.problem.linearise(values, slopes=False)
+    law = {
+        path: x
+        for path, x in found.values.items()
+        if path.startswith("friction.") and "offset" not in path
+    }
+    rig = {
+        path: x
+        for path, x in found.values.items()
+        if path.startswith("mechanism.") and "joints" not in path
+    }
+    return replace(
+        own,
+        law=vary(own.law, "friction", law),
+        mechanism=vary(own.mechanism, "mechanism", rig),
+        optimum=replace(own.optimum, best=best),
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def _versions(peers: Iterable[str]) -> dict[str, str]:
+    packages = dict.fromkeys((OURS, "numpy", "scipy", *(PEERS[name].package for name in peers)))
+    return {"python": sys.version.partition(" ")[0], **{name: _version(name) for name in packages}}
+
+
+def _digest(name: str, tool: str) -> str:
+    """Return the hash of all that a result depends on: task, data, versions, code of both."""
+    asked = task(name)
+    own = [asked.dataset.file(one) for one in asked.files]
+    data = [(one.name, one.sha256 or one.source_sha256) for one in own]
+    code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
+    packages = _versions([] if tool == OURS else [tool])
+    text = repr((name, tool, data, code, packages))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@functools.cache
+def _code() -> str:
+    """Return the hash of all code of this package."""
+    found = hashlib.sha256()
+    for path in sorted(Path(str(files(OURS))).rglob("*.py")):
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    """Return a row as JSON has it: None for what is not a number."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in asdict(row).items()
+    }
+
+
+def _row(plain: Mapping[str, Any]) -> Row:
+    """Return a row that JSON had."""
+    values: dict[str, Any] = {
+        key: math.nan if one is None else tuple(one) if isinstance(one, list) else one
+        for key, one in plain.items()
+    }
+    return Row(**values)
+
+
+def _read(path: Path) -> dict[str, list[Row]]:
+    """Return results by their hash; a last line that was cut off counts as not there."""
+    found: dict[str, list[Row]] = {}
+    try:
+        lines = regular_bytes(path).decode("utf-8").splitlines()
+    except FileNotFoundError:
+        return found
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read: {error}.") from None
+    for line in lines:
+        try:
+            one = json.loads(line)
+            found[one["digest"]] = [_row(row) for row in one["rows"]]
+        except (KeyError, RecursionError, TypeError, ValueError):
+            continue
+    return found
+
+
+def _append(path: Path, digest: str, rows: Sequence[Row]) -> None:
+    line = json.dumps({"digest": digest, "rows": [_plain(one) for one in rows]})
+    try:
+        with path.open("ab+") as journal:
+            if journal.tell():
+                journal.seek(-1, os.SEEK_END)
+                line = line if journal.read() == b"\n" else f"\n{line}"  # the last one was cut off
+            journal.write(f"{line}\n".encode())
+    except OSError as error:
+        raise unwritable(path, error) from error
+
+
+# The page of the benchmark: who predicts what was not seen, set by set.
+
+NONE = "—"
+SHOWN = 8
+"""Parameters of a law that a row shows at most; the CSV has all."""
+
+
+def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
+    """Return the page of the results."""
+    names = list(dict.fromkeys(one.task for one in results.rows))
+    sections = [_section(task(name), results.of(name)) for name in names]
+    return Page(
+        title="Friction benchmark",
+        subject=count(len(names), "task"),
+        kicker="fitted on one part, judged on another",
+        sections=(_overview(results, names), *sections, _closing_section(results, reproduce)),
+        footer=colophon(results.versions),
+    )
+
+
+def best_of(rows: Sequence[Row]) -> Row | None:
+    """Return the row with the least error."""
+    known = [one for one in rows if math.isfinite(one.error)]
+    return min(known, key=lambda one: one.error, default=None)
+
+
+def of_ours(rows: Sequence[Row]) -> Row | None:
+    """Return the law that is named; where none is, the best of those that were fitted."""
+    own = [one for one in rows if one.tool == OURS]
+    named = [one for one in own if one.named]
+    return named[0] if named else best_of(own)
+
+
+def scale_for(asked: Task, rows: Sequence[Row]) -> Scale:
+    """Return what errors of a task are shown in, by the least of them."""
+    if asked.metric.unit == "1":
+        return Scale(100.0, "%")
+    best = best_of(rows)
+    return scale_of([] if best is None else [best.error], asked.metric.unit)
+
+
+def error_text(scale: Scale, row: Row | None) -> tuple[str, str]:
+    """Return an error and its standard error in a scale."""
+    if row is None or not math.isfinite(row.error):
+        return NONE, ""
+    doubt = f"± {number(scale.factor * row.doubt, 1)}" if math.isfinite(row.doubt) else ""
+    return number(scale.factor * row.error, 3), doubt
+
+
+def summary_rows(results: Results) -> list[list[str]]:
+    """Return the cells of the overview: task, our law, its error, that of each peer."""
+    found = []
+    for name in dict.fromkeys(one.task for one in results.rows):
+        rows, asked = results.of(name), task(name)
+        scale, ours = scale_for(asked, rows), of_ours(rows)
+        law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
+        by_tool = {one.tool: one for one in rows}
+        judged = (ours, *(by_tool.get(tool) for tool in PEERS))
+        found.append([name, law, *(_in_words(scale, one) for one in judged)])
+    return found
+
+
+def _in_words(scale: Scale, row: Row | None) -> str:
+    value, doubt = error_text(scale, row)
+    return NONE if value == NONE else " ".join(filter(None, (value, doubt, scale.unit)))
+
+
+def _overview(results: Results, names: Sequence[str]) -> Section:
+    columns = (
+        Column(head="task"),
+        Column(head="law of stickslip"),
+        Column(head="its error", numeric=True, phone="label"),
+        *(Column(head=tool, numeric=True, phone="label") for tool in PEERS),
+    )
+    rows = []
+    for name in names:
+        asked, own = task(name), results.of(name)
+        scale, ours = scale_for(asked, own), of_ours(own)
+        law = Name(text=NONE) if ours is None else Name(text=ours.title, aside=_whether(ours))
+        cells: list[Cell] = [Name(text=name, aside=asked.title), law, _number(scale, ours)]
+        by_tool = {one.tool: one for one in own}
+        rows.append(
+            TableRow(cells=(*cells, *(_number(scale, by_tool.get(tool)) for tool in PEERS)))
+        )
+    blocks: tuple[Block, ...] = (
+        Paragraph(
+            text="Each task fits one part of a public record and predicts another. The error is the"
+            " task's own metric on the part that was not seen; ± is its standard error by parts of"
+            " the record. The law of stickslip is the one that its selection names on the fitted"
+            " part alone. Where it names none, the table has the fitted law with the least error,"
+            " which is a choice with hindsight."
+        ),
+        Table(columns=columns, rows=tuple(rows)),
+        Caption(text=f"{NONE}: the tool was not run on the task; its section says why."),
+    )
+    heading = "Errors on what was not seen"
+    return Section(id="overview", nav="Overview", heading=heading, blocks=blocks)
+
+
+def _whether(row: Row) -> str:
+    return "named" if row.named else "not named"
+
+
+def _number(scale: Scale, row: Row | None) -> Cell:
+    value, doubt = error_text(scale, row)
+    return NONE if value == NONE else Number(value=value, doubt=doubt, unit=scale.unit)
+
+
+def _section(asked: Task, rows: Sequence[Row]) -> Section:
+    scale, record = scale_for(asked, rows), asked.dataset
+    best = best_of(rows)
+    facts = [
+        ("Record", f"{record.name}: {record.title}"),
+        ("Source", f"{record.citation} https://github.com/{record.repository}"),
+        ("Licence", record.licence),
+        ("Fitted", asked.fitted),
+        ("Judged", asked.judged),
+        ("Metric", asked.metric.text),
+        *((one.what, f"{one.result} ({one.source})") for one in asked.published),
+    ]
+    if asked.truth:
+        told = joined([f"{name} {number(value)}" for name, value in asked.truth.items()])
+        facts.append(("True values", told))
+    blocks: list[Block] = [KeyValues(items=tuple(KeyValue(key=k, value=v) for k, v in facts))]
+    shown = [one for one in rows if math.isfinite(one.error)]
+    ordered = sorted(shown, key=lambda one: one.error)
+    if ordered:
+        marks = [
+            Interval(_called(one), one.error, one.doubt, one.named)
+            for one in ordered
+            if best is not None and one.error < 50.0 * best.error
+        ]
+        height = max(INTERVAL_SIZE[1], 60 + 34 * len(marks))
+        svg = inline_svg(
+            draw_intervals(marks, "error on what was not seen", asked.metric.unit),
+            wide=(INTERVAL_SIZE[0], height),
+            alt=f"Errors of {len(marks)} laws on {asked.title}",
+            prefix=f"figure-{asked.name}",
+        )
+        blocks.append(
+            Figure(svg=svg, caption=f"**{asked.title}.** Dot: error; bar: ± 1 standard error.")
+        )
+        blocks.append(_table(scale, ordered))
+    failed = [f"{_called(one)}: {one.failed}" for one in rows if one.failed]
+    blocks += [Caption(text=f"{text.rstrip('.')}.") for text in dict.fromkeys(failed)]
+    heading = asked.title if best is None else f"{asked.title}: {_called(best)} errs least"
+    return Section(id=f"task-{asked.name}", nav=asked.name, heading=heading, blocks=tuple(blocks))
+
+
+def _called(row: Row) -> str:
+    if row.tool != OURS:
+        return row.title or PEERS[row.tool].title
+    return row.title or "stickslip"
+
+
+def _table(scale: Scale, rows: Sequence[Row]) -> Table:
+    columns = (
+        Column(head="law"),
+        Column(head=f"error\n{scale.unit}", numeric=True),
+        Column(head="parameters, with 95 % intervals", phone="label"),
+        Column(head="processor\ns", numeric=True, phone="label"),
+        Column(head="remark", phone="label"),
+    )
+    found = []
+    for one in rows:
+        value, doubt = error_text(scale, one)
+        tool = "stickslip" if one.tool == OURS else one.tool
+        remark = ("named; " if one.named and one.outcome != "chosen" else "") + one.outcome
+        cells: tuple[Cell, ...] = (
+            Name(text=_called(one), aside=tool),
+            Number(value=value, doubt=doubt),
+            parameters_text(one.estimates) or NONE,
+            number(one.seconds, 2),
+            remark or NONE,
+        )
+        found.append(TableRow(cells=cells, chosen=one.named, muted=False))
+    return Table(columns=columns, rows=tuple(found))
+
+
+def parameters_text(estimates: Sequence[Mapping[str, Any]]) -> str:
+    """Return the parameters of a law with their intervals, in a line.
+
+    Examples
+    --------
+    >>> one = {"symbol": "mu_k", "unit": "1", "value": 0.25, "low": 0.2, "high": 0.3}
+    >>> parameters_text([one])
+    '$mu_k$ = 0.25 (0.2 to 0.3)'
+    """
+    texts = []
+    for one in estimates[:SHOWN]:
+        low, high = one["low"], one["high"]
+        ends = "no interval" if low is None else f"{number(low, 3)} to {number(high, 3)}"
+        texts.append(f"${one['symbol']}$ = {quantity(one['value'], one['unit'], 3)} ({ends})")
+    more = len(estimates) - SHOWN
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
+
+
+def _closing_section(results: Results, commands: Sequence[str]) -> Section:
+    blocks: list[Block] = [
+        Paragraph(
+            text="Peers of regression (SciPy, lmfit, PySINDy) are given position and force through"
+            " a Butterworth filter of order 4 forward and backward, differences, the rows that"
+            " slip, and the rigid-body terms of the mechanism; the frequency of the filter is the"
+            " one with which SciPy errs least on the part that judges, in favour of peers."
+            " mujoco.sysid rolls out segments from smoothed states. The values that a peer finds"
+            " are judged as the same law with these"
+            " values: each segment of the part that judges begins at its own fitted state, for all"
+            " tools alike. Processor times are of one fit each, and of a whole selection where laws"
+            " are selected; work that is compiled once for a machine is in them where it was new."
+        )
+    ]
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    items = [KeyValue(key=name, value=version) for name, version in results.versions.items()]
+    blocks.append(KeyValues(items=tuple(items)))
+    return Section(id="method", nav="Method", heading="How it was measured", blocks=tuple(blocks))

@@ -1,0 +1,60 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+
+from collections.abc import Mapping as _Mapping
+from stickslip.friction import FrictionLaw as _FrictionLaw
+from stickslip.quantities import Given as _Given
+from stickslip.study.characterization.battery import Characterization as Characterization
+from stickslip.study.characterization.battery import TESTS as TESTS
+from stickslip.study.characterization.battery import characterize as characterize
+from stickslip.study.characterization.bench import Bench as _Bench
+from stickslip.study.characterization.bench import Characteristic as Characteristic
+from stickslip.study.characterization.bench import PreslidingLoop as PreslidingLoop
+from stickslip.study.characterization.bench import presliding_length as presliding_length
+from stickslip.study.characterization.bench import presliding_loop as presliding_loop
+from stickslip.study.characterization.presliding_tests import BreakAway as BreakAway
+from stickslip.study.characterization.presliding_tests import Creep as Creep
+from stickslip.study.characterization.presliding_tests import Drift as Drift
+from stickslip.study.characterization.presliding_tests import Presliding as Presliding
+from stickslip.study.characterization.sliding_tests import Lag as Lag
+from stickslip.study.characterization.sliding_tests import Passivity as Passivity
+from stickslip.study.characterization.sliding_tests import SteadyCurve as SteadyCurve
+from stickslip.study.characterization.sliding_tests import cycle_energy as cycle_energy
+from stickslip.study.characterization.stick_slip_tests import Cost as Cost
+from stickslip.study.characterization.stick_slip_tests import Hunting as Hunting
+from stickslip.study.characterization.stick_slip_tests import StickSlipMap as StickSlipMap
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Bench(_Bench):
+    def __init__(
+        self,
+        *,
+        law: _FrictionLaw,
+        load: _Given = ...,
+        mass: _Given = ...,
+        stiffness: _Given = ...,
+        inputs: _Mapping[str, float] = ...,
+        scales: tuple[float, float] | None = ...,
+    ) -> None: ...
+
+__all__ = [
+    "Bench",
+    "BreakAway",
+    "Characteristic",
+    "Characterization",
+    "Cost",
+    "Creep",
+    "Drift",
+    "Hunting",
+    "Lag",
+    "Passivity",
+    "Presliding",
+    "PreslidingLoop",
+    "SteadyCurve",
+    "StickSlipMap",
+    "TESTS",
+    "characterize",
+    "cycle_energy",
+    "presliding_length",
+    "presliding_loop",
+]

@@ -1,0 +1,501 @@
+"""The equations of motion of a mechanism as numbers, and where it takes a command.
+
+In M q'' = h - W F + B u, the mass matrix M, the forces h, the directions W of friction and B of the
+drive are evaluated at a state.
+"""
+
+import dataclasses
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import Viscous
+from stickslip.mechanisms import Mechanism, normal_of, slip_of
+from stickslip.mechanisms.drives import Drive, PiecewiseAffine, Profile, Sampled
+from stickslip.quantities import Parametrised, Quantity
+from stickslip.show.described import Described
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+
+# Where a mechanism takes the command of a controller.
+
+
+class Place(NamedTuple):
+    """A field, of a mechanism or of a part of it, that holds a drive."""
+
+    path: tuple[str, ...]
+    """Names of fields from the mechanism down, and numbers of parts where there are several."""
+
+    @property
+    def name(self) -> str:
+        """The path as it is written."""
+        return ".".join(self.path)
+
+    def commanded(
+        self, mechanism: Mechanism, command: Sampled | PiecewiseAffine
+    ) -> tuple[Mechanism, str]:
+        """Return a mechanism with a command there, and what it calls that drive.
+
+        A drive that is there already stays, and the command is added to it.
+        """
+        driven = _put(mechanism, self.path, command)
+        held = _got(driven, self.path)
+        for name, drive in driven.drives().items():
+            if drive is held:
+                return driven, name
+        raise InputError(
+            f"{type(mechanism).__name__}.{self.name} is not a drive that can be commanded:"
+            f" drives() must list it (it lists {', '.join(driven.drives()) or 'none'})."
+        )
+
+
+def _got(root: Any, path: tuple[str, ...]) -> Any:
+    for name in path:
+        root = root[int(name)] if isinstance(root, tuple) else getattr(root, name)
+    return root
+
+
+def _put(root: Any, path: tuple[str, ...], command: Drive) -> Any:
+    if not path:
+        return command if root is None else root + command
+    first, rest = path[0], path[1:]
+    new = _put(_got(root, (first,)), rest, command)
+    if isinstance(root, tuple):  # one of several parts
+        return tuple(new if str(i) == first else part for i, part in enumerate(root))
+    return dataclasses.replace(root, **{first: new})
+
+
+def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
+    """Yield the fields that hold a drive, or may."""
+    hints = typing.get_type_hints(type(root))
+    imposed = root.imposed if isinstance(root, Mechanism) else frozenset[str]()
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        here = (*path, field.name)
+        if isinstance(value, Profile) or (not path and field.name in imposed):
+            continue  # what is imposed leaves nothing to command
+        if isinstance(value, Drive) or (
+            value is None and Drive in typing.get_args(hints[field.name])
+        ):
+            yield Place(here)
+        elif isinstance(value, Parametrised):
+            yield from _places(value, here)
+        elif isinstance(value, tuple):
+            for i, part in enumerate(value):
+                if isinstance(part, Parametrised):
+                    yield from _places(part, (*here, str(i)))
+
+
+def place_of(mechanism: Mechanism, drive: str | None) -> Place:
+    """Return the place of a drive by its name, or the only one.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, PendulumCart
+    >>> place_of(Axis(inertia=1.0), None).name
+    'drive'
+    >>> place_of(PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3), "pendulum").name
+    'pendulum.drive'
+    """
+    known = every_place(mechanism)
+    kind = type(mechanism).__name__
+    if drive is None:
+        if len(known) > 1:
+            raise InputError(f"{kind} has several drives: name one, drive={' or '.join(known)}.")
+        return next(iter(known.values()))
+    if drive in known:
+        return known[drive]
+    short = drive.removeprefix("mechanism.")
+    found = [p for p in known.values() if short in (p.name, p.path[0], p.path[-1])]
+    if len(found) != 1:
+        raise UnknownNameError("drive", drive, known)
+    return found[0]
+
+
+def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[str, Place]:
+    """Return the places of drives by the names that were given; by path where none was.
+
+    Examples
+    --------
+    >>> from stickslip import TwoLinkArm
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
+    ... )  # fmt: skip
+    >>> list(places_of(arm, ("shoulder_drive", "elbow_drive")))
+    ['shoulder_drive', 'elbow_drive']
+    """
+    if drives is None or isinstance(drives, str):
+        place = place_of(mechanism, drives)
+        return {place.name: place}
+    found = {name: place_of(mechanism, name) for name in drives}
+    if not found or len(set(found.values())) < len(drives):
+        raise InputError(f"drive must name different drives, one or more, got {list(drives)!r}.")
+    return found
+
+
+def every_place(mechanism: Mechanism) -> dict[str, Place]:
+    """Return all places at which a mechanism can be commanded, by their paths."""
+    known = {place.name: place for place in _places(mechanism)}
+    if not known:
+        raise InputError(
+            f"{type(mechanism).__name__} has no drive that a controller can command: give it a"
+            " force or a torque (a prescribed motion cannot be commanded)."
+        )
+    return known
+
+
+# The equations of motion of a mechanism as numbers: M, h, the directions of friction and drive.
+
+TIME = Quantity("t", "s")
+ROUNDING = 1e-12
+"""Share of the largest that is none in the direction of a drive."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Dynamics(metaclass=Described):
+    """A mechanism at one moment: ``M a = h - W F + B u`` and ``N = N_0 + N_F F + N_u u``.
+
+    F is the friction force at the contact, u the command; all else that acts is in h and N_0. Of c
+    contacts and d commands these are vectors, and their directions have columns for each.
+    """
+
+    coordinates: tuple[str, ...]
+    """Names in the order of rows."""
+    mass: "NDArray[np.float64]"
+    """Mass matrix M (n, n)."""
+    forces: "NDArray[np.float64]"
+    """Forces h (n,), among them those of drives that are not commanded."""
+    friction_direction: "NDArray[np.float64]"
+    """W (n,), of several contacts (n, c): 1 at the coordinate that slips."""
+    command_direction: "NDArray[np.float64]"
+    """B (n,), of several commands (n, d); zeros where nothing is commanded."""
+    normal: Any
+    """Normal force N_0 without friction and command [N], of several contacts (c,)."""
+    normal_by_friction: Any
+    """N_F, of several contacts (c, c)."""
+    normal_by_command: Any
+    """N_u, of several contacts (c,) or (c, d)."""
+    contacts: tuple[str, ...] = ()
+    """Names of the contacts where there are several, in the order of columns."""
+    drives: tuple[str, ...] = ()
+    """Names of the commanded drives where there are several, in the order of columns."""
+
+    def accelerations(
+        self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0
+    ) -> "NDArray[np.float64]":
+        """Return the accelerations (n,) under a friction force and a command.
+
+        Parameters
+        ----------
+        friction : float or array (c,), default 0.0
+            Friction force, with the sign of the slip velocity [N].
+        command : float or array (d,), default 0.0
+            Value of the commanded drive, in its unit.
+
+        Returns
+        -------
+        array (n,)
+            Accelerations of the free coordinates [unit of the coordinate / s^2].
+        """
+        import numpy as np
+
+        right = (
+            self.forces
+            - _times(self.friction_direction, friction)
+            + _times(self.command_direction, command)
+        )
+        return np.asarray(np.linalg.solve(self.mass, right))
+
+    def normal_force(self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0) -> Any:
+        """Return the normal force under a friction force and a command [N].
+
+        Parameters
+        ----------
+        friction : float or array (c,), default 0.0
+            Friction force, with the sign of the slip velocity [N].
+        command : float or array (d,), default 0.0
+            Value of the commanded drive, in its unit.
+
+        Returns
+        -------
+        float or array (c,)
+            Normal force of the contact [N].
+        """
+        import numpy as np
+
+        by_friction = _times(self.normal_by_friction, friction)
+        by_command = _times(self.normal_by_command, command)
+        total = np.asarray(self.normal + by_friction + by_command)
+        return total if self.contacts else total.item()
+
+
+class Evaluator:
+    """Evaluates accelerations and normal force of a mechanism, affine in friction and command."""
+
+    def __init__(self, mechanism: Mechanism, drive: str | None = None) -> None:
+        """Derive the equations; `drive` names what is commanded, as in `closed_loop`."""
+        from stickslip.engine.formulation import formulate
+        from stickslip.engine.kernels.state_layout import NUMBERS
+        from stickslip.engine.solver import Equations, gather
+
+        _refuse_prescribed(mechanism)
+        none = Sampled(times=(0.0,), values=(0.0,))
+        mechanism, name = place_of(mechanism, drive).commanded(mechanism, none)
+        law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
+        model = formulate(mechanism, law)
+        self.mechanism = mechanism
+        self.slip = mechanism.coordinates.index(slip_of(mechanism))
+        self._equations = Equations(model, gather(mechanism, law, model, 0.0))
+        self._place = NUMBERS + 3 * model.drives.index(name)
+
+    def __call__(self, t: float, state: Sequence[float]) -> Any:
+        """Return accelerations and normal force (3, n + 1): free, by friction, by command.
+
+        Row 0 is what is without both; the others are what a unit of each adds.
+        """
+        import numpy as np
+
+        rows = [self._at(t, state, *unit) for unit in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))]
+        found = np.array(rows)
+        found[1:] -= found[0]
+        return found
+
+    def _at(self, t: float, state: Sequence[float], friction: float, command: float) -> list[Any]:
+        equations = self._equations
+        equations.load_at(t)
+        equations.w[self._place] += command
+        n = len(self.mechanism.coordinates)
+        return equations("diagram", 0, 0, t, state, (friction,))[: n + 1]
+
+
+def _times(direction: Any, amount: Any) -> Any:
+    """Return what an amount does along a direction, or several along their columns."""
+    import numpy as np
+
+    if np.ndim(direction) < 2:
+        return direction * np.asarray(amount)
+    return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
+
+
+class DynamicsOfContacts:
+    """Evaluates the equations of a mechanism with several contacts."""
+
+    def __init__(self, mechanism: Mechanism, drives: Sequence[str]) -> None:
+        """Derive them; any law will do, for friction is given."""
+        from stickslip.engine.formulation import formulate
+        from stickslip.engine.kernels.state_layout import NUMBERS
+        from stickslip.engine.solver import Equations, gather
+
+        law = Viscous(viscous_coefficient=0.0)
+        self.model = model = formulate(mechanism, law)
+        self.equations = Equations(model, gather(mechanism, law, model, 0.0))
+        self.places = [NUMBERS + 3 * model.drives.index(name) for name in drives]
+
+    def at(
+        self, t: float, state: Sequence[float], contact: int = -1, drive: int = -1
+    ) -> tuple[Any, Any]:
+        """Return forces and loads with a unit of friction at a contact, or of a drive."""
+        import numpy as np
+
+        from stickslip.engine.kernels import state_layout as at
+        from stickslip.engine.kernels.contacts.assembly import factorise, prepare, put_mass, react
+        from stickslip.engine.kernels.contacts.transitions import set_own_flags
+        from stickslip.engine.kernels.equations import FORCES, LOADS, evaluate, turn_states
+        from stickslip.engine.kernels.state_layout import FORWARD
+
+        equations, w, whole = self.equations, self.equations.w, self.equations.whole
+        n, count, first = whole[at.N_COORDINATES], whole[at.N_CONTACTS], whole[at.Y]
+        equations.load_at(t)
+        if drive >= 0:
+            w[self.places[drive]] += 1.0
+        w[first : first + 2 * n], w[at.TIME] = state, t
+        prepare(t, w, whole)
+        turn_states(first, 0, w, whole)
+        for _ in range(max(whole[at.N_SWITCHES], 1)):
+            set_own_flags(0, w, whole)
+        for i in range(whole[at.N_DIRECTIONS]):
+            whole[whole[at.MODES] + i] = FORWARD
+        prepare(t, w, whole)
+        put_mass(t, w, whole, first)
+        factorise(w, whole)
+        evaluate(FORCES, 0, whole[at.FLAGS], t, w, first, whole[at.FORCE])
+        evaluate(LOADS, 0, whole[at.FLAGS], t, w, first, whole[at.LOAD])
+        for c in range(count):
+            w[whole[at.FRICTION_CONSTANT] + c] = 1.0 if c == contact else 0.0
+            w[whole[at.FRICTION_FACTOR] + c] = 0.0
+        if whole[at.N_REACTIONS] > 0:
+            react(w, whole)
+        forces, load = whole[at.FORCE], whole[at.LOAD]
+        return np.array(w[forces : forces + n]), np.array(w[load : load + count])
+
+    def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
+        """Return the numbers of `Dynamics` in coordinates of the mechanism."""
+        import numpy as np
+
+        from stickslip.engine.kernels import state_layout as at
+        from stickslip.engine.kernels.equations import factor_of
+
+        h, loads = self.at(t, state)
+        w, whole = self.equations.w, self.equations.whole
+        n, count = whole[at.N_COORDINATES], whole[at.N_CONTACTS]
+
+        def matrix(place: int) -> Any:
+            return np.array(w[place : place + n * n]).reshape(n, n)
+
+        mass = matrix(whole[at.MASS])
+        turn = matrix(whole[at.TURN]) if whole[at.IS_TURNED] else np.eye(n)
+        slips = np.zeros((n, count))
+        for c in range(count):
+            for j in range(n):
+                along = factor_of(whole[whole[at.SLIPS] + c], j, w, whole)
+                slips[j, c] = along * w[whole[at.SLIP_FACTORS] + c]
+        frictions = [self.at(t, state, contact=c)[1] - loads for c in range(count)]
+        commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
+        return {
+            "coordinates": mechanism.coordinates,
+            "mass": turn.T @ mass @ turn,
+            "forces": turn.T @ h,
+            "friction_direction": turn.T @ slips,
+            "command_direction": np.column_stack([turn.T @ (one - h) for one, _ in commands]),
+            "normal": loads,
+            "normal_by_friction": np.column_stack(frictions),
+            "normal_by_command": np.column_stack([one - loads for _, one in commands]),
+            "contacts": self.model.contacts,
+        }
+
+
+def _states(given: Mapping[str, float], names: Sequence[str]) -> list[float]:
+    for name in given:
+        if name not in names:
+            raise UnknownNameError("state", name, names)
+    return [float(given.get(name, 0.0)) for name in names]
+
+
+def dynamics_at(
+    mechanism: Mechanism,
+    t: float = 0.0,
+    q: Mapping[str, float] | None = None,
+    q_dot: Mapping[str, float] | None = None,
+    *,
+    drive: str | Sequence[str] | None = None,
+) -> Dynamics:
+    """Return mass matrix, forces and normal force of a mechanism at a state.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, without prescribed motions.
+    t : float
+        Time [s], for drives and moved supports.
+    q : mapping, optional
+        Coordinates by name; 0 where not given.
+    q_dot : mapping, optional
+        Their rates, by the names of the rates.
+    drive : str or sequence of str, optional
+        What is commanded, as in `closed_loop`. Of a mechanism with several contacts, all drives
+        that can be if not given.
+
+    Returns
+    -------
+    Dynamics
+        The numbers, by which laws of control are written.
+
+    Raises
+    ------
+    InputError
+        If the mechanism has a prescribed motion or nothing to command.
+
+    Examples
+    --------
+    >>> from stickslip import PendulumCart
+    >>> cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
+    >>> here = dynamics_at(cart, q={"theta": 0.0})
+    >>> here.mass.round(12)
+    array([[ 0.6  , -0.03 ],
+           [-0.03 ,  0.009]])
+    >>> round(here.normal_force(), 9)
+    5.886
+    """
+    import numpy as np
+
+    t = TIME.check("dynamics_at", "t", t)
+    if len(mechanism.contacts()) > 1:
+        return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
+    if drive is not None and not isinstance(drive, str):
+        named = list(places_of(mechanism, drive))
+        if len(named) > 1:
+            raise InputError(
+                f"dynamics_at takes one drive of a mechanism with one contact, got {named!r}."
+            )
+        (drive,) = named
+    evaluator = Evaluator(mechanism, drive)
+    state = _states(q or {}, mechanism.coordinates)
+    state += _states(q_dot or {}, mechanism.rates)
+    table = evaluator(t, state)
+    n = len(mechanism.coordinates)
+    mass = _mass(mechanism, state[:n])
+    free, driven = mass @ table[0, :n], mass @ table[2, :n]
+    return Dynamics(
+        coordinates=mechanism.coordinates,
+        mass=mass,
+        forces=free,
+        friction_direction=np.eye(n)[evaluator.slip],
+        command_direction=np.where(np.abs(driven) > ROUNDING * np.abs(driven).max(), driven, 0.0),
+        normal=float(table[0, n]),
+        normal_by_friction=float(table[1, n]),
+        normal_by_command=float(table[2, n]),
+    )
+
+
+def _of_several(
+    mechanism: Mechanism,
+    t: float,
+    q: Mapping[str, float],
+    q_dot: Mapping[str, float],
+    drive: str | Sequence[str] | None,
+) -> Dynamics:
+    """Return the dynamics of a mechanism with several contacts."""
+    _refuse_prescribed(mechanism)
+    places = every_place(mechanism) if drive is None else places_of(mechanism, drive)
+    driven, names = mechanism, []
+    for place in places.values():
+        driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
+        names.append(name)
+    state = _states(q, mechanism.coordinates) + _states(q_dot, mechanism.rates)
+    found = DynamicsOfContacts(driven, names).dynamics(mechanism, t, state)
+    if isinstance(drive, str):
+        for name in ("command_direction", "normal_by_command"):
+            found[name] = found[name][:, 0]
+        return Dynamics(**found)
+    return Dynamics(**found, drives=tuple(places))
+
+
+def _refuse_prescribed(mechanism: Mechanism) -> None:
+    if mechanism.guided():
+        raise InputError(
+            f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
+            " give it a torque or a force instead."
+        )
+
+
+def _mass(mechanism: Mechanism, places: Sequence[float]) -> Any:
+    """Return the mass matrix: the second differences of the kinetic energy, which is quadratic."""
+    import numpy as np
+
+    normal = normal_of(mechanism)
+    held = (*([] if normal is None else [normal]), *mechanism.held())
+    q = {**dict(zip(mechanism.coordinates, places, strict=True)), **dict.fromkeys(held, 0.0)}
+    still = dict.fromkeys(q, 0.0)
+
+    def energy(*moving: str) -> float:
+        rates = {name: still[name] + moving.count(name) for name in q}
+        return float(mechanism.kinetic_energy(q, rates))
+
+    names = mechanism.coordinates
+    return np.array([[energy(i, j) - energy(i) - energy(j) for j in names] for i in names])

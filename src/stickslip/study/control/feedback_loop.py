@@ -1,0 +1,709 @@
+"""The loop: a controller samples, computes and holds around an exact simulation; its cycles."""
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.engine.simulation import END, event_driven_law, initial_state, refuse
+from stickslip.engine.solver import EventDriven, IncrementalRun
+from stickslip.engine.trajectory import Status, Trajectory
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import Friction
+from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.drives import PiecewiseAffine, Sampled
+from stickslip.quantities import Parametrised, Quantity
+from stickslip.show.described import Described
+from stickslip.show.display import InPanels, Summary
+from stickslip.show.formatting import number, quantity
+from stickslip.show.tables import Tabular
+from stickslip.study.control.equations_of_motion import places_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    from numpy.typing import NDArray
+
+
+# Closes the loop: a controller that samples, computes and holds, around an exact simulation.
+
+SAME = 1e-9
+"""Share of a period that counts as none: delays are multiples of it or are not."""
+Stretch: TypeAlias = tuple[float, float, float]
+"""Start of a stretch of constant or straight command [s], its value there, its slope."""
+SPREAD = Quantity("sigma", low=0)
+STEP = Quantity("q", above=0)
+REPORTS = 100
+"""Calls of a progress callback in a run."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timing(Parametrised):
+    """Settings of a loop, checked."""
+
+    period: Annotated[float, Quantity("T_s", "s", above=0)]
+    """Time between samples [s]."""
+    delay: Annotated[float, Quantity("tau", "s", low=0)] = 0.0
+    """Time from a sample to the moment at which its command takes effect [s]."""
+    limit: Annotated[float, Quantity("u_max", above=0)] | None = None
+    """Largest magnitude of a command, in its unit; None if there is none."""
+    step: Annotated[float, Quantity("u_q", above=0)] | None = None
+    """Step of commands, in their unit; None if they have none."""
+
+    def times(self, t_end: float) -> list[float]:
+        """Return the times of the samples before the end."""
+        return [k * self.period for k in range(math.ceil(t_end / self.period - SAME))]
+
+    def lag(self) -> tuple[int, float]:
+        """Return the delay as whole periods and a rest [s]."""
+        whole = round(self.delay / self.period)
+        if abs(self.delay - whole * self.period) <= SAME * self.period:
+            return whole, 0.0
+        whole = math.floor(self.delay / self.period)
+        return whole, self.delay - whole * self.period
+
+    def within(self, command: float) -> float:
+        """Return a command in whole steps, within the limit."""
+        if self.step is not None:
+            command = self.step * round(command / self.step)
+        if self.limit is None:
+            return command
+        return min(max(command, -self.limit), self.limit)
+
+
+class Commands:
+    """Commands as they take effect: after the delay, and held."""
+
+    def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
+        """Take the times of the samples."""
+        self.whole, self.rest = timing.lag()
+        self.period, self.hold = timing.period, hold
+        self.told: list[float] = []
+        ends = [*samples[1:], t_end]
+        middle = [t + self.rest for t in samples if self.rest > 0.0]
+        inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
+        self._breaks, self._end = sorted([*samples, *inner]), t_end
+
+    def untold(self) -> Sampled | PiecewiseAffine:
+        """Return the drive before anything is commanded: zeros, piece by piece."""
+        return drive_of(self.hold, [(t, 0.0, 0.0) for t in self._breaks], self._end)
+
+    def _line(self, index: int) -> tuple[float, float]:
+        """Return value and slope of a command at its own start; nothing acts before the first."""
+        if index < 0:
+            return 0.0, 0.0
+        now = self.told[index]
+        if self.hold == "zero" or index == 0:
+            return now, 0.0
+        return now, (now - self.told[index - 1]) / self.period
+
+    def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
+        """Return what acts from a sample to the next, in one stretch or two."""
+        value, slope = self._line(index - self.whole)
+        if self.rest <= 0.0:
+            return [(start, value, slope)]
+        old, steep = self._line(index - self.whole - 1)
+        first = (start, old + steep * (self.period - self.rest), steep)
+        middle = start + self.rest
+        return [first, (middle, value, slope)] if middle < end else [first]
+
+
+def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | PiecewiseAffine:
+    """Return commands as a drive; a line ends, at the end at the latest, and its value is held."""
+    if hold == "zero":
+        times, values, _ = (tuple(column) for column in zip(*stretches, strict=True))
+        return Sampled(times=times, values=values)
+    start, value, slope = stretches[-1]
+    lines = [*stretches, (end, value + slope * (end - start), 0.0)]
+    times, values, slopes = (tuple(column) for column in zip(*lines, strict=True))
+    return PiecewiseAffine(times=times, values=values, slopes=slopes)
+
+
+class Sensors:
+    """Reads states as a controller gets them: noise first, then quantisation.
+
+    Examples
+    --------
+    >>> sensors = Sensors(("x", "v"), quantisation={"x": 0.01})
+    >>> sensors.read([0.123, 0.456])
+    {'x': 0.12, 'v': 0.456}
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        *,
+        noise: Mapping[str, float] | None = None,
+        quantisation: Mapping[str, float] | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Take the names of what is measured."""
+        self.names = tuple(names)
+        self._noise = self._checked("noise", noise or {}, SPREAD)
+        self._steps = self._checked("quantisation", quantisation or {}, STEP)
+        self._random = np.random.default_rng(seed)
+
+    def _checked(
+        self, what: str, given: Mapping[str, float], quantity: Quantity
+    ) -> dict[str, float]:
+        for name in given:
+            if name not in self.names:
+                raise UnknownNameError(f"state in {what}", name, self.names)
+        return {k: quantity.check("closed_loop", f"{what}[{k!r}]", v) for k, v in given.items()}
+
+    def read(self, state: Sequence[float]) -> dict[str, float]:
+        """Return what is measured of a state, by name."""
+        found = dict(zip(self.names, state, strict=False))  # bristles are seen by nobody
+        for name, spread in self._noise.items():
+            found[name] += spread * float(self._random.standard_normal())
+        for name, step in self._steps.items():
+            found[name] = step * round(found[name] / step)
+        return found
+
+
+class Controller(Protocol):
+    """Computes a command from what is measured.
+
+    Any function will do; one that commands several drives returns a mapping. One that keeps a state
+    has a ``reset()``, which is called before a run.
+    """
+
+    def __call__(self, t: float, measured: Mapping[str, float], /) -> float:
+        """Return the command at a sample.
+
+        Parameters
+        ----------
+        t : float
+            Time of the sample [s].
+        measured : mapping
+            Coordinates and rates by name, as they are measured.
+        """
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class ClosedLoop(InPanels, Tabular):
+    """A run in closed loop: the motion, and what the controller saw and said at each sample.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> law = Coulomb(kinetic_coefficient=1.0)
+    >>> loop = closed_loop(
+    ...     Axis(inertia=1.0),
+    ...     law,
+    ...     lambda t, seen: 100.0 * (0.1 - seen["x"]) - 10.0 * seen["v"],
+    ...     period=1e-3,
+    ...     t_end=2.0,
+    ... )
+    >>> loop.run.status.name, len(loop.t), bool(abs(loop.run["x"][-1] - 0.1) < 0.01)
+    ('END_TIME', 2000, True)
+    """
+
+    run: Trajectory
+    """The motion, certified as any run is."""
+    mechanism: Mechanism
+    """The mechanism with all commands as its drive: `simulate` makes the same run of it."""
+    t: "NDArray[np.float64]"
+    """Times of the samples (n,) [s]."""
+    measured: Mapping[str, "NDArray[np.float64]"]
+    """What the controller saw (n,), by state."""
+    requested: "NDArray[np.float64]"
+    """What it returned (n,), before limits; of m drives (n, m)."""
+    commands: "NDArray[np.float64]"
+    """The same in whole steps within the limit (n,) or (n, m): what acts, a delay later."""
+    period: float
+    """Time between samples [s]."""
+    delay: float
+    """Time from a sample to its command [s]."""
+    drives: tuple[str, ...] = ()
+    """Names of several drives (m,), in the order of columns of commands."""
+
+    @property
+    def status(self) -> Status:
+        """How the run ended."""
+        return self.run.status
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return what was measured, requested and commanded as a pandas DataFrame, a row a sample.
+
+        `run` has the motion, with a ``to_dataframe`` of its own.
+        """
+        import pandas as pd
+
+        seen = {f"measured_{name}": values for name, values in self.measured.items()}
+        commands = {"requested": self.requested, "command": self.commands}
+        if self.drives:
+            commands = {
+                f"{what}:{name}": values[:, i]
+                for i, name in enumerate(self.drives)
+                for what, values in commands.items()
+            }
+        return pd.DataFrame({"t": self.t, **seen, **commands})
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s", **{f"measured_{name}": self.run.units[name] for name in self.measured}}
+
+    @override
+    def _summary(self) -> Summary:
+        rows = (
+            ("time", f"{number(self.run.span[0], 6)} to {number(self.run.span[1], 6)} s"),
+            ("samples", f"{len(self.t)}, one every {quantity(self.period, 's')}"),
+            ("events", len(self.run.events)),
+            ("certified", "yes" if self.run.certificate.certified else "no"),
+        )
+        return Summary(sentence=self.run.ending, rows=rows)
+
+
+def closed_loop(
+    mechanism: Mechanism,
+    law: Friction,
+    controller: Controller | Callable[[float, Mapping[str, float]], float | Mapping[str, float]],
+    *,
+    period: float,
+    t_end: float,
+    delay: float = 0.0,
+    hold: Literal["zero", "first"] = "zero",
+    drive: str | Sequence[str] | None = None,
+    limit: float | None = None,
+    step: float | None = None,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    noise: Mapping[str, float] | None = None,
+    quantisation: Mapping[str, float] | None = None,
+    seed: int = 0,
+    solver: EventDriven | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    throw: bool = True,
+) -> ClosedLoop:
+    """Simulate a mechanism with friction under a controller that samples and holds.
+
+    The mechanism is solved exactly between samples: it sticks, breaks away and stops when it does,
+    not when the controller looks. The run is one run, not a chain of them, and has one certificate.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves. A drive that it has already in the place of the command stays and is added to
+        it, as a disturbance.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back; laws by contact where there are several.
+    controller : callable
+        Called with the time and what is measured (coordinates and rates by name) at each sample;
+        gives the command, or commands by the names in `drive` where that has several. Its
+        ``reset()`` is called first, if it has one.
+    period : float
+        Time between samples [s]; the first is at time 0.
+    t_end : float
+        Last time [s].
+    delay : float
+        Time from a sample to the moment at which its command acts [s], any multiple or part of the
+        period. Nothing is commanded before.
+    hold : {"zero", "first"}
+        Whether a command is held, or goes on along the line through it and the one before.
+    drive : str or sequence of str, optional
+        Path of the drive that is commanded, such as ``"pendulum.drive"``; not needed where the
+        mechanism has one. A sequence names several, as the joints of an arm have.
+    limit : float, optional
+        Largest command, in the drive's unit; a larger one is cut. None if not given.
+    step : float, optional
+        Step of commands, in the drive's unit, such as the voltage of one count of a PWM; commands
+        are rounded to it. None if they have none.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    noise : mapping, optional
+        Standard deviation of what is measured, by state.
+    quantisation : mapping, optional
+        Step of the sensor, by state.
+    seed : int
+        Of the noise.
+    solver : EventDriven, optional
+        Tolerances and tier.
+    progress : callable, optional
+        Called a hundred times with the number of samples done and of all; if it returns False, the
+        run ends there and is `Status.CANCELLED`.
+    throw : bool
+        Raise if the run ends early or is not certified, as `simulate` does.
+
+    Returns
+    -------
+    ClosedLoop
+        The motion, the samples and the commands.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the controller gives no finite number.
+    SimulationError
+        If the run ends early or is not certified, and `throw` is true.
+
+    Examples
+    --------
+    A proportional controller cannot move the axis out of its stiction:
+
+    >>> from stickslip import Axis, Coulomb
+    >>> loop = closed_loop(
+    ...     Axis(inertia=1.0),
+    ...     Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5),
+    ...     lambda t, seen: 100.0 * (0.014 - seen["x"]),
+    ...     period=1e-3,
+    ...     t_end=1.0,
+    ... )
+    >>> float(loop.commands[-1].round(9)), float(loop.run["x"][-1])
+    (1.4, 0.0)
+    """
+    solver = EventDriven() if solver is None else solver
+    law = event_driven_law(mechanism, law)
+    _check(controller, solver, hold, limit)
+    timing = Timing(period=period, delay=delay, limit=limit, step=step)
+    last = END.check("closed_loop", "t_end", t_end)
+    names = (*mechanism.coordinates, *mechanism.rates)
+    sensors = Sensors(names, noise=noise, quantisation=quantisation, seed=seed)
+    samples = timing.times(last)
+    places = places_of(mechanism, drive)
+    commands = {name: Commands(timing, samples, hold, last) for name in places}
+    driven, own = mechanism, []
+    for place, command in zip(places.values(), commands.values(), strict=True):
+        driven, name = place.commanded(driven, command.untold())
+        own.append(name)
+    start = initial_state("closed_loop", mechanism, law, y0)
+    onward = IncrementalRun(driven, law, drives=own, y0=start, t_end=last, solver=solver)
+    several = drive is not None and not isinstance(drive, str)
+    walk = _Walk(onward, controller, sensors, commands, timing, several)
+    book = walk.made([*samples, last], progress)
+    driven = mechanism
+    for name, place in places.items():
+        driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
+    return _result(onward, driven, book, timing, names, tuple(places) if several else (), throw)
+
+
+def _check(
+    controller: object,
+    solver: object,
+    hold: str,
+    limit: float | None,
+) -> None:
+    if not callable(controller):
+        raise InputError(
+            "controller must be callable with the time and the measured quantities, got"
+            f" {controller!r}."
+        )
+    if not isinstance(solver, EventDriven) or solver.estimate_error:
+        raise InputError(
+            f"solver must be an EventDriven(...) without estimate_error, got {solver!r}."
+        )
+    if hold not in ("zero", "first"):
+        raise InputError(f"hold must be 'zero' or 'first', got {hold!r}.")
+    if hold == "first" and limit is not None:
+        raise InputError(
+            "hold='first' may exceed a limit between samples: set the motor's own limit, or"
+            " hold='zero'."
+        )
+
+
+@dataclass
+class _Book:
+    """What happened at the samples."""
+
+    t: list[float]
+    measured: list[dict[str, float]]
+    asked: list[list[float]]
+    stretches: dict[str, list[Stretch]]
+    """By drive."""
+    end: float = 0.0
+    """End of the last stretch [s]."""
+    cancelled: bool = False
+
+
+@dataclass
+class _Walk:
+    """What goes from sample to sample."""
+
+    onward: IncrementalRun
+    controller: Any
+    sensors: Sensors
+    commands: Mapping[str, Commands]
+    """By drive."""
+    timing: Timing
+    several: bool
+    """Whether drives were named in a sequence, so that commands come by name."""
+
+    def made(self, times: Sequence[float], progress: Callable[[int, int], object] | None) -> _Book:
+        """Go from sample to sample; `times` are theirs and the end."""
+        getattr(self.controller, "reset", lambda: None)()
+        book, count = _Book([], [], [], {name: [] for name in self.commands}), len(times) - 1
+        every = max(count // REPORTS, 1)
+        for k in range(count):
+            t, end = times[k], times[k + 1]
+            seen = self.sensors.read(self.onward.state())
+            asked = self._asked(self.controller(t, seen), t)
+            book.t.append(t)
+            book.measured.append(seen)
+            book.asked.append(asked)
+            for command, value in zip(self.commands.values(), asked, strict=True):
+                command.told.append(self.timing.within(value))
+            if not self._onward(k, t, end, book):
+                return book
+            if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
+                book.cancelled = progress(k + 1, count) is False and k + 1 < count
+                if book.cancelled:
+                    break
+        return book
+
+    def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
+        """Run from a sample to the next; return whether it was reached."""
+        told = {name: one.stretches(k, t, end) for name, one in self.commands.items()}
+        together = list(zip(*told.values(), strict=True))
+        ends = [*[lines[0][0] for lines in together[1:]], end]
+        for lines, until in zip(together, ends, strict=True):
+            for name, line in zip(told, lines, strict=True):
+                book.stretches[name].append(line)
+            book.end = until
+            if not self.onward.advance(until, [(value, slope) for _, value, slope in lines]):
+                return False
+        return True
+
+    def _asked(self, command: Any, t: float) -> list[float]:
+        """Return the numbers that the controller gave, in the order of drives."""
+        if not self.several:
+            return [_number(command, t)]
+        names = list(self.commands)
+        if not isinstance(command, Mapping) or set(command) != set(names):
+            raise InputError(
+                f"the controller must return commands by drive, {{{', '.join(map(repr, names))}}},"
+                f" got {command!r} at t = {number(t, 6)} s."
+            )
+        return [_number(command[name], t) for name in names]
+
+
+def _number(command: Any, t: float) -> float:
+    try:
+        value = float(command)
+    except (TypeError, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(
+            f"the controller must return a finite number, got {command!r} at t = {number(t, 6)} s."
+        )
+    return value
+
+
+def _result(
+    onward: IncrementalRun,
+    driven: Mechanism,
+    book: _Book,
+    timing: Timing,
+    names: Sequence[str],
+    drives: tuple[str, ...],
+    throw: bool,
+) -> ClosedLoop:
+    import numpy as np
+
+    run = onward.finished(driven)
+    if book.cancelled:
+        run = replace(run, status=Status.CANCELLED)
+    if throw:
+        refuse(run)
+    asked = np.array(book.asked)
+    asked = asked if drives else asked[:, 0]
+    commands = np.array([timing.within(value) for value in asked.flat]).reshape(asked.shape)
+    return ClosedLoop(
+        run=run,
+        mechanism=driven,
+        t=np.array(book.t),
+        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
+        requested=asked,
+        commands=commands,
+        period=timing.period,
+        delay=timing.delay,
+        drives=drives,
+    )
+
+
+# Limit cycles: whether a run repeats itself, how far it swings and how often.
+
+Kind: TypeAlias = Literal["limit cycle", "growing", "decaying", "irregular", "none"]
+
+SAMPLES = 20_000
+"""Evenly spaced times at which a run is looked at, beside the ends of its steps."""
+HYSTERESIS = 0.2
+"""Share of the range that a crossing must pass on either side of the middle."""
+FEWEST = 3
+"""Cycles that tell whether they are alike."""
+TOLERANCE = Quantity("eps", above=0, high=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitCycle(metaclass=Described):
+    """What a run does after its beginning.
+
+    Numbers are those of the median cycle, and NaN where there are too few cycles.
+    """
+
+    kind: Kind
+    """Whether cycles are alike, grow, decay, or differ without order; ``"none"`` if there are less
+    than three."""
+    amplitude: float
+    """Half of the distance of the extremes, in the state's unit."""
+    period: float
+    """Time of a cycle [s]."""
+    centre: float
+    """Mean of the extremes."""
+    amplitude_spread: float
+    """Largest less smallest amplitude of a cycle, over the median."""
+    period_spread: float
+    """The same of periods."""
+    cycles: int
+    """Whole cycles seen."""
+    stuck: float
+    """Share of time in which friction or a stop holds the body."""
+
+    @property
+    def is_limit_cycle(self) -> bool:
+        """Whether it is a limit cycle."""
+        return self.kind == "limit cycle"
+
+
+def limit_cycle(
+    run: Trajectory | ClosedLoop,
+    state: str = "x",
+    *,
+    since: float | None = None,
+    tolerance: float = 0.02,
+    least: float = 0.0,
+) -> LimitCycle:
+    """Look for a limit cycle in a run.
+
+    A cycle is from one upward crossing of the middle to the next; a crossing counts if the state
+    goes on by a tenth of its range on either side.
+
+    Parameters
+    ----------
+    run : Trajectory or ClosedLoop
+        The run; of several contacts, as one of them sees it (`Trajectory.contact`).
+    state : str
+        A column of the run.
+    since : float, optional
+        When to begin to look [s]; half-way if not given.
+    tolerance : float
+        Spread of amplitudes and periods, over their medians, up to which cycles are alike.
+    least : float
+        Amplitude below which a motion counts as none, in the state's unit.
+
+    Returns
+    -------
+    LimitCycle
+        Kind, amplitude, period.
+
+    Raises
+    ------
+    InputError
+        If `since` or `tolerance` is out of its range, or the run has several contacts.
+    UnknownNameError
+        If the run has no column of that name.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, TowedBlock, simulate
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> cycle = limit_cycle(simulate(block, law, t_end=80.0), "v")
+    >>> cycle.kind, round(cycle.period, 4), round(cycle.stuck, 3)
+    ('limit cycle', 7.6113, 0.657)
+    """
+    import numpy as np
+
+    run = run.run if isinstance(run, ClosedLoop) else run
+    if run.contacts:
+        raise InputError(
+            f"limit_cycle: this run has several contacts ({', '.join(run.contacts)}): give it as"
+            f" one of them sees it, such as run.contact({run.contacts[0]!r})."
+        )
+    tolerance = TOLERANCE.check("limit_cycle", "tolerance", tolerance)
+    if state not in run.names:
+        raise UnknownNameError("column", state, run.names)
+    first, last = run.span
+    begin = 0.5 * (first + last) if since is None else float(since)
+    if not first <= begin < last:
+        raise InputError(
+            f"limit_cycle: since must lie between {number(first, 6)} and {number(last, 6)} s, got"
+            f" {number(begin, 6)}."
+        )
+    times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
+    values = run.at(times)[state]
+    starts = _crossings(times, values)
+    if len(starts) <= FEWEST or 0.5 * float(np.ptp(values)) < least:
+        return _described("none", np.empty((0, 3)), run, (begin, last))
+    edges = np.searchsorted(times, starts)
+    parts = [values[a:b] for a, b in itertools.pairwise(edges)]
+    rows = [
+        (0.5 * (part.max() - part.min()), period, 0.5 * (part.max() + part.min()))
+        for part, period in zip(parts, np.diff(starts), strict=True)
+    ]
+    cycles = np.array(rows)
+    return _described(_kind(cycles, tolerance), cycles, run, (starts[0], starts[-1]))
+
+
+def _crossings(t: Any, x: Any) -> Any:
+    """Return the times of upward crossings of the middle, small ones left out."""
+    import numpy as np
+
+    middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
+    side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
+    told = np.flatnonzero(side)
+    ups = [k for k in range(1, len(told)) if side[told[k]] > 0 > side[told[k - 1]]]
+    found = []
+    for k in ups:
+        a, b = told[k - 1], told[k]
+        i = a + int(np.flatnonzero(x[a + 1 : b + 1] > middle)[0])
+        found.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))
+    return np.array(found)
+
+
+def _spread(values: Any) -> float:
+    import numpy as np
+
+    return float(np.ptp(values) / np.median(values))
+
+
+def _kind(cycles: Any, tolerance: float) -> Kind:
+    """Return what a series of cycles (n, 3) is."""
+    import numpy as np
+
+    amplitudes = cycles[:, 0]
+    if max(_spread(amplitudes), _spread(cycles[:, 1])) <= tolerance:
+        return "limit cycle"
+    changes = np.diff(amplitudes)
+    if _spread(amplitudes) > tolerance and (changes > 0.0).all():
+        return "growing"
+    if _spread(amplitudes) > tolerance and (changes < 0.0).all():
+        return "decaying"
+    return "irregular"
+
+
+def _described(kind: Kind, cycles: Any, run: Trajectory, span: tuple[float, float]) -> LimitCycle:
+    """Put the numbers of cycles (n, 3) together."""
+    import numpy as np
+
+    first, last = span
+    held = [max(min(b, last) - max(a, first), 0.0) for a, b in run.stick_spans()]
+    amplitude, period, centre = np.median(cycles, axis=0) if len(cycles) else (np.nan,) * 3
+    return LimitCycle(
+        kind=kind,
+        amplitude=float(amplitude),
+        period=float(period),
+        centre=float(centre),
+        amplitude_spread=_spread(cycles[:, 0]) if len(cycles) else np.nan,
+        period_spread=_spread(cycles[:, 1]) if len(cycles) else np.nan,
+        cycles=len(cycles),
+        stuck=float(sum(held) / (last - first)),
+    )

@@ -1,0 +1,1063 @@
+"""Branches of periodic orbits over a parameter, by pseudo-arclength.
+
+Unknown is u = (y / scale, p / range): the free states of an orbit (see `orbits`) and the parameter.
+Along a branch F(u) = 0, where stability plays no part:
+
+1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by the cubic
+   through the last two points and their tangents where the same happens in both.
+2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
+   the two before show what it leaves. The step grows where few of them are needed, up to where the
+   tangent turns by a given angle, is halved where they fail and quartered where they fail again.
+   It must not lead across a gap to what is another part of the branch, or another one. Scales
+   follow the states.
+3. Events between two points, each located on the arc: by false position where the test function is
+   smooth, else by bisection.
+     fold             the tangent's component along p changes its sign
+     period doubling  det(M + 1) changes its sign: a multiplier passes -1
+     branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
+                      or this one begins there at a pitchfork and goes on as its mirror image
+     torus            a complex pair of multipliers passes the unit circle
+     grazing          a stop or a switch is met more or less often in a period
+     sticking         begins, ends, or its intervals in a period change in number
+   The last two are changes of what happens in a period. There the monodromy may jump, so that
+   stability changes without a multiplier at the unit circle: the sentence of the event says it.
+4. At a grazing contact the saltation factor is infinite: the monodromy grows like the inverse
+   square root of the distance. Steps are halved in front of it. If none succeeds, the branch is
+   stepped over: the corrector starts on the other side, in the plane across the null vector there,
+   which also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch
+   ends there, and says why. So it does where it comes back to itself.
+5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
+   corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
+   along the old tangent, so that the old branch is no solution. It ends right
+   before the doubling, where both halves of its orbits become alike.
+
+Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test functions, doubling);
+di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.engine.solver import path_units
+from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+from stickslip.show.display import OnAxes, Summary
+from stickslip.show.formatting import number, quantity
+from stickslip.show.tables import Tabular
+from stickslip.study.sweep.orbits import (
+    Orbit,
+    ReturnMap,
+    Shot,
+    Signature,
+    return_map,
+    signature_of,
+    solved,
+)
+from stickslip.study.sweep.parameter_grid import (
+    Array,
+    axis_of,
+    counted,
+    unit_of,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Branch", "BranchEvent", "continue_orbit"]
+
+Event: TypeAlias = "BranchEvent"
+MOST_POINTS = 2000
+"""Points of a branch to either side."""
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
+"""Length of a step, over the size of the states and the range of the parameter."""
+GROWTH, EASY = 1.5, 3
+"""By how much a step grows, and after how many of Newton's steps at most."""
+MOST_NEWTON = 6
+"""Newton's steps of one correction."""
+TURN: Final = 0.9
+"""Least cosine between tangents of neighbours, where the same happens in both."""
+WORSE, AGAIN = 2.0, 0.1
+"""Residual over the last one, and distance from the last start but one over that from the last, at
+which Newton's steps are given up."""
+ON_CURVE = 0.5
+"""Largest correction over the step: what comes from farther is another branch."""
+TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
+MOST_SECTIONS, MOST_FALSE = 40, 12
+"""Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
+ZERO = 1e-9
+"""Share of its value at the ends of a step by which a smooth test function is 0."""
+CLEAN, FIRST_SECTIONS, NARROWED = 1e-4, 6, 0.25
+"""Length of a step from which it must not lead across a gap, and after how many sections a gap that
+is no narrower than a share is one: that at grazing shrinks with the root of its part."""
+STEEP = 0.1
+"""Cosine between a tangent and the direction of a step from which it is followed in the step."""
+HALVED, NEAR_HALVED = 1e-3, 5e-4
+"""Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
+doubling, and how far from it that may be."""
+NEARBY = 1e-7
+"""Residual, over the size of the states, below which the last step needs no run of its own."""
+OUTGROWN = 2.0
+"""Size of a state over its scale, or the reverse, from which the scales are taken anew."""
+FAR = 2.0
+"""Longest step, over the last one, into which a cubic through two points is continued."""
+BEND = 0.8
+"""Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
+BESIDE, ALIKE = 0.05, 1e-3
+"""Distance, over the chord of two neighbours, within which a point may be between them, and within
+which it is."""
+AT_CIRCLE = 0.02
+"""Distance from the unit circle within which a multiplier has passed it and not jumped across."""
+OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
+"""Steps by which what stops the corrector is stepped over."""
+OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
+"""Distances from a period doubling at which the doubled branch is sought."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BranchEvent:
+    """What changes along a branch, and where.
+
+    Parameters
+    ----------
+    kind : str
+        ``"fold"``, ``"period doubling"``, ``"branch point"``, ``"torus"``, ``"grazing"``,
+        ``"sticking"``, or ``"reversal"``.
+    value : float
+        Value of the parameter.
+    index : int
+        Number of the point of the branch before it.
+    sentence : str
+        What changes, in words.
+    orbit : Orbit
+        The orbit there.
+    """
+
+    kind: str
+    value: float
+    index: int
+    sentence: str
+    orbit: Orbit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Branch(OnAxes, Tabular):
+    """A branch of periodic orbits, point by point along its arc."""
+
+    path: str
+    """Full path of the parameter."""
+    unit: str
+    """Its SI unit."""
+    cycles: int
+    """Cycles of the drives after which the orbits close."""
+    states: tuple[str, ...]
+    """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
+    values: Array
+    """The parameter (n,)."""
+    starts: Array
+    """Free states at time 0 (n, k)."""
+    periods: Array
+    """Length of the orbits (n,) [s]."""
+    multipliers: NDArray[np.complex128]
+    """Floquet multipliers (n, k), the largest first."""
+    advances: Mapping[str, Array]
+    """Advance in a period (n,) of each coordinate on which nothing depends."""
+    events: tuple[BranchEvent, ...]
+    """What changes along the branch."""
+    ends: tuple[str, str]
+    """Why it ends at its first and at its last point."""
+    runs: int
+    """Runs over a period that it took."""
+    map: ReturnMap
+    """The map whose fixed points it has."""
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether the orbit of each point is stable (n,)."""
+        return np.asarray(np.abs(self.multipliers).max(axis=1, initial=0.0) < 1.0)
+
+    def mean_velocity(self, coordinate: str | None = None) -> Array:
+        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, the first if not given.
+
+        Raises
+        ------
+        InputError
+            If no coordinate advances, or not the one that was asked for.
+        """
+        name = next(iter(self.advances), "") if coordinate is None else coordinate
+        if name not in self.advances:
+            known = ", ".join(self.advances) or "none"
+            raise InputError(
+                f"Branch.mean_velocity: coordinate {name!r} does not advance from cycle to cycle;"
+                f" those that do: {known}."
+            )
+        return self.advances[name] / self.periods
+
+    def orbit(self, index: int) -> Orbit:
+        """Return the orbit of a point."""
+        return self.map.orbit(self.map.shoot(self.starts[index], float(self.values[index])))
+
+    def orbits_at(self, value: float) -> tuple[Orbit, ...]:
+        """Return the orbits that the branch has at a value of the parameter."""
+        return tuple(self.map.orbit(shot) for shot in self._shots_at(value))
+
+    def _shots_at(self, value: float) -> Iterator[Shot]:
+        for guess in self.crossings(value):
+            try:
+                yield solved(self.map, guess, value)
+            except (SimulationError, InputError):
+                continue
+
+    def crossings(self, value: float) -> Array:
+        """Return the free states (m, k) at which the polygon of points crosses a value."""
+        low, high = self.values[:-1], self.values[1:]
+        at = np.flatnonzero((np.minimum(low, high) <= value) & (value <= np.maximum(low, high)))
+        span = np.where(high[at] == low[at], 1.0, high[at] - low[at])
+        share = ((value - low[at]) / span)[:, None]
+        return self.starts[at] + share * (self.starts[at + 1] - self.starts[at])
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point."""
+        import pandas as pd
+
+        columns: dict[str, object] = {self.path: self.values, "cycles": self.cycles}
+        columns |= {"period": self.periods, "stable": self.stable}
+        columns["largest multiplier"] = np.abs(self.multipliers).max(axis=1, initial=0.0)
+        columns |= {name: self.starts[:, i] for i, name in enumerate(self.states)}
+        columns |= {f"advance {name}": values for name, values in self.advances.items()}
+        return pd.DataFrame(columns)
+
+    @override
+    def _summary(self) -> Summary:
+        low, high = float(self.values.min()), float(self.values.max())
+        rows = [(e.kind, quantity(e.value, self.unit, 6), e.sentence) for e in self.events]
+        return Summary(
+            sentence=f"Period {self.cycles}, {len(self.values)} orbits from"
+            f" {number(low, 4)} to {quantity(high, self.unit, 4)},"
+            f" {int(self.stable.sum())} of them stable.",
+            head=("event", self.path.rpartition(".")[2], "what changes") if rows else (),
+            rows=rows,
+            notes=tuple(dict.fromkeys(self.ends)),
+        )
+
+
+def continue_orbit(
+    orbit: Orbit,
+    path: str,
+    between: tuple[float, float],
+    *,
+    doubled: bool = False,
+    step: float = MOST_STEP,
+    points: int = MOST_POINTS,
+    period: float | None = None,
+) -> Branch:
+    """Follow a periodic orbit over a parameter, along stable and unstable orbits.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Where the branch begins; followed to both sides.
+    path : str
+        What varies, as in `ensemble`; the orbit has a value of it in `between`.
+    between : pair of float
+        Least and largest value.
+    doubled : bool
+        Whether to leave, at an orbit with a multiplier at -1 (the `BranchEvent.orbit` of a period
+        doubling), for the branch on which it closes after twice the cycles.
+    step : float
+        Largest step, over the size of the states and the range of the parameter.
+    points : int
+        Largest number of points to either side.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+
+    Returns
+    -------
+    Branch
+        Its orbits, their stability, and what changes along it.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If there is no doubled branch, or the orbit has no derivative.
+
+    References
+    ----------
+    R. Seydel, Practical Bifurcation and Stability Analysis, Springer 2010, chapters 4 to 7.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> from stickslip.study.sweep import periodic_orbit
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
+    >>> branch = continue_orbit(orbit, "frequency", (1.9, 2.4))
+    >>> bool(branch.stable.all()), branch.ends
+    (True, ('It reaches 1.9 Hz.', 'It reaches 2.4 Hz.'))
+    """
+    curve, first = begun(orbit, path, between, doubled, step, points, period)
+    return curve.branch(first)
+
+
+def begun(
+    orbit: Orbit,
+    path: str,
+    between: tuple[float, float],
+    doubled: bool,
+    step: float,
+    points: int,
+    period: float | None,
+) -> tuple["_Curve", "_Point"]:
+    """Return a branch that is to be followed, and its first point."""
+    low, high = between_of("continue_orbit", between)
+    counted("continue_orbit", "points", points, 1)
+    if not LEAST_STEP < step <= 1.0:
+        raise InputError(
+            f"continue_orbit: step must be above {LEAST_STEP:g} and at most 1, got {step!r}."
+        )
+    mechanism, law = orbit.mechanism, orbit.law
+    full, _ = axis_of(mechanism, law, path, [low, high])
+    if full.startswith("initial."):
+        raise InputError(
+            f"continue_orbit: {full} is not a parameter of the equations; give one of the"
+            " mechanism or of the law."
+        )
+    value = _value(mechanism, law, full)
+    if not low <= value <= high:
+        unit = unit_of(mechanism, law, full)
+        raise InputError(
+            f"continue_orbit: {full} of the orbit is {quantity(value, unit, 6)}, outside of"
+            f" {number(low, 6)} to {quantity(high, unit, 6)}: give a range around it, or begin with"
+            " an orbit inside."
+        )
+    cycles = orbit.cycles * (2 if doubled else 1)
+    map_ = return_map(mechanism, law, cycles, period, orbit.solver, full)
+    if map_.names != orbit.free:
+        map_ = replace(
+            map_,
+            free=tuple(map_.states.index(name) for name in orbit.free),
+            moving=tuple(map_.states.index(name) for name in orbit.advance),
+        )
+    map_ = within(map_, (low, high))
+    y = np.array([orbit.start[name] for name in orbit.free])
+    curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
+    first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
+    return curve, first
+
+
+def between_of(owner: str, between: Any) -> tuple[float, float]:
+    try:
+        pair = np.asarray(between, dtype=np.float64).ravel()
+    except (TypeError, ValueError):
+        pair = np.empty(0)
+    if pair.size != 2 or not np.isfinite(pair).all() or not pair[0] < pair[1]:
+        raise InputError(
+            f"{owner}: between must be two finite numbers, the lower one first, got {between!r}."
+        )
+    return float(pair[0]), float(pair[1])
+
+
+def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
+    """Return a map in a range, which is refused if the parameter cannot have values of it."""
+    for value in between:
+        map_.duration(map_.pair(value)[0])
+    return replace(map_, between=between)
+
+
+def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    return next(v for root, prefix in roots for p, _, v in parameters(root, prefix) if p == full)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """An orbit on the branch."""
+
+    shot: Shot
+    tangent: Array
+    """In scaled unknowns (k + 1,), along the branch."""
+    signature: Signature
+    multipliers: NDArray[np.complex128]
+    crossing: float
+    """det[dF/du; t]."""
+    half: Array
+    """States after half the cycles less those at the start, scaled; 0 of an odd number."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a step."""
+
+    low: float
+    """Arc at which it begins."""
+    high: float
+    """Arc at which it ends."""
+    a: _Point
+    """The orbit at its beginning."""
+    b: _Point
+    """The orbit at its end."""
+
+
+class _Curve:
+    """One branch: scales, corrector, events."""
+
+    def __init__(
+        self, map_: ReturnMap, low: float, high: float, unit: str, step: float, most: int
+    ) -> None:
+        self.map, self.low, self.high, self.unit = map_, low, high, unit
+        self.step, self.most = step, most
+        self.scale = np.ones(1)
+        self.runs = 0
+        self.backward = False
+        self.met: Callable[[Shot], int | None] = lambda _: None
+        self.trails: list[list[Array]] = []
+        self.halved: list[Shot] = []
+        self.beyond: list[Shot] = []
+
+    # -- unknowns
+
+    def point(self, shot: Shot, along: Array | None = None) -> _Point:
+        """Return a point with its tangent, which goes on in a direction; up in p if none is given.
+
+        The first point sets the scales; they follow as in `fit`.
+        """
+        if self.scale.size == 1:
+            self.scale = np.append(shot.scale, self.high - self.low)
+        matrix = self.scaled(shot)
+        tangent = self.null(shot)
+        up = tangent[-1] if along is None else float(tangent @ along)
+        tangent = tangent if up >= 0.0 else -tangent
+        return _Point(
+            shot,
+            tangent,
+            signature_of(shot),
+            np.linalg.eigvals(shot.monodromy).astype(np.complex128),
+            float(np.linalg.det(np.vstack([matrix, tangent]))),
+            self.half(shot),
+        )
+
+    def fit(self, *points: _Point) -> tuple[_Point, ...]:
+        """Return points in the scales of the last one, which are taken where its states outgrow."""
+        size = np.append(points[-1].shot.scale, self.high - self.low)
+        ratio, old = size / self.scale, self.scale
+        if ratio.max() <= OUTGROWN and ratio.min() >= 1.0 / OUTGROWN:
+            return points
+        self.scale = size
+        return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
+
+    def scaled(self, shot: Shot) -> Array:
+        """Return dF/du in scaled unknowns (k, k + 1)."""
+        found: Array = shot.jacobian * self.scale / self.scale[:-1, None]
+        return found
+
+    def null(self, shot: Shot) -> Array:
+        """Return the null vector of dF/du; its part along what is lost to sticking is exactly 0."""
+        found = np.asarray(np.linalg.svd(self.scaled(shot))[2][-1], dtype=np.float64)
+        found[:-1][shot.lost] = 0.0
+        found /= float(np.linalg.norm(found))
+        return found
+
+    def half(self, shot: Shot) -> Array:
+        if self.map.cycles % 2:
+            return np.zeros(len(shot.y))
+        middle = shot.run.at(np.array([0.5 * shot.period]))[0][list(self.map.free)]
+        found: Array = (middle - shot.y) / self.scale[:-1]
+        return found
+
+    def unknowns(self, shot: Shot) -> Array:
+        return self.unscaled(shot) / self.scale
+
+    def unscaled(self, shot: Shot) -> Array:
+        return np.append(shot.y, shot.value)
+
+    def shoot(self, u: Array, most: float = np.inf) -> Shot:
+        """Run from scaled unknowns; a residual of more than a size is a `SimulationError`."""
+        self.runs += 1
+        *y, value = (u * self.scale).tolist()
+        return self.map.shoot(np.array(y), value, most * self.scale[:-1])
+
+    def correct(
+        self,
+        u0: Array,
+        normal: Array,
+        distance: float,
+        start: Array | None = None,
+        reach: float = np.inf,
+    ) -> tuple[Shot, int] | None:
+        """Return the orbit with normal (u - u0) = distance near there, and the steps it took.
+
+        None if there is none, or if Newton's steps lead farther than within reach.
+        """
+        u = u0 + distance * normal / float(normal @ normal) if start is None else start
+        begun, before, last = u, np.inf, np.inf
+        tried = [u]
+        for count in range(MOST_NEWTON + 1):
+            try:
+                shot = self.shoot(u, WORSE * before)
+            except (SimulationError, InputError):
+                return None
+            # what is left is judged by the size of the states in this orbit, as by `solved`
+            if shot.error <= self.map.tolerance:
+                return shot, count
+            if count == MOST_NEWTON:
+                return None
+            residual = shot.residual / self.scale[:-1]
+            lack = np.append(residual, float(normal @ (u - u0)) - distance)
+            try:
+                u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
+            except np.linalg.LinAlgError:
+                return None
+            y = shot.moved(u[:-1] * self.scale[:-1])
+            u[:-1] = y / self.scale[:-1]
+            # the next step leaves no larger a share than the last, what its run would show is known
+            follows = shot.error * shot.error / last if count else np.inf
+            if shot.error <= NEARBY and follows <= self.map.tolerance:
+                return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
+            # on either side of a border Newton's step may lead to the other one, for ever
+            if count and np.linalg.norm(u - tried[-2]) <= AGAIN * np.linalg.norm(u - tried[-1]):
+                return None
+            if np.linalg.norm(u - begun) > reach:
+                return None
+            tried.append(u)
+            before, last = float(np.abs(residual).max(initial=0.0)), shot.error
+        return None
+
+    # -- the walk
+
+    def branch(self, first: _Point) -> Branch:
+        """Follow a branch to both sides of a point."""
+        self.backward = True  # events are told in the order of the points
+        turned = replace(first, tangent=-first.tangent, crossing=-first.crossing)
+        scale = self.scale  # that of the tangent; a walk goes on to others
+        back, begun, before = self.walk(turned)
+        self.backward, self.scale = False, scale
+        ahead, ended, after = self.walk(first)
+        points = [*back[:0:-1], *ahead]
+        offset = len(back) - 1
+        events = [replace(e, index=offset - 1 - e.index) for e in reversed(before)]
+        events += [replace(e, index=offset + e.index) for e in after]
+        shots = [point.shot for point in points]
+        advances = np.array([shot.advance for shot in shots]).reshape(len(shots), -1)
+        multipliers = np.array([point.multipliers for point in points])
+        order = np.argsort(-np.abs(multipliers), axis=1, kind="stable")
+        return Branch(
+            path=str(self.map.path),
+            unit=self.unit,
+            cycles=self.map.cycles,
+            states=self.map.names,
+            units=units_of(self.map),
+            values=np.array([shot.value for shot in shots]),
+            starts=np.array([shot.y for shot in shots]),
+            periods=np.array([shot.period for shot in shots]),
+            multipliers=np.take_along_axis(multipliers, order, axis=1),
+            advances={
+                self.map.states[i]: advances[:, k] for k, i in enumerate(self.map.moving)
+            },
+            events=tuple(events),
+            ends=(begun, ended),
+            runs=self.runs,
+            map=self.map,
+        )  # fmt: skip
+
+    def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
+        """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
+        (first,) = self.fit(first)
+        points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
+        trail = [self.unscaled(first.shot)]
+        self.trails.append(trail)
+        while len(points) <= self.most:
+            here = points[-1]
+            u0 = self.unknowns(here.shot)
+            step = self.stepped(points, u0, ds)
+            if step is None:
+                ds, held = (0.25 if held else 0.5) * ds, True
+                if ds > LEAST_STEP:
+                    continue
+                there = self.over(here)
+                if there is None:
+                    kind, reason = self.reason(here)
+                    if kind:
+                        sentence = "the branch ends there"
+                        events.append(self.event(kind, here, len(points) - 1, sentence))
+                    return points, reason, events
+                ds = 0.1 * float(np.linalg.norm(self.unknowns(there.shot) - u0))
+            else:
+                there = step[0]
+            if _halves_meet(here, there):
+                return self.halves(points, there, u0, 0.0 if step is None else ds, events)
+            if step is None:
+                events.append(self.turned(here, there, len(points) - 1))
+            else:
+                events += self.between(here, there, u0, ds, len(points) - 1, step[2])
+            end = self.limit(here, there)
+            if end is not None:
+                return self.cut(points, there, end, events)
+            points.append(there)
+            ended = self.ended(first, points)
+            if ended:
+                return points, ended, events
+            trail.append(self.unscaled(there.shot))
+            if step is not None and step[1] <= EASY and not held:
+                ds = min(GROWTH * ds, self.step)
+            ds, held = min(ds, self.straight(points)), False
+            first, *points[-2:] = self.fit(first, *points[-2:])
+        return points, f"It was followed for {self.most} points; give more to go on.", events
+
+    def stepped(
+        self, points: list[_Point], u0: Array, ds: float
+    ) -> tuple[_Point, int, _Part] | None:
+        """Return the point after a step, how many of Newton's steps it took, and the border.
+
+        None if the step must be shorter. What lies behind a gap is noted, as it may be a branch.
+        """
+        here = points[-1]
+        found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds), ds)
+        if found is None:
+            return None
+        there = self.point(found[0], here.tangent)
+        if not self.is_next(here, there, u0, ds):
+            return None
+        border = self.border(here, there, u0, ds)
+        if border is None:
+            self.beyond.append(there.shot)
+            return None
+        return there, found[1], border
+
+    def ended(self, first: _Point, points: list[_Point]) -> str:
+        """Return why a branch need not be followed beyond its last point; else nothing."""
+        here, there = points[-2:]
+        at = quantity(there.shot.value, self.unit, 6)
+        known = self.met(there.shot)
+        if known is not None:
+            return f"It meets branch {known} at {at}."
+        if len(points) > 3 and self.closes(first, here, there):
+            return "It closes."
+        return f"It returns to itself at {at}." if self.returns(there) else ""
+
+    def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
+        """Whether a corrected point lies on the same branch, near enough."""
+        off = self.unknowns(there.shot) - u0 - ds * here.tangent
+        if float(np.linalg.norm(off)) > ON_CURVE * ds:
+            return False
+        same = here.signature == there.signature
+        return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
+
+    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> _Part | None:
+        """Return the part of a step in which what happens changes; the step itself if nothing does.
+
+        None if there is no orbit somewhere between, or a gap: then the branch turns to and fro
+        between the points, or another one comes near, and the step must be shorter.
+        """
+        step = _Part(0.0, ds, here, there)
+        if here.signature == there.signature:
+            return step
+
+        def side(point: _Point) -> float:
+            return 1.0 if point.signature == here.signature else -1.0
+
+        def gap(part: _Part) -> float:
+            return float(np.linalg.norm(self.unknowns(part.b.shot) - self.unknowns(part.a.shot)))
+
+        near = self.located(step, u0, here.tangent, side, most=FIRST_SECTIONS)
+        if ds >= CLEAN and gap(near) > NARROWED * gap(step):
+            return None
+        near = self.located(near, u0, here.tangent, side)
+        if ds < CLEAN:
+            return near
+        located = near.high - near.low <= LEAST_STEP
+        return near if located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5) else None
+
+    def halves(
+        self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
+    ) -> tuple[list[_Point], str, list[Event]]:
+        """End a branch in the period doubling from which it came, right before it.
+
+        Both halves of the orbit become the same there; behind are the same orbits, begun half a
+        period later. How far they are apart is smooth along the arc, and the parameter nearly its
+        square, so that what is left of the branch is too short for anything to happen in it. The
+        step is 0 where the doubling was stepped over.
+        """
+        here = points[-1]
+        far = float(np.linalg.norm(here.half))
+        along = here.half / far
+        near = _Part(0.0, ds, here, there)
+        if ds > 0.0 and far > HALVED:
+            near = self.located(
+                near, u0, here.tangent, lambda p: float(p.half @ along) - HALVED, NEAR_HALVED
+            )
+        if near.a is not here:
+            border = self.border(here, near.a, u0, near.low) or _Part(0.0, near.low, here, near.a)
+            events += self.between(here, near.a, u0, near.low, len(points) - 1, border)
+            end = self.limit(here, near.a)
+            if end is not None:
+                return self.cut(points, near.a, end, events)
+            points.append(near.a)
+        self.halved.append(near.a.shot)
+        value = quantity(near.a.shot.value, self.unit, 5)
+        return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
+
+    def limit(self, here: _Point, there: _Point) -> float | None:
+        """Return the end of the range that a step leaves behind, from within or from it."""
+        if there.shot.value < self.low <= here.shot.value:
+            return self.low
+        return self.high if there.shot.value > self.high >= here.shot.value else None
+
+    def cut(
+        self, points: list[_Point], there: _Point, edge: float, events: list[Event]
+    ) -> tuple[list[_Point], str, list[Event]]:
+        """End a branch right at the end of the range."""
+        here = points[-1]
+        share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
+        with suppress(SimulationError, InputError):  # else the last point stands a step before it
+            if share > 0.0:
+                shot = solved(self.map, here.shot.y + share * (there.shot.y - here.shot.y), edge)
+                points.append(self.point(shot, there.tangent))
+        inside = [e for e in events if self.low <= e.value <= self.high]
+        return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
+
+    def closes(self, first: _Point, here: _Point, there: _Point) -> bool:
+        """Whether a step passes the first point: the branch is a closed curve."""
+        a, b = self.unknowns(here.shot), self.unknowns(there.shot)
+        start, chord = self.unknowns(first.shot), b - a
+        share = float((start - a) @ chord) / float(chord @ chord)
+        gap = float(np.linalg.norm(start - a - share * chord))
+        along = float(first.tangent @ there.tangent) > TURN
+        return along and 0.0 < share <= 1.0 and gap < 0.05 * float(np.linalg.norm(chord))
+
+    def returns(self, there: _Point) -> bool:
+        """Whether a point lies between two earlier ones of this branch, in either direction.
+
+        So it does where a branch that was stepped over at grazing comes back on another way. What
+        is near is solved for in the plane of the point: another part of the branch differs there.
+        """
+        u = self.unknowns(there.shot)
+        for trail in self.trails:
+            ends = np.array(trail) / self.scale
+            begins, chords = ends[:-1], np.diff(ends, axis=0)
+            sizes = np.linalg.norm(chords, axis=1)
+            shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2
+            places = begins + shares[:, None] * chords
+            near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
+            near &= (shares > 0.0) & (shares <= 1.0)
+            near &= np.abs(chords @ there.tangent) > TURN * sizes
+            for i in np.flatnonzero(near):
+                found = self.correct(u, there.tangent, 0.0, places[i])
+                if found is not None:
+                    off = float(np.linalg.norm(self.unknowns(found[0]) - u))
+                    if off <= ALIKE * sizes[i]:
+                        return True
+        return False
+
+    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array | None:
+        """Return where a cubic through the last two points goes on; None where there is none."""
+        if len(points) < 2 or points[-2].signature != points[-1].signature:
+            return None
+        before, here = points[-2:]
+        back = self.unknowns(before.shot) - u0
+        h = float(np.linalg.norm(back))
+        if ds > FAR * h:
+            return None
+        x = 1.0 + ds / h
+        found: Array = u0 + (2.0 * x + 1.0) * (1.0 - x) ** 2 * back
+        found += h * x * (x - 1.0) * ((x - 1.0) * before.tangent + x * here.tangent)
+        found += (ds - float(here.tangent @ (found - u0))) * here.tangent
+        return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
+
+    def amid(self, part: _Part, share: float, normal: Array) -> Array:
+        """Return what is at a share of a part: by a cubic if the same happens at both ends.
+
+        Else along the tangent from the end at which less happens, beyond which the other part of
+        the branch begins: what is more there may bend it without bound, as grazing does.
+        """
+        a, b = self.unknowns(part.a.shot), self.unknowns(part.b.shot)
+        found: Array = a + share * (b - a)
+        if part.a.signature == part.b.signature:
+            h, rest = float(np.linalg.norm(b - a)), 1.0 - share
+            bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
+            return found + share * rest * bends
+        counts = [sum(n for _, _, n in point.signature) for point in (part.a, part.b)]
+        end, tangent = (a, part.a.tangent) if counts[0] < counts[1] else (b, part.b.tangent)
+        slope = float(normal @ tangent)
+        away = float(normal @ (found - end))
+        if abs(slope) > STEEP:
+            found = end + away / slope * tangent
+        return found
+
+    def straight(self, points: list[_Point]) -> float:
+        """Return the step in which the tangent turns as far as it is meant to, as in the last."""
+        before, here = points[-2:]
+        if before.signature != here.signature:
+            return self.step
+        angle = float(np.arccos(np.clip(before.tangent @ here.tangent, -1.0, 1.0)))
+        length = float(np.linalg.norm(self.unknowns(here.shot) - self.unknowns(before.shot)))
+        return BEND * float(np.arccos(TURN)) / max(angle, LEAST_STEP) * length
+
+    def over(self, here: _Point) -> _Point | None:
+        """Return a point behind what stops the corrector, on whichever side the branch goes on.
+
+        In the plane across the null vector behind it, which need not be near the tangent before.
+        """
+        u0 = self.unknowns(here.shot)
+        for ds in OVER:
+            start = u0 + ds * here.tangent
+            try:
+                guess = self.shoot(start)
+            except (SimulationError, InputError):
+                continue
+            if signature_of(guess) == here.signature:
+                continue
+            for normal in (self.null(guess), here.tangent):
+                found = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
+                if found is None:
+                    continue
+                off = self.unknowns(found[0]) - u0
+                point = self.point(found[0], off)
+                if point.signature != here.signature and float(np.linalg.norm(off)) < MOST_STEP:
+                    return point
+        return None
+
+    def turned(self, here: _Point, there: _Point, index: int) -> Event:
+        """Return the event across which the branch was stepped over."""
+        kind, sentence = self.change(here, there)
+        back = here.tangent[-1] * there.tangent[-1] < 0.0
+        more = TURNS_BACK if back else "; stepped over"
+        return self.event(kind, here, index, sentence + more + self.jump(here, there))
+
+    def reason(self, here: _Point) -> tuple[str, str]:
+        """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
+
+        What happens in a run right behind the last point is what stops it.
+        """
+        u0 = self.unknowns(here.shot)
+        at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
+        for ds in OVER:
+            try:
+                ahead = self.shoot(u0 + ds * here.tangent)
+            except (SimulationError, InputError) as error:
+                return "", (
+                    f"{at}: behind, a run ends early or has no derivative:"
+                    f" {str(error).rstrip('.')}."
+                )
+            after = signature_of(ahead)
+            if after == here.signature:
+                continue
+            kind, sentence = _change(here.signature, after)
+            if kind != "grazing":
+                return kind, f"{at}: {sentence}, and no orbit like it follows."
+            large = float(np.abs(np.linalg.eigvals(ahead.monodromy)).max(initial=0.0))
+            return kind, (
+                f"{at} in grazing: {sentence}. The saltation factor of a grazing contact is"
+                f" infinite: right behind, the largest multiplier is {number(large, 2)}."
+            )
+        return "", f"{at}: the corrector does not converge."
+
+    # -- events
+
+    def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
+        shot = point.shot
+        with suppress(SimulationError, InputError):  # beside a border the run may be another
+            again = self.map.shoot(shot.y, shot.value)
+            self.runs += 1
+            if signature_of(again) == point.signature:
+                shot = again
+        return BranchEvent(
+            kind=kind, value=shot.value, index=index, sentence=sentence, orbit=self.map.orbit(shot)
+        )
+
+    def jump(self, here: _Point, there: _Point) -> str:
+        """Return what a change does to stability, in words."""
+        pair = (there, here) if self.backward else (here, there)
+        before, after = (bool(np.all(np.abs(p.multipliers) < 1.0)) for p in pair)
+        if before == after:
+            return ""
+        return f"; {'unstable' if before else 'stable'} from there on"
+
+    def change(self, here: _Point, there: _Point) -> tuple[str, str]:
+        """Return the kind of a change of what happens, and the sentence in the order of points."""
+        pair = (there, here) if self.backward else (here, there)
+        return _change(pair[0].signature, pair[1].signature)
+
+    def between(
+        self, here: _Point, there: _Point, u0: Array, ds: float, index: int, border: _Part
+    ) -> list[Event]:
+        """Return the events between two points, each located; that of the border is."""
+        found: list[tuple[float, Event]] = []
+        parts = [_Part(0.0, ds, here, there)]
+        if here.signature != there.signature:
+            kind, sentence = self.change(here, there)
+            near = border
+            if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
+                sentence += TURNS_BACK
+            sentence += self.jump(near.a, near.b)
+            found.append((near.low, self.event(kind, near.a, index, sentence)))
+            # what a test does at the change itself the event of the change says
+            parts = [_Part(0.0, near.low, here, near.a), _Part(near.high, ds, near.b, there)]
+        for kind, sentence, test in TESTS:
+            for part in parts:
+                ends = test(part.a), test(part.b)
+                if ends[0] * ends[1] < 0.0:
+                    least = ZERO * max(map(abs, ends))
+                    near = self.located(part, u0, here.tangent, test, least)
+                    if near.a.signature == near.b.signature:
+                        found.append((near.low, self.event(kind, near.a, index, sentence)))
+        crossed = {event.kind for _, event in found}
+        if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
+            found = [pair for pair in found if pair[1].kind != "fold"]
+        for part in parts:
+            near_torus = self.torus(part, u0, here.tangent)
+            if near_torus is not None:
+                s, a = near_torus
+                found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        return [event for _, event in sorted(found, key=lambda pair: pair[0])]
+
+    def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, _Point] | None:
+        """Return where a complex pair of multipliers passes the unit circle, if it does."""
+        before, after = _pair_outside(part.a), _pair_outside(part.b)
+        if before is None or after is None or before == after:
+            return None
+        near = self.located(part, u0, normal, lambda p: 1.0 if _pair_outside(p) == before else -1.0)
+        off = min(abs(abs(x) - 1.0) for x in near.a.multipliers)
+        same = near.a.signature == near.b.signature
+        return (near.low, near.a) if same and off < AT_CIRCLE else None
+
+    def located(
+        self,
+        part: _Part,
+        u0: Array,
+        normal: Array,
+        test: Callable[[_Point], float],
+        least: float | None = None,
+        most: int = MOST_SECTIONS,
+    ) -> _Part:
+        """Return the least part in which a test function changes its sign.
+
+        One that is smooth, and for which a least value counts as 0, by the rule of false position,
+        whose kept end counts half (Illinois); any other by bisection.
+        """
+        low, high, a, b = part.low, part.high, part.a, part.b
+        first, last, side = test(a), test(b), 0
+        for count in range(most):
+            if high - low <= LEAST_STEP:
+                break
+            share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
+            middle = low + share * (high - low)
+            start = self.amid(_Part(low, high, a, b), share, normal)
+            found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
+            if found is None:
+                break
+            point = self.point(found[0], normal)
+            value = test(point)
+            if value * first > 0.0:
+                low, a, first, last = middle, point, value, last * (0.5 if side < 0 else 1.0)
+                side = -1
+            else:
+                high, b, last, first = middle, point, value, first * (0.5 if side > 0 else 1.0)
+                side = 1
+            if least is not None and abs(value) <= least and a.signature == b.signature:
+                return _Part(middle, middle, point, point)
+        return _Part(low, high, a, b)
+
+    # -- doubled branches
+
+    def doubled(self, orbit: Orbit, y: Array, value: float) -> _Point:
+        """Return a point of the branch that leaves at a period doubling."""
+        values, vectors = np.linalg.eig(orbit.monodromy)
+        nearest = int(np.argmin(np.abs(values + 1.0)))
+        if abs(values[nearest] + 1.0) > AT_CIRCLE:
+            raise InputError(
+                "continue_orbit: doubled=True needs an orbit with a multiplier at -1, such as the"
+                " `orbit` of a period doubling among a branch's events; the nearest multiplier is"
+                f" {number(float(values[nearest].real), 3)}."
+            )
+        base = replace(self.map, cycles=orbit.cycles)
+        shot = base.shoot(y, value)
+        self.scale = np.append(shot.scale, self.high - self.low)
+        old = self.null(shot)
+        v = np.append(vectors[:, nearest].real / shot.scale, 0.0)
+        v -= float(v @ old) * old
+        v /= float(np.linalg.norm(v))
+        u0 = self.unknowns(shot)
+        for off in OFF:
+            found = self.correct(u0, v, off, reach=10.0 * off)
+            if found is None:
+                continue
+            try:
+                half = base.shoot(found[0].y, found[0].value)
+            except (SimulationError, InputError):
+                continue
+            if half.error > 100.0 * self.map.tolerance:
+                return self.point(found[0])
+        raise SimulationError(
+            f"no branch of period {self.map.cycles} leaves at"
+            f" {quantity(value, self.unit, 6)}: what is near there closes after {orbit.cycles}."
+        )
+
+
+def units_of(map_: ReturnMap) -> dict[str, str]:
+    """Return the SI units of all states."""
+    known = path_units(map_.mechanism, map_.law)
+    return {name: known.get(f"initial.{name}", "1") for name in map_.states}
+
+
+def _halves_meet(here: _Point, there: _Point) -> bool:
+    """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
+    far = float(np.linalg.norm(here.half))
+    if far <= NEARBY or far > 2.0 * float(np.linalg.norm(there.half - here.half)):
+        return False
+    return float(here.half @ there.half) < ALIKE * far * far
+
+
+def _det_plus(point: _Point) -> float:
+    return float(np.prod(1.0 + point.multipliers).real)
+
+
+TESTS: Final[tuple[tuple[str, str, Callable[[_Point], float]], ...]] = (
+    ("fold", "the branch turns back", lambda point: float(point.tangent[-1])),
+    ("period doubling", "a multiplier passes -1", _det_plus),
+    ("branch point", "another branch crosses", lambda point: point.crossing),
+)
+"""Smooth test functions, with what a change of their sign means."""
+
+
+def _pair_outside(point: _Point) -> bool | None:
+    """Whether the largest complex pair lies outside the unit circle; None if all are real."""
+    pairs = [abs(x) for x in point.multipliers if abs(x.imag) > 1e-9 * max(abs(x), 1e-9)]
+    return max(pairs) > 1.0 if pairs else None
+
+
+def _change(before: Signature, after: Signature) -> tuple[str, str]:
+    """Return the kind of a change of what happens in a period, and the sentence."""
+    counts = [{(c, what): n for c, what, n in one} for one in (before, after)]
+    keys = sorted({key for one in counts for key in one})
+    parts, reversals, kind = list[str](), list[str](), "reversal"
+    for key in keys:
+        a, b = (one.get(key, 0) for one in counts)
+        contact, what = key
+        if a == b or what.startswith("mode "):
+            continue
+        where = f" at {contact}" if contact else ""
+        if what == "stop":
+            kind = "sticking" if kind == "reversal" else kind
+            word = "begins" if a == 0 else "ends" if b == 0 else f"from {a} to {b} times a period"
+            parts.insert(0, f"sticking{where} {word}")
+        elif what == "reversal":
+            reversals.append(f"reverses{where} without sticking from {a} to {b} times a period")
+        elif what == "break-away":
+            reversals.append(f"breaks away{where} from {a} to {b} times a period")
+        else:
+            kind = "grazing"
+            parts.append(f'"{what}"{where} from {a} to {b} times a period')
+    return kind, "; ".join(parts or reversals or ["what the contacts do all the time"])

@@ -1,0 +1,494 @@
+"""Mean velocity over grids of parameters.
+
+A motion under drives that repeat themselves has a mean velocity over whole cycles,
+
+    V = (x(t_end) - x(t_end - n T)) / (n T).
+
+1. The axes are multiplied out; each row has the period T of its own drives.
+2. Rows whose periods are alike share an ensemble, and so an end, `settle` + n cycles of the longest
+   one; each has the mean of the rate over its own last n periods.
+3. The mean over the last n / 2 of them tells how settled the motion is: 0 in a steady one.
+4. A run that ends early has no mean, and the map says why.
+
+A band over many laws has the velocities of each, and errors of predictions beside them: quantiles
+of Student's t with four degrees of freedom, times a scale, are added to each law's velocity, and
+ends of the band are quantiles of all of that at each value.
+"""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import stdtrit
+from typing_extensions import override
+
+from stickslip.engine.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
+from stickslip.engine.solver import EventDriven, Mean, Output
+from stickslip.engine.trajectory import Ensemble, Status
+from stickslip.errors import InputError
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.show.display import OnAxes, Summary, require_library
+from stickslip.show.formatting import percent, quantity, span
+from stickslip.show.tables import Tabular
+from stickslip.study.sweep.parameter_grid import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    cycles_of,
+    early_ends,
+    names_of,
+    near,
+    product,
+    reasons_of,
+    unit_of,
+    whole_run,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+FREEDOM, ERRORS = 4.0, 400
+"""Degrees of freedom of errors of predictions, and quantiles that stand for them."""
+TOGETHER = 1.25
+"""Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
+STILL = 1e-3
+"""Share of the largest velocity of a map below which a body counts as staying where it is."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class VelocityMap(OnAxes):
+    """Mean velocities over a grid; arrays have one dimension for each of the `axes`."""
+
+    axes: Mapping[str, Array]
+    """What varies, an array for each full path."""
+    units: Mapping[str, str]
+    """SI unit of each path."""
+    unit: str
+    """SI unit of the velocity."""
+    velocity: Array
+    """Mean velocity over whole cycles; NaN where a run ended early, as `early_ends` says."""
+    unsettled: Array
+    """How far the second half of these cycles differs from all of them: 0 in a steady motion."""
+    period: Array
+    """Length of a cycle [s]."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each."""
+    certified: NDArray[np.bool_]
+    """Whether each run passed every check of its certificate."""
+    coordinate: str = ""
+    """The coordinate whose mean rate it is, if one was named."""
+
+    def reversals(self) -> Array:
+        """Return where the velocity changes its sign along the only axis, by straight lines.
+
+        Where the body does not move on, its velocity has no sign: between motion one way and the
+        other with such points in between, their middle counts.
+        """
+        if len(self.axes) != 1:
+            raise InputError(
+                f"reversals are defined along one axis, but this map has {len(self.axes)}."
+            )
+        (values,) = self.axes.values()
+        moving = self.moves()
+        x, v, rows = values[moving], self.velocity[moving], np.flatnonzero(moving)
+        turns = np.flatnonzero(v[1:] * v[:-1] < 0.0)
+        apart = rows[turns + 1] - rows[turns] > 1
+        share = np.where(apart, 0.5, v[turns] / (v[turns] - v[turns + 1]))
+        found: Array = x[turns] + share * (x[turns + 1] - x[turns])
+        return found
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where there is no velocity, and why: a sentence for each reason."""
+        return early_ends(self.status, "No mean velocity there.", self.axes, self.units)
+
+    def moves(self) -> NDArray[np.bool_]:
+        """Return where the body moves on: its velocity is not small, and larger than its doubt."""
+        least = STILL * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        with np.errstate(invalid="ignore"):
+            found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
+                least, 2.0 * self.unsettled
+            )
+        return found
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point of the grid, with the reason where it has no velocity."""
+        import pandas as pd
+
+        columns: dict[str, object] = dict(product(self.axes))
+        columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
+        columns |= {"unsettled": self.unsettled.ravel()}
+        columns["status"] = names_of(self.status).ravel()
+        columns["reason"] = reasons_of(self.status)
+        return pd.DataFrame(columns | {"certified": self.certified.ravel()})
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the map as an xarray Dataset over its parameters, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        over = tuple(self.axes)
+        columns = {
+            "velocity": (over, self.velocity, {"units": self.unit}),
+            "unsettled": (over, self.unsettled, {"units": self.unit}),
+            "period": (over, self.period, {"units": "s"}),
+            "status": (over, names_of(self.status)),
+            "certified": (over, self.certified),
+        }
+        axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
+        return xr.Dataset(columns, axes)
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (
+                path,
+                f"{span(float(x.min()), float(x.max()), self.units[path], 4)}, {len(x)} values",
+            )
+            for path, x in self.axes.items()
+        ]
+        known = self.velocity[np.isfinite(self.velocity)]
+        if known.size:
+            rows.append(
+                (
+                    f"mean velocity of {self.coordinate}" if self.coordinate else "mean velocity",
+                    span(float(known.min()), float(known.max()), self.unit, 4),
+                )
+            )
+        return Summary(
+            sentence=f"{known.size} of {self.velocity.size} runs have a velocity.",
+            rows=rows,
+            notes=self.early_ends(),
+        )
+
+
+def average_velocity(
+    mechanism: Mechanism,
+    law: GivenFriction,
+    parameters: Mapping[str, ArrayLike],
+    *,
+    coordinate: str | None = None,
+    cycles: int = 20,
+    settle: int = 100,
+    period: float | None = None,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    solver: EventDriven | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> VelocityMap:
+    """Return the mean velocity of a driven mechanism over a grid of parameters.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back; laws by contact where there are several.
+    parameters : mapping
+        The axes of the grid, an array for each path as in `ensemble`, such as
+        ``"mechanism.drive.drive.frequency"``; all their combinations are run.
+    coordinate : str, optional
+        Coordinate whose mean rate is taken; that along which contacts slip if not given. It has to
+        be named where they slip along several.
+    cycles : int
+        Whole cycles of the drive over which the mean is taken; even, so that they can be halved.
+    settle : int
+        Cycles before them, at least.
+    period : float, optional
+        Length of a cycle [s] in all runs; that of each run's drives if not given.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed, as in `ensemble`.
+    progress : callable, optional
+        Called with the number of runs done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    VelocityMap
+        Velocities, how settled they are, and how each run ended.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.mechanisms.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> friction = {"kinetic_coefficient": [0.2, 0.3]}
+    >>> found = average_velocity(capsule, Coulomb(kinetic_coefficient=0.2), friction, settle=2)
+    >>> found.velocity.round(6)
+    array([0.046037, 0.032335])
+    """
+    law = event_driven_law(mechanism, law)
+    slip, rate = slip_among(mechanism, coordinate, "average_velocity")
+    _check(parameters, cycles, settle)
+    mechanism, law = beginning_pair(mechanism, law, parameters)
+    if period is None:
+        whole_run("average_velocity", mechanism, settle + cycles)
+    axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
+    columns = product(axes)
+    periods = cycles_of(mechanism, columns, period)
+    table, tally = _Table(len(periods)), Tally(len(periods), progress)
+    # an ensemble has one end: rows of short periods would run on for those of long ones
+    for rows in near(periods, TOGETHER):
+        if not tally.going:
+            break
+        runs = ensemble(
+            mechanism,
+            law,
+            {path: values[rows] for path, values in columns.items()},
+            t_end=float((settle + cycles) * periods[rows].max()),
+            outputs=_means(rate, cycles, periods[rows]),
+            y0=y0,
+            solver=compiled(solver),
+            executor=executor,
+            progress=tally.part(),
+        )
+        table.keep(rows, runs)
+    units = {path: unit_of(mechanism, law, path) for path in axes}
+    shape = tuple(map(len, axes.values()))
+    unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
+    return table.mapped(axes, units, shape, periods, unit, coordinate or "")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class VelocityBand(OnAxes, Tabular):
+    """Mean velocities over one parameter with many laws, and the band in which they lie."""
+
+    path: str
+    """What varies, as a full path."""
+    values: Array
+    """Its values (n,)."""
+    unit: str
+    """Its SI unit."""
+    velocities: Array
+    """Mean velocities (m, n) of m laws [m/s] or [rad/s]; NaN where a run ended early."""
+    velocity_unit: str
+    """Their SI unit."""
+    level: float
+    """Probability of the band, point by point."""
+    error: float = 0.0
+    """By how much predictions are off beside what the laws tell [m/s] or [rad/s]."""
+    reasons: tuple[str, ...] = ()
+    """Where runs ended early, and why."""
+
+    @property
+    def low(self) -> Array:
+        """Lower end of the band (n,)."""
+        return self._quantile(0.5 - 0.5 * self.level)
+
+    @property
+    def median(self) -> Array:
+        """Median (n,)."""
+        return self._quantile(0.5)
+
+    @property
+    def high(self) -> Array:
+        """Upper end of the band (n,)."""
+        return self._quantile(0.5 + 0.5 * self.level)
+
+    def _quantile(self, share: float) -> Array:
+        # quantiles instead of draws: a band has the same ends each time
+        off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
+        every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
+        return np.asarray(np.nanquantile(every, share, axis=0))
+
+    @property
+    def fastest(self) -> float:
+        """Value with which the body is fastest, either way, with the largest median."""
+        return float(self.values[int(np.nanargmax(np.abs(self.median)))])
+
+    @override
+    def _over(self) -> str:
+        return self.path
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        ends = dict.fromkeys(("low", "median", "high"), self.velocity_unit)
+        return {self.path: self.unit} | ends
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each value: lower end, median and upper end of the velocity."""
+        import pandas as pd
+
+        ends = {"low": self.low, "median": self.median, "high": self.high}
+        return pd.DataFrame({self.path: self.values, **ends})
+
+    @override
+    def _summary(self) -> Summary:
+        at = int(np.nanargmax(np.abs(self.median)))
+        ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
+        over = span(float(self.values.min()), float(self.values.max()), self.unit, 4)
+        return Summary(
+            sentence=f"{percent(self.level)} band over {len(self.velocities)} laws.",
+            rows=[
+                (self.path, f"{over}, {len(self.values)} values"),
+                ("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"),
+            ],
+            notes=self.reasons,
+        )
+
+
+def velocity_band(
+    mechanism: Mechanism,
+    laws: Sequence[GivenFriction],
+    parameters: Mapping[str, ArrayLike],
+    *,
+    level: float = 0.95,
+    error: float = 0.0,
+    cycles: int = 20,
+    settle: int = 100,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> VelocityBand:
+    """Return the band of the mean velocity over one parameter, whichever of some laws holds.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    laws : sequence of FrictionLaw
+        Laws, such as those that `sample` of a verdict draws.
+    parameters : mapping
+        Path of one parameter -> its values (n,), as in `average_velocity`.
+    level : float
+        Probability of the band at each value.
+    error : float
+        By how much predictions at values that were not measured are off beside what the laws tell
+        [m/s] or [rad/s], as `TravelVerdict.prediction_error` says: the scale of Student's t with
+        four degrees of freedom.
+    cycles, settle : int
+        Whole cycles over which the mean is taken, and those before, as in `average_velocity`.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    progress : callable, optional
+        Called with the number of laws done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    VelocityBand
+        Velocities by law, and their band.
+
+    Raises
+    ------
+    InputError
+        If there is no law, or more than one parameter.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.mechanisms.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> laws = [Coulomb(kinetic_coefficient=mu) for mu in (0.19, 0.2, 0.21)]
+    >>> masses = {"mechanism.inner_mass": [0.1, 0.2]}
+    >>> band = velocity_band(capsule, laws, masses, settle=2, cycles=2)
+    >>> band.median.round(4), band.fastest
+    (array([0.0147, 0.0444]), 0.2)
+    """
+    if not laws or len(parameters) != 1:
+        raise InputError(
+            f"velocity_band takes laws and one parameter, got {len(laws)} laws and"
+            f" {len(parameters)} parameters."
+        )
+    tally, maps = Tally(len(laws), progress), list[VelocityMap]()
+    for law in laws:
+        if not tally.going:
+            break
+        maps.append(
+            average_velocity(
+                mechanism, law, parameters, cycles=cycles, settle=settle, y0=y0, solver=solver
+            )
+        )
+        tally.tell(len(maps))
+    ((path, values),) = maps[0].axes.items()
+    return VelocityBand(
+        path=path,
+        values=values,
+        unit=maps[0].units[path],
+        velocities=np.array([one.velocity for one in maps]),
+        velocity_unit=maps[0].unit,
+        level=level,
+        error=error,
+        reasons=tuple(dict.fromkeys(text for one in maps for text in one.early_ends())),
+    )
+
+
+def _check(parameters: object, cycles: int, settle: int) -> None:
+    counted("average_velocity", "settle", settle, 0)
+    if counted("average_velocity", "cycles", cycles, 2) % 2:
+        raise InputError(f"average_velocity: cycles must be even, got {cycles}.")
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise InputError(f"parameters must map at least one path to numbers, got {parameters!r}.")
+
+
+def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
+    return {
+        "all": Mean(rate, last=cycles * periods),
+        "late": Mean(rate, last=cycles // 2 * periods),
+    }
+
+
+class _Table:
+    """What came of the runs, a row each."""
+
+    def __init__(self, count: int) -> None:
+        self.velocity = np.full(count, np.nan)
+        self.late = np.full(count, np.nan)
+        self.status: NDArray[np.object_] = np.full(count, Status.CANCELLED, dtype=object)
+        self.certified = np.zeros(count, dtype=np.bool_)
+
+    def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
+        """Keep the runs of an ensemble; those that ended early have no mean motion."""
+        # a run that ended early would have the mean of what it had by then
+        whole = np.array([status.complete for status in runs.status])
+        self.velocity[rows] = np.where(whole, runs["all"], np.nan)
+        self.late[rows] = np.where(whole, runs["late"], np.nan)
+        self.status[rows], self.certified[rows] = runs.status, runs.certified
+
+    def mapped(
+        self,
+        axes: Mapping[str, Array],
+        units: Mapping[str, str],
+        shape: tuple[int, ...],
+        periods: Array,
+        unit: str,
+        coordinate: str,
+    ) -> VelocityMap:
+        """Return all of it over the grid."""
+        return VelocityMap(
+            axes=axes,
+            units=units,
+            unit=unit,
+            velocity=self.velocity.reshape(shape),
+            unsettled=np.abs(self.late - self.velocity).reshape(shape),
+            period=periods.reshape(shape),
+            status=self.status.reshape(shape),
+            certified=self.certified.reshape(shape),
+            coordinate=coordinate,
+        )

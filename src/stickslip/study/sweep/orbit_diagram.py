@@ -1,0 +1,600 @@
+"""Branches of periodic orbits over a range of a parameter, begun from settled runs.
+
+1. At evenly spaced values runs settle from where the mechanism begins, between them others from
+   random states of twice the size of motions so far.
+2. A settled run that closes after at most the cycles asked for is solved for (`orbits`); if it lies
+   on no branch yet, its branch is followed to both sides (`continuation`) until it meets another.
+3. At period doublings doubled branches begin.
+   Where a branch of twice the period ends in one, that of half the period is followed, too; so is
+   what a step met behind a gap.
+4. Right behind each loss of stability a run settles from there, as in a sweep: what takes over is
+   often not connected. Beside each end of a branch within the range runs settle from random states;
+   so they do where no orbit is known that is stable, until it is or places are near each other:
+   there something else is, be it of a longer period or of none.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.engine.simulation import (
+    GivenFriction,
+    beginning_pair,
+    ensemble,
+    event_driven_law,
+    initial_state,
+)
+from stickslip.engine.solver import EventDriven, Output, Samples
+from stickslip.errors import InputError, SimulationError
+from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.show.display import OnAxes, Summary
+from stickslip.show.formatting import number, quantity
+from stickslip.show.tables import Tabular
+from stickslip.study.sweep.bifurcation import CLOSED, period_of
+from stickslip.study.sweep.orbits import (
+    Orbit,
+    ReturnMap,
+    Shot,
+    return_map,
+    solved,
+)
+from stickslip.study.sweep.parameter_grid import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    early_ends,
+    unit_of,
+    whole_run,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+from stickslip.study.sweep.continuation import (
+    MOST_POINTS,
+    MOST_STEP,
+    Branch,
+    BranchEvent,
+    begun,
+    between_of,
+    units_of,
+    within,
+)
+
+__all__ = ["OrbitDiagram", "orbit_diagram"]
+
+BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
+"""Places beside the end of a branch, over the range, where further runs settle."""
+RIGHT_BEHIND = 3e-4
+"""Distance, over the range, behind a loss of stability at which a run settles from there."""
+BESIDE = 1e-3
+"""Distance, over the range, within which no second place beside an end is looked at."""
+FINER, FEW = 32, 2
+"""Places between two values at which runs settle, at most, where no stable orbit is known, and how
+many of them there as beside an end."""
+EARLY, SOONER = 4, 100.0
+"""Share of the cycles after which a run may have settled, if it closes that much better."""
+SAME = 2e-3
+"""Distance, over the size of the states, within which points are of the same orbit: what is left
+of a transient, of which `cycles.CLOSED` is allowed."""
+SOLVED = 1e-6
+"""The same of orbits that were solved for: near a doubling branches lie closer than transients."""
+SETTLED = 1e-7
+"""The same of points of one orbit."""
+NEAR_SAMPLES = 0.05
+"""Distance within which a sample of a settled run may lie on a branch that is known: then it is
+compared after both were solved for at the same value."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class OrbitDiagram(OnAxes, Tabular):
+    """Branches of periodic orbits over a parameter, with settled motions behind."""
+
+    path: str
+    """Full path of the parameter."""
+    unit: str
+    """Its SI unit."""
+    states: tuple[str, ...]
+    """Free states (k,), as in `Orbit.free`."""
+    units: Mapping[str, str]
+    """SI units of all states."""
+    branches: tuple[Branch, ...]
+    """Their branches."""
+    values: Array
+    """The parameter of each settled run (m,)."""
+    samples: Array
+    """Free states (m, keep, k) of settled runs, once a cycle; NaN where a run ended early."""
+    velocities: Mapping[str, Array]
+    """Mean velocity (m,) over these cycles, of each coordinate on which nothing depends."""
+    settled: NDArray[np.int64]
+    """After how many cycles each settled run closes (m,), 0 if it does not."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each (m,)."""
+    brute_cycles: int
+    """Cycles of the drives in the settled runs."""
+    branch_cycles: int
+    """Cycles of the drives in the runs that the branches took."""
+    brute_seconds: float
+    """Processor time of the settled runs [s]."""
+    branch_seconds: float
+    """Processor time of the branches [s]."""
+
+    @property
+    def events(self) -> tuple[tuple[int, BranchEvent], ...]:
+        """What changes along the branches: number of the branch, and event."""
+        return tuple((i, event) for i, one in enumerate(self.branches) for event in one.events)
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where settled runs ended early, and why: a sentence for each reason."""
+        axis, units = {self.path: self.values}, {self.path: self.unit}
+        return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point of each branch."""
+        import pandas as pd
+
+        frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (
+                i,
+                one.cycles,
+                f"{number(float(one.values.min()), 5)} to"
+                f" {quantity(float(one.values.max()), self.unit, 5)}",
+                f"{int(one.stable.sum())} of {len(one.values)}",
+                ", ".join(dict.fromkeys(event.kind for event in one.events)),
+            )
+            for i, one in enumerate(self.branches)
+        ]
+        return Summary(
+            sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
+            head=("branch", "period", self.path.rpartition(".")[2], "stable", "events"),
+            rows=rows,
+            notes=self.costs(),
+        )
+
+    def costs(self) -> tuple[str, ...]:
+        """Return what branches and settled runs took, and where runs ended early: sentences."""
+        closed = int((self.settled > 0).sum())
+        return (
+            f"The branches took {self.branch_cycles} cycles and {number(self.branch_seconds, 2)} s"
+            f" of processor time; the {len(self.values)} settled runs behind them, of which"
+            f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
+            *self.early_ends(),
+        )
+
+
+def orbit_diagram(
+    mechanism: Mechanism,
+    law: GivenFriction,
+    path: str,
+    between: tuple[float, float],
+    *,
+    cycles: int = 4,
+    values: int = 61,
+    starts: int = 6,
+    settle: int = 200,
+    step: float = MOST_STEP,
+    seed: int = 0,
+    y0: Mapping[str, float] | None = None,
+    period: float | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> OrbitDiagram:
+    """Find branches of periodic orbits over a range of a parameter.
+
+    Settled runs from several starts show where stable orbits are; each that lies on no branch yet
+    begins a new one, which is followed to both sides, and at its period doublings doubled branches
+    begin. Where a branch ends within the range, further runs settle beside its end. Orbits that are
+    unstable and connected to no stable one are not found.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with a periodic drive.
+    law : FrictionLaw, type or str, or mapping of str to these
+        What holds it back, as in `simulate`.
+    path : str
+        What varies, as in `ensemble`.
+    between : pair of float
+        Least and largest value.
+    cycles : int
+        Largest period that is sought, in cycles of the drives.
+    values, starts : int
+        Values with settled runs, evenly spaced, and runs for each of them: the first from where the
+        mechanism begins, others from random states at values between it and the next.
+    settle : int
+        Cycles before a run counts as settled; one that closes well after a quarter has settled.
+    step : float
+        Largest step along a branch, as in `continue_orbit`.
+    seed : int
+        Of the random states.
+    y0 : mapping, optional
+        States from which the first run at each value begins, as in `simulate`.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver : EventDriven, optional
+        Compiled if not given.
+    progress : callable, optional
+        Called with the number of values done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    OrbitDiagram
+        Branches, their events, and the settled motions.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = orbit_diagram(axis, law, "frequency", (1.9, 2.4), values=3, cycles=2, settle=50)
+    >>> [(branch.cycles, bool(branch.stable.all())) for branch in found.branches]
+    [(1, True)]
+    """
+    owner = "orbit_diagram"
+    low, high = between_of(owner, between)
+    laws = event_driven_law(mechanism, law)
+    for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
+        counted(owner, name, count, least)
+    counted(owner, "settle", settle, 0)
+    mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
+    full, grid = axis_of(mechanism, laws, path, np.linspace(low, high, int(values)))
+    if full.startswith("initial."):
+        raise InputError(
+            f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
+            " the law."
+        )
+    if period is None:
+        whole_run(owner, mechanism, settle + 2 * cycles)
+    first = return_map(mechanism, laws, 1, period, compiled(solver), full)
+    first = within(first, (low, high))
+    search = _Search(
+        first,
+        (low, high),
+        int(cycles),
+        int(settle),
+        step,
+        np.random.default_rng(seed),
+        dict(y0 or {}),
+        float(grid[1] - grid[0]) / FINER,
+    )
+    tally = Tally(len(grid), progress)
+    between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
+    for done, value in enumerate(grid.tolist(), 1):
+        search.settle_at(value, search.starts(value, 1, from_beginning=True))
+        for other in (value + between_values).tolist():
+            if other < high:
+                search.settle_at(other, search.starts(other, 1))
+        tally.tell(done)
+        if not tally.going:
+            break
+    for _ in range(int(values) * int(starts)):  # as many again at most: chaos has no last branch
+        if not tally.going or (found := search.place()) is None:
+            break
+        search.settle_at(*found)
+        tally.tell(len(grid))
+    return search.diagram()
+
+
+class _Search:
+    """Settled runs, and the branches that they lead to."""
+
+    def __init__(
+        self,
+        first: ReturnMap,
+        between: tuple[float, float],
+        cycles: int,
+        settle: int,
+        step: float,
+        random: np.random.Generator,
+        y0: Mapping[str, float],
+        finest: float,
+    ) -> None:
+        self.finest = finest
+        self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
+        self.step, self.random, self.y0 = step, random, y0
+        self.branches: list[Branch] = []
+        self.values: list[float] = []
+        self.samples: list[Array] = []
+        self.velocities: list[Array] = []
+        self.closed: list[int] = []
+        self.status: list[object] = []
+        self.sizes = np.zeros(len(first.free))
+        self.seconds = {"brute": 0.0, "branches": 0.0}
+        self.brute_cycles = 0
+        self.looked: list[float] = []
+        self.lost: list[tuple[float, Mapping[str, Array]]] = []
+
+    def settle_at(self, value: float, columns: Mapping[str, Array]) -> None:
+        """Run from several states at a value, and follow each orbit that is new."""
+        begun = process_time()
+        first = len(self.values)
+        self.run(value, columns)
+        self.seconds["brute"] += process_time() - begun
+        begun = process_time()
+        for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
+            if closed and not self.is_known(closed, value, points[:closed]):
+                self.follow(closed, value, points[-1])
+        self.seconds["branches"] += process_time() - begun
+
+    def place(self) -> tuple[float, Mapping[str, Array]] | None:
+        """Return a value at which something unknown may be stable, and starts of runs there.
+
+        Behind where stability is lost, beside an end of a branch within the range, then where no
+        orbit is known that is stable. As something attracts there, few runs find it.
+        """
+        low, high = self.between
+        span = high - low
+        while self.lost:
+            beyond, columns = self.lost.pop()
+            unknown = any(begin < beyond < end for begin, end in self.gaps())
+            if unknown and self.is_new(beyond, RIGHT_BEHIND * span):
+                return beyond, columns
+        for branch in self.branches:
+            for end in (float(branch.values[0]), float(branch.values[-1])):
+                for off in BEHIND if low < end < high else ():
+                    beside = end + off * span
+                    if low < beside < high and self.is_new(beside, BESIDE * span):
+                        return beside, self.starts(beside, FEW)
+        for begin, end in self.gaps():
+            known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
+            widths = np.diff(known)
+            at = int(np.argmax(widths))
+            if widths[at] > 2.0 * self.finest:
+                middle = 0.5 * (known[at] + known[at + 1])
+                self.looked.append(middle)
+                return middle, self.starts(middle, FEW)
+        return None
+
+    def losses(self, branch: Branch) -> list[tuple[float, Mapping[str, Array]]]:
+        """Return values right behind where a branch loses its stability, and its states there.
+
+        Behind is where the stable part would go on.
+        """
+        low, high = self.between
+        found: list[tuple[float, Mapping[str, Array]]] = []
+        values, stable = branch.values, branch.stable
+        steps = [(i, i + way) for i in np.flatnonzero(stable).tolist() for way in (-1, 1)]
+        for i, after in steps:
+            if 0 <= after < len(stable) and stable[after]:
+                continue
+            before = min(max(2 * i - after, 0), len(values) - 1)
+            way = float(np.sign(values[i] - values[before]))
+            columns = {
+                f"initial.{name}": branch.starts[i : i + 1, k]
+                for k, name in enumerate(branch.states)
+            }
+            beyond = float(values[i]) + way * RIGHT_BEHIND * (high - low)
+            if way and low < beyond < high:
+                found.append((beyond, columns))
+        return found
+
+    def is_new(self, value: float, reach: float) -> bool:
+        """Whether nobody has looked within reach of a value, which is noted then."""
+        if any(abs(value - other) <= reach for other in self.looked):
+            return False
+        self.looked.append(value)
+        return True
+
+    def gaps(self) -> list[tuple[float, float]]:
+        """Return the parts of the range in which no stable orbit is known, from below."""
+        parts = []
+        for branch in self.branches:
+            both = branch.stable[:-1] & branch.stable[1:]
+            ends = np.sort(np.column_stack([branch.values[:-1], branch.values[1:]])[both], axis=1)
+            parts += [(float(begin), float(end)) for begin, end in ends]
+        low, high = self.between
+        found, reached = [], low
+        for begin, end in [*sorted(parts), (high, high)]:
+            if begin > reached:
+                found.append((reached, begin))
+            reached = max(reached, end)
+        return found
+
+    def run(self, value: float, columns: Mapping[str, Array]) -> None:
+        """Keep the samples of settled runs at a value.
+
+        Runs that close sooner by far are not run on.
+        """
+        keep, early = 2 * self.cycles, self.settle // EARLY
+        rows, count = np.arange(len(next(iter(columns.values())))), 0
+        samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
+        ways = np.full((len(rows), len(self.map.moving)), np.nan)
+        closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
+        for settle, tolerance in ((early, CLOSED / SOONER), (self.settle - early - keep, CLOSED)):
+            count += max(settle, 0) + keep
+            points, ways[rows], status[rows] = self.sampled(value, columns, max(settle, 0))
+            samples[rows] = points
+            self.brute_cycles += len(rows) * (max(settle, 0) + keep)
+            whole = np.isfinite(points).all(axis=(1, 2))
+            self.sizes = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
+            scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+            closed[rows] = [period_of(one, scale, tolerance) for one in points]
+            going = whole & (closed[rows] == 0)
+            rows, ends = rows[going], points[going, -1]
+            if not len(rows):
+                break
+            columns = {f"initial.{n}": ends[:, k] for k, n in enumerate(self.map.names)}
+        self.values += [value] * len(samples)
+        self.samples += list(samples)
+        self.closed += closed.tolist()
+        self.status += list(status)
+        self.velocities += list(ways)
+
+    def sampled(
+        self, value: float, columns: Mapping[str, Array], settle: int
+    ) -> tuple[Array, Array, NDArray[np.object_]]:
+        """Return free states once a cycle after some, mean velocities, and how each run ended."""
+        mechanism, law = self.map.pair(value)
+        cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
+        moving = [self.map.states[i] for i in self.map.moving]
+        times = [cycle * (settle + i) for i in range(keep + 1)]
+        outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
+        runs = ensemble(
+            mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
+            solver=self.map.solver,
+        )  # fmt: skip
+        whole = np.array([status.complete for status in runs.status])
+        points = np.stack([runs[name][:, 1:] for name in names], axis=2)
+        ways = [(runs[name][:, -1] - runs[name][:, 0]) / (keep * cycle) for name in moving]
+        velocities = np.stack(ways, axis=1) if ways else np.empty((len(whole), 0))
+        points[~whole], velocities[~whole] = np.nan, np.nan
+        return points, velocities, np.array(runs.status, dtype=object)
+
+    def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
+        """Return initial states of runs of the size of motions so far, the first as told if asked.
+
+        Within hard stops, at which a place beyond is put.
+        """
+        mechanism, law = self.map.pair(value)
+        begin = initial_state("orbit_diagram", mechanism, law, self.y0)
+        stops = stops_of(mechanism)
+        found = {}
+        sizes = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        for k, i in enumerate(self.map.free):
+            name = self.map.states[i]
+            column = begin[i] + 2.0 * sizes[k] * self.random.uniform(-1.0, 1.0, count)
+            for stop in (one for one in stops if one.coordinate == name):
+                place = float(stop.position)
+                bound = np.minimum if stop.side == "upper" else np.maximum
+                column = bound(column, place)
+            if from_beginning:
+                column[0] = begin[i]
+            found[f"initial.{name}"] = column
+        return found
+
+    def is_known(self, closed: int, value: float, points: Array, same: float = SAME) -> bool:
+        """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
+        return self.known(closed, value, points, same) is not None
+
+    def known(self, closed: int, value: float, points: Array, same: float) -> int | None:
+        """Return the number of the branch on which an orbit lies, to within a distance.
+
+        What lies near the polygon of a branch is compared with the orbit of the branch at the same
+        value, unless the distance allowed is one of settled runs.
+        """
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
+        near = NEAR_SAMPLES
+        for index, branch in enumerate(self.branches):
+            if branch.cycles != closed:
+                continue
+            for guess in branch.crossings(value):
+                gaps = np.abs((guess - points) / scale).max(axis=1)
+                if gaps.min() > near:
+                    continue
+                if gaps.min() <= same:
+                    return index
+                try:
+                    shot = solved(branch.map, guess, value)
+                except (SimulationError, InputError):
+                    continue
+                if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
+                    return index
+        return None
+
+    def met(self, shot: Shot) -> int | None:
+        """Return the number of the branch on which an orbit lies."""
+        cycles = round(shot.period / self.map.duration(shot.mechanism))
+        return self.known(cycles, shot.value, shot.y[None], SOLVED)
+
+    def follow(self, closed: int, value: float, point: Array) -> None:
+        """Follow the branch of a settled motion, and those that leave it by doubling."""
+        map_ = replace(self.map, cycles=closed)
+        try:
+            shot = solved(map_, point, value)
+        except (SimulationError, InputError):
+            return  # at a grazing contact, say: settled runs at other values lead there
+        self.follow_shot(shot, closed)
+
+    def follow_shot(self, shot: Shot, cycles: int) -> None:
+        """Follow the branch of an orbit that is on none yet, after the least cycles it closes in.
+
+        A run that comes to rest from either side in turn seems to close after twice as many.
+        """
+        strobes = self.strobes(shot, cycles)
+        off = np.abs(strobes - shot.y) / shot.scale
+        least = next(
+            (m for m in range(1, cycles) if cycles % m == 0 and off[m].max() <= SETTLED), cycles
+        )
+        if least < cycles:
+            try:
+                shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
+            except (SimulationError, InputError):
+                return
+        if not self.is_known(least, shot.value, strobes[:least], SOLVED):
+            self.followed(replace(self.map, cycles=least).orbit(shot), doubled=False)
+
+    def followed(self, orbit: Orbit, *, doubled: bool) -> None:
+        try:
+            curve, first = begun(
+                orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
+                self.map.period,
+            )  # fmt: skip
+            curve.met = self.met
+            branch = curve.branch(first)
+        except (SimulationError, InputError):
+            return  # nothing leaves there, as where a multiplier jumps across -1
+        if doubled:
+            middle = len(branch.values) // 2
+            value = float(branch.values[middle])
+            shot = branch.map.shoot(branch.starts[middle], value)
+            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles), SOLVED):
+                return
+        self.branches.append(branch)
+        self.lost += self.losses(branch)
+        for event in branch.events:
+            if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
+                self.followed(event.orbit, doubled=True)
+        for shot in curve.halved:
+            half = replace(self.map, cycles=branch.cycles // 2)
+            with suppress(SimulationError, InputError):
+                self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
+        for shot in curve.beyond:
+            self.follow_shot(shot, branch.cycles)
+
+    def strobes(self, shot: Shot, cycles: int) -> Array:
+        """Return the free states of an orbit once a cycle."""
+        times = np.arange(cycles, dtype=np.float64) * (shot.period / cycles)
+        return shot.run.at(times)[:, list(self.map.free)]
+
+    def diagram(self) -> OrbitDiagram:
+        mechanism, law = self.map.mechanism, self.map.law
+        velocities = np.array(self.velocities).reshape(len(self.values), -1)
+        return OrbitDiagram(
+            path=str(self.map.path),
+            unit=unit_of(mechanism, law, str(self.map.path)),
+            states=self.map.names,
+            units=units_of(self.map),
+            branches=tuple(self.branches),
+            values=np.array(self.values),
+            samples=np.array(self.samples),
+            velocities={
+                self.map.states[i]: velocities[:, k] for k, i in enumerate(self.map.moving)
+            },
+            settled=np.array(self.closed, dtype=np.int64),
+            status=np.array(self.status, dtype=object),
+            brute_cycles=self.brute_cycles,
+            branch_cycles=sum(one.runs * one.cycles for one in self.branches),
+            brute_seconds=self.seconds["brute"],
+            branch_seconds=self.seconds["branches"],
+        )  # fmt: skip

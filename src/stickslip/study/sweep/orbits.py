@@ -1,0 +1,567 @@
+"""Periodic orbits of driven mechanisms, by shooting.
+
+The drives repeat after a cycle T. An orbit closes after m cycles, but for how far the mechanism
+has advanced: a coordinate on which nothing depends (the place of a capsule on even ground) is left
+out of the unknowns, so that the problem is solved in the quotient by its translations:
+
+1. Unknowns y: coordinates, rates and bristles at time 0, without coordinates on which nothing
+   depends and without what a drive prescribes.
+2. Residual F(y) = Phi(y, m T) - y, by one run of the event-driven solver.
+3. Monodromy M = dPhi/dy, from the sensitivities of that run. They are exact: at each event the
+   saltation matrix, of impacts, sticking and breaking away, is taken into account. A body that
+   sticks loses directions, whose multipliers are 0.
+4. Newton: (M - 1) dy = -F, by least squares where a body that rests throughout leaves a continuum
+   of orbits; a step is halved until the residual falls.
+5. Floquet multipliers are the eigenvalues of M; the orbit is stable if all lie inside the unit
+   circle. A run that only touches a stop or a switch has an infinite saltation factor: there is no
+   monodromy then, and the search says so.
+
+With respect to a parameter p, dF/dp = dPhi/dp + Phi'(m T) m dT/dp, as the cycle may depend on p.
+
+Sources: Aprille and Trick 1972 (shooting); Leine and Nijmeijer 2004, chapters 4, 7 and 8 (saltation
+matrices, shooting with friction); Nordmark 1991 (grazing).
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.engine.simulation import GivenFriction, event_driven_law, initial_state
+from stickslip.engine.solver import BareRun, EventDriven
+from stickslip.engine.trajectory import Event, Trajectory
+from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, cycle_of, stops_of
+from stickslip.quantities import replaced, vary
+from stickslip.show.described import Described
+from stickslip.show.formatting import number
+from stickslip.study.sweep.parameter_grid import (
+    PERIOD,
+    Array,
+    compiled,
+    counted,
+    states_of,
+    whole_run,
+)
+
+__all__ = ["Orbit", "periodic_orbit"]
+
+T = TypeVar("T", Mechanism, FrictionLaw | Laws)
+Signature: TypeAlias = tuple[tuple[str, str, int], ...]
+"""How often each contact does what in an orbit: contact, what, count."""
+
+ALONG = 1e-9
+"""Share by which the derivative along a coordinate may differ from that of a translation."""
+CLOSED = 1e-10
+"""Largest residual of an orbit, over the size of each state; a hundred tolerances with bristles."""
+NEAR = 1e-3
+"""Residual, over the size of the states, below which full steps are taken."""
+MOST_STEPS, MOST_HALVINGS = 30, 8
+"""Newton steps, and halvings of one."""
+LOST = 1e-13
+"""Derivative, over the size of the states, that is rounding."""
+END_STEP = 1e-5
+"""Share of an orbit within which the velocity of the states at its end is taken."""
+PERIOD_STEP = 1e-4
+"""Share of a parameter by which it is changed for the derivative of the cycle."""
+SAMPLES = 65
+"""Times of an orbit at which the size of its states is looked at."""
+TRIAL_SHARE, TRIAL_RATE = 0.01, 1.0
+"""Share of a cycle, and rate [m/s] or [rad/s] from which contacts slip, of the run that shows on
+which coordinates nothing depends."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Orbit(metaclass=Described):
+    """A periodic orbit with its stability."""
+
+    mechanism: Mechanism
+    """What moves."""
+    law: FrictionLaw | Laws
+    """What holds it back."""
+    cycles: int
+    """Cycles of the drives after which it closes."""
+    period: float
+    """How long that is [s]."""
+    start: Mapping[str, float]
+    """All states at time 0."""
+    free: tuple[str, ...]
+    """States whose start is solved for (n,); of the others nothing depends, or drives tell."""
+    advance: Mapping[str, float]
+    """How far each coordinate on which nothing depends has come after the period [m] or [rad]."""
+    monodromy: Array
+    """Derivatives (n, n) of the free states after the period with respect to their start."""
+    residual: float
+    """Largest distance of the end from the start, over the size of the state in the orbit."""
+    events: tuple[Event, ...]
+    """What happens in the period."""
+    modes: Mapping[str, int]
+    """Mode at the start, by contact, as `Event.from_mode`."""
+    solver: EventDriven
+    """What it was run with."""
+
+    @cached_property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Floquet multipliers (n,), the largest first; 0 along directions lost to sticking."""
+        found = np.linalg.eigvals(self.monodromy).astype(np.complex128)
+        return found[np.argsort(-np.abs(found), kind="stable")]
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers lie inside the unit circle.
+
+        A body that rests throughout, in one of many places, has a multiplier 1: it stays near, but
+        does not come back.
+        """
+        return bool(np.all(np.abs(self.multipliers) < 1.0))
+
+    @property
+    def mean_velocity(self) -> Mapping[str, float]:
+        """Advance over period [m/s] or [rad/s] of each coordinate on which nothing depends."""
+        return {name: value / self.period for name, value in self.advance.items()}
+
+    @property
+    def sticking(self) -> Mapping[str, float]:
+        """Share of the period for which each contact sticks."""
+        return {
+            contact: _stuck(self.events, contact, mode, self.period) / self.period
+            for contact, mode in self.modes.items()
+        }
+
+    def run(self, cycles: int | None = None) -> Trajectory:
+        """Return the motion over one period, or over a number of cycles of the drives."""
+        length = self.period if cycles is None else self.period * cycles / self.cycles
+        start = [self.start[name] for name in states_of(self.mechanism, self.law)]
+        return self.solver.run(self.mechanism, self.law, y0=start, t_end=length)
+
+
+def periodic_orbit(
+    mechanism: Mechanism,
+    law: GivenFriction,
+    *,
+    cycles: int = 1,
+    start: Mapping[str, float] | None = None,
+    settle: int = 100,
+    period: float | None = None,
+    solver: EventDriven | None = None,
+) -> Orbit:
+    """Find a periodic orbit, stable or not, by shooting.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with a periodic drive.
+    law : FrictionLaw, type or str, or mapping of str to these
+        What holds it back, as in `simulate`.
+    cycles : int
+        Cycles of the drives after which the orbit closes.
+    start : mapping, optional
+        States near the orbit at time 0; where the mechanism begins if not given.
+    settle : int
+        Cycles that are run before shooting begins, so that a stable orbit is found from any start
+        that leads to it; 0 to find unstable ones from a start that is near.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver : EventDriven, optional
+        Compiled if not given.
+
+    Returns
+    -------
+    Orbit
+        Start, multipliers, events, advance.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+    SimulationError
+        If a run ends early, has no derivative (a grazing contact), or the search does not converge.
+
+    References
+    ----------
+    R. I. Leine and H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
+    Springer 2004, chapters 7 and 8.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.mechanisms.drives import Sine
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    >>> orbit = periodic_orbit(axis, Coulomb(kinetic_coefficient=0.5))
+    >>> orbit.stable, orbit.cycles, [event.reason for event in orbit.events]
+    (True, 1, ['reversal', 'reversal'])
+    """
+    found = event_driven_law(mechanism, law)
+    counted("periodic_orbit", "cycles", cycles, 1)
+    counted("periodic_orbit", "settle", settle, 0)
+    begin = initial_state("periodic_orbit", mechanism, found, dict(start or {}))
+    if period is None:
+        whole_run("periodic_orbit", mechanism, cycles + settle)
+    else:
+        PERIOD.check("periodic_orbit", "period", period)
+    map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
+    if settle:
+        cycle = map_.duration(mechanism) / cycles
+        before = map_.solver.bare(mechanism, found, y0=begin, t_end=settle * cycle)
+        if not before.status.complete:
+            raise SimulationError(f"periodic_orbit, settling: {before.status.value}")
+        begin = before.at(np.array([settle * cycle]))[0].tolist()
+    return map_.orbit(solved(map_, np.array(begin)[list(map_.free)]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shot:
+    """One run over the period of an orbit that is sought."""
+
+    y: Array
+    """Free states at the start (n,)."""
+    value: float
+    """The parameter; NaN if none varies."""
+    mechanism: Mechanism
+    """What moved."""
+    law: FrictionLaw | Laws
+    """What held it back."""
+    period: float
+    """Length of the run [s]."""
+    residual: Array
+    """F (n,)."""
+    monodromy: Array
+    """M (n, n)."""
+    slope: Array
+    """dF/dp (n,); 0 if no parameter varies."""
+    scale: Array
+    """Size of each free state in the run (n,)."""
+    advance: Array
+    """How far each coordinate on which nothing depends has come."""
+    rise: Array
+    """Derivatives of that with respect to y and p (coordinates, n + 1)."""
+    run: BareRun
+    """The run."""
+
+    @cached_property
+    def error(self) -> float:
+        """Largest residual over the size of its state."""
+        return float(np.max(np.abs(self.residual) / self.scale, initial=0.0))
+
+    @cached_property
+    def lost(self) -> NDArray[np.bool_]:
+        """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
+        size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * np.append(
+            self.scale, abs(self.value) if np.isfinite(self.value) else 0.0
+        )
+        found: NDArray[np.bool_] = size.max(axis=1) <= LOST * self.scale
+        return found
+
+    def moved(self, y: Array) -> Array:
+        """Return a start, with what is lost exactly where it ends."""
+        return np.where(self.lost, self.y + self.residual, y)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """(n, n + 1): dF/dy and dF/dp."""
+        return np.column_stack([self.monodromy - np.eye(len(self.y)), self.slope])
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReturnMap:
+    """The states after m cycles, as a function of those at time 0 and of a parameter."""
+
+    mechanism: Mechanism
+    """What moves."""
+    law: FrictionLaw | Laws
+    """What holds it back."""
+    cycles: int
+    """m."""
+    period: float | None
+    """Length of a cycle [s]; that of the drives if None."""
+    solver: EventDriven
+    """Runs it."""
+    states: tuple[str, ...]
+    """All states."""
+    free: tuple[int, ...]
+    """Indices of those that are solved for."""
+    moving: tuple[int, ...]
+    """Indices of the coordinates on which nothing depends."""
+    path: str | None = None
+    """Full path of the parameter."""
+    between: tuple[float, float] | None = None
+    """Values of it that were checked, as all between them are: what is asked of it are bounds."""
+
+    @property
+    def tolerance(self) -> float:
+        """Largest residual of an orbit, over the size of each state."""
+        return max(CLOSED, 100.0 * self.solver.tolerance_for(self.law))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the states that are solved for."""
+        return tuple(self.states[i] for i in self.free)
+
+    def pair(self, value: float) -> tuple[Mechanism, FrictionLaw | Laws]:
+        """Return mechanism and law with a value of the parameter."""
+        if self.path is None:
+            return self.mechanism, self.law
+        if self.path.startswith("friction."):
+            return self.mechanism, self._varied(self.law, "friction", value)
+        return self._varied(self.mechanism, "mechanism", value), self.law
+
+    def _varied(self, root: T, prefix: str, value: float) -> T:
+        path = str(self.path)
+        if self.between is not None and self.between[0] <= value <= self.between[1]:
+            found: T = replaced(root, prefix, path, value)
+            return found
+        return vary(root, prefix, {path: value})
+
+    def duration(self, mechanism: Mechanism) -> float:
+        """Return m T [s]."""
+        return self.cycles * (cycle_of(mechanism) if self.period is None else self.period)
+
+    def shoot(self, y: Array, value: float = np.nan, most: Array | float = np.inf) -> Shot:
+        """Run over the period from free states, and take all derivatives.
+
+        A run that ends early or has no derivative is a `SimulationError`, as is one that leaves a
+        residual of more than is told.
+        """
+        mechanism, law = self.pair(value)
+        period = self.duration(mechanism)
+        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
+        y = np.where(np.abs(y) <= np.finfo(float).eps * np.abs(y).max(initial=0.0), 0.0, y)
+        if not np.isfinite(y).all():
+            raise SimulationError("a step has left all finite states.")
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        start = [float(begin.get(name, 0.0)) for name in self.states]
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
+        if not run.status.complete:
+            raise SimulationError(run.status.value)
+        states = run.at(period * _SHARES)
+        end = states[SAMPLES - 1]
+        free, n = list(self.free), len(self.free)
+        residual = end[free] - y
+        if (np.abs(residual) > most).any():
+            raise SimulationError("a step has led farther from an orbit.")
+        told = tuple(name for name in mechanism.start() if name not in self.names)
+        sense = replace(run.differentiate, told=told) if told else run.differentiate
+        paths = [f"initial.{name}" for name in self.names]
+        ends = np.array([period])
+        kept = [*self.free, *self.moving]
+        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][kept]
+        if not np.isfinite(found).all():
+            raise SimulationError(
+                "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
+                " or two events coincide."
+            )
+        slope = np.zeros(len(kept))
+        if self.path is not None:
+            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
+            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
+        size = np.abs(states).max(axis=0)
+        size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
+        return Shot(
+            y=y,
+            value=value,
+            mechanism=mechanism,
+            law=law,
+            period=period,
+            residual=residual,
+            monodromy=found[:n, :n],
+            slope=slope[:n],
+            rise=np.column_stack([found[n:, :n], slope[n:]]),
+            scale=size[free],
+            advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
+            run=run,
+        )
+
+    def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
+        """Return what closes so near a shot that derivatives and events are those of its run."""
+        mechanism, law = self.pair(value)
+        step = np.append(y - shot.y, value - shot.value)
+        return replace(
+            shot,
+            y=y,
+            value=value,
+            mechanism=mechanism,
+            law=law,
+            period=self.duration(mechanism),
+            residual=np.zeros_like(shot.residual),
+            advance=shot.advance + shot.rise @ step,
+        )
+
+    def _stretch(self, mechanism: Mechanism, value: float) -> float:
+        """Return how the period changes with the parameter, m dT/dp."""
+        if self.period is not None or str(self.path).startswith("friction."):
+            return 0.0
+        h = PERIOD_STEP * (abs(value) or 1.0)
+        near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
+        above, below = map(self.duration, near)
+        return (above - below) / (2.0 * h)
+
+    def orbit(self, shot: Shot) -> Orbit:
+        """Return the orbit that a shot has closed."""
+        begin = dict(zip(self.names, shot.y.tolist(), strict=True))
+        start = initial_state("orbit", shot.mechanism, shot.law, begin)
+        moving = [self.states[i] for i in self.moving]
+        events = shot.run.events()
+        return Orbit(
+            mechanism=shot.mechanism,
+            law=shot.law,
+            cycles=self.cycles,
+            period=shot.period,
+            start=dict(zip(self.states, start, strict=True)),
+            free=self.names,
+            advance=dict(zip(moving, shot.advance.tolist(), strict=True)),
+            monodromy=shot.monodromy,
+            residual=shot.error,
+            events=events,
+            modes=first_modes(shot, events),
+            solver=self.solver,
+        )
+
+
+_SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+
+
+def return_map(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    cycles: int,
+    period: float | None,
+    solver: EventDriven,
+    path: str | None = None,
+) -> ReturnMap:
+    """Return the map whose fixed points are sought, with its free states."""
+    states = states_of(mechanism, law)
+    prescribed = {
+        name
+        for q, rate in zip(mechanism.coordinates, mechanism.rates, strict=True)
+        if q in mechanism.guided()
+        for name in (q, rate)
+    }
+    cycle = cycle_of(mechanism) if period is None else period
+    moving = _translations(mechanism, law, states, prescribed, cycle, solver)
+    known = prescribed | set(moving)
+    return ReturnMap(
+        mechanism=mechanism,
+        law=law,
+        cycles=cycles,
+        period=period,
+        solver=solver,
+        states=states,
+        free=tuple(i for i, name in enumerate(states) if name not in known),
+        moving=tuple(states.index(name) for name in moving),
+        path=path,
+    )
+
+
+def _translations(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    states: tuple[str, ...],
+    prescribed: set[str],
+    cycle: float,
+    solver: EventDriven,
+) -> tuple[str, ...]:
+    """Return the coordinates on which nothing depends.
+
+    Along such a coordinate the derivative of all states is that of a translation, in any motion:
+    one is run in which all contacts slip, as what is stuck hides what its place does.
+    """
+    stopped = {stop.coordinate for stop in stops_of(mechanism)}
+    asked = [q for q in mechanism.coordinates if q not in prescribed and q not in stopped]
+    rates = {r: TRIAL_RATE for r in mechanism.rates if r not in prescribed}
+    start = initial_state("orbit", mechanism, law, {**mechanism.start(), **rates})
+    run = solver.bare(mechanism, law, y0=start, t_end=TRIAL_SHARE * cycle)
+    if not asked or not run.status.complete:
+        return ()
+    found = run.differentiate(
+        np.array([TRIAL_SHARE * cycle]), [f"initial.{name}" for name in asked]
+    )[0]
+    exact = np.array([[float(name == q) for q in asked] for name in states])
+    return tuple(
+        q for q, gap in zip(asked, np.abs(found - exact).max(axis=0), strict=True) if gap <= ALONG
+    )
+
+
+def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
+    """Return the shot that closes, by Newton's steps at a fixed value of the parameter.
+
+    Steps that do not converge, and runs as `ReturnMap.shoot` refuses, are a `SimulationError`.
+    """
+    shot = map_.shoot(y, value)
+    for _ in range(MOST_STEPS):
+        if shot.error <= map_.tolerance:
+            return shot
+        matrix = (shot.monodromy - np.eye(len(y))) * shot.scale / shot.scale[:, None]
+        step = -np.linalg.lstsq(matrix, shot.residual / shot.scale, rcond=1e-12)[0] * shot.scale
+        better = _halved(map_, shot, step)
+        if better is None:
+            break
+        shot = better
+    if shot.error <= map_.tolerance:
+        return shot
+    raise SimulationError(
+        f"no periodic orbit of {map_.cycles} cycle{'s' * (map_.cycles != 1)} was found: after"
+        f" {number(shot.period, 4)} s the motion is still {number(shot.error, 2)} of its size from"
+        " its start. Settle longer, start nearer, or give another number of cycles."
+    )
+
+
+def _halved(map_: ReturnMap, shot: Shot, step: Array) -> Shot | None:
+    """Return the shot after a step, halved until it closes better; None if it never does.
+
+    Near the orbit the first step may close worse: the derivative jumps where a phase of sticking
+    begins, and only the second one is right.
+    """
+    for half in range(MOST_HALVINGS):
+        try:
+            other = map_.shoot(shot.moved(shot.y + 0.5**half * step), shot.value)
+        except (SimulationError, InputError):
+            continue  # a shorter step may not leave where runs are made
+        near = half == 0 and other.error < NEAR
+        if other.error < shot.error or near:
+            return other
+    return None
+
+
+def first_modes(shot: Shot, events: Sequence[Event]) -> dict[str, int]:
+    """Return the mode of each contact at the start of a shot."""
+    names = [contact.name for contact in shot.mechanism.contacts()]
+    modes: dict[str, int] = {}
+    for event in events:
+        if event.from_mode != event.to_mode:
+            modes.setdefault(event.contact, event.from_mode)
+    if not set(names) <= modes.keys():
+        columns = shot.run.playback(np.array([0.5 * shot.period]))
+        for name in names:
+            column = columns["mode"] if "mode" in columns else columns[f"mode:{name}"]
+            modes.setdefault(name, int(column[0]))
+    return {name: modes[name] for name in names}
+
+
+def _stuck(events: Sequence[Event], contact: str, mode: int, period: float) -> float:
+    """Return how long a contact sticks [s]."""
+    total, since = 0.0, 0.0
+    for event in events:
+        if event.contact == contact and event.from_mode != event.to_mode:
+            total += (event.t - since) * (mode == 0)
+            since, mode = event.t, event.to_mode
+    return total + (period - since) * (mode == 0)
+
+
+def signature_of(shot: Shot) -> Signature:
+    """Return how often each contact does what in a period, and the mode of those that do nothing.
+
+    It does not depend on where in the cycle the orbit is cut.
+    """
+    events = shot.run.events()
+    counts = Counter((event.contact, event.reason) for event in events)
+    idle = {
+        (name, f"mode {mode}"): 1
+        for name, mode in first_modes(shot, events).items()
+        if not any(e.contact == name and e.from_mode != e.to_mode for e in events)
+    }
+    return tuple(sorted((*key, count) for key, count in {**counts, **idle}.items()))

@@ -1,0 +1,820 @@
+"""A law on a mechanism against what was measured there: residuals, and whether they are expected.
+
+The law is not fitted to the measurement: it comes from elsewhere, with its uncertainty.
+
+1. The motion is predicted with the best values. Of positions the mean of the first residuals is
+   taken off, as their origin is arbitrary; nothing else is fitted.
+2. Motions with draws of the uncertain parameters (`bands.draws_of`) have a variance s^2 at each
+   sample. With noise of the sensor, as stated or as estimated from the residuals, each of them is a
+   measurement that could have been made.
+3. The size of residuals r is the root mean square of r / sqrt(s^2 + noise^2), of the measurement
+   and of each simulated one; of travels, the sum of squares with errors of reading for noise. The
+   share of simulated ones that are as large is a p-value (a parametric bootstrap).
+4. The measurement agrees if the share is at least 5 %, and does not below 1 %; between, it is said
+   not to be clear. Without draws nothing is decided.
+5. The shift of the times with which a record would fit best is told beside it: a trigger that is
+   late looks like other friction.
+"""
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.data import QUANTITIES, LawEstimates, Measurement, noise_of, step_of
+from stickslip.engine.simulation import ensemble, event_driven_law, simulate
+from stickslip.engine.solver import Samples
+from stickslip.engine.trajectory import Ensemble, Trajectory
+from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw
+from stickslip.identify.fits import (
+    TravelModel,
+    Trial,
+    standard_errors,
+    trials_of,
+    uncertainties_of,
+)
+from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
+from stickslip.mechanisms.drives import SampledSwing
+from stickslip.quantities import turned, vary
+from stickslip.show.described import Described
+from stickslip.show.display import InPanels, Summary
+from stickslip.show.formatting import joined, number, parameter_words, percent, quantity
+from stickslip.show.formatting import scale_of as shown_in
+from stickslip.study.sweep.bands import QUANTILES, draws_of, left_out
+from stickslip.study.sweep.parameter_grid import early_ends
+
+Array: TypeAlias = NDArray[np.float64]
+
+EXPECTED, REFUTED = 0.05, 0.01
+"""Share of simulated measurements with as large a residual, from which on it is expected, and below
+which the prediction is refuted; between them nothing is said."""
+ORIGIN, LEAST_ORIGIN = 0.01, 10
+"""Share of a record whose mean sets the origin of its position, and its fewest samples."""
+NOISY = 1.5
+"""Residual over noise from which on it is more than noise."""
+CLEARER = 0.5
+"""Residual with shifted times over that as recorded, below which the times are questioned."""
+FARTHEST = 0.1
+"""Largest shift that is tried, over the length of a record; at most half a cycle of the drives."""
+FINE = 4001
+"""Even times at which a run is looked up for shifts, beside the solver's own."""
+RECORDED = "recorded_swing"
+"""What a recorded motion, whose error is in no band, is called among what is held."""
+Z95 = 1.959963984540054
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ValidatedRecord(metaclass=Described):
+    """A record in time beside the motion that was predicted without it."""
+
+    name: str
+    """Name of the record; empty if it has none."""
+    quantity: str
+    """What is compared, ``"position"`` or ``"velocity"``."""
+    unit: str
+    """SI unit of it."""
+    t: Array
+    """Times (n,) of the samples [s]."""
+    measured: Array
+    """Measured (n,); positions count from where the prediction begins, see `origin`."""
+    predicted: Array
+    """Predicted with the best values (n,)."""
+    origin: float
+    """What was taken off measured positions: their mean distance from the prediction in the first
+    hundredth of the record, since the zero of a camera or an encoder says nothing of friction."""
+    noise: float
+    """Standard deviation of the sensor's noise."""
+    noise_stated: bool
+    """Whether that was stated; else it was estimated from differences of the residual."""
+    band: Array | None
+    """Ends (2, n) between which 95 % of the predictions lie at each time, with the uncertain
+    parameters drawn, and without noise; None if nothing was drawn."""
+    wide: Array | None
+    """The same (2, n) with the noise of the sensor."""
+    as_large: float | None
+    """Share of simulated records, with parameters and noise drawn, whose residual is at least as
+    large: the root mean square of it over the standard deviation of band and noise at each time."""
+    shift: float
+    """Shift of the record's times [s] with which its residual is least."""
+    shifted_rms: float
+    """Root mean square of that residual."""
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted (n,)."""
+        return self.measured - self.predicted
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual."""
+        return _rms(self.residual)
+
+    @property
+    def largest(self) -> tuple[float, float]:
+        """Largest size of the residual, and its time [s]."""
+        at = int(np.argmax(np.abs(self.residual)))
+        return float(abs(self.residual[at])), float(self.t[at])
+
+    @property
+    def inside(self) -> float | None:
+        """Share of the samples in the band; None without one."""
+        return _share(self.measured, self.band)
+
+    @property
+    def inside_with_noise(self) -> float | None:
+        """Share of the samples in the band with noise; None without one."""
+        return _share(self.measured, self.wide)
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the residual is expected of parameters and noise; None if that is not clear."""
+        return _judged(self.as_large)
+
+    @property
+    def late(self) -> bool:
+        """Whether a shift of the times would explain at least half of the residual."""
+        return self.rms > NOISY * self.noise and self.shifted_rms < CLEARER * self.rms
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers, ready for JSON; not the samples."""
+        size, at = self.largest
+        return {
+            "name": self.name,
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "samples": len(self.t),
+            "residual_rms": self.rms,
+            "largest_residual": size,
+            "largest_residual_at": at,
+            "origin": self.origin,
+            "noise": self.noise,
+            "noise_stated": self.noise_stated,
+            "share_in_band": self.inside,
+            "share_in_band_with_noise": self.inside_with_noise,
+            "share_with_as_large_residual": self.as_large,
+            "agrees": self.agrees,
+            "time_shift": self.shift,
+            "residual_rms_with_time_shift": self.shifted_rms,
+        }
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return residual, noise and share in the band as sentences."""
+        size, at = self.largest
+        scale = shown_in([self.rms, size], self.unit)
+        said = [
+            f"Residual of the {self.quantity} (measured less predicted): root mean square"
+            f" {scale.quantity(self.rms)}, largest {scale.quantity(size)} at {quantity(at, 's')}.",
+            f"Noise of the sensor: {quantity(self.noise, self.unit)},"
+            f" {'as stated' if self.noise_stated else 'estimated from differences of samples'}.",
+        ]
+        if abs(self.origin) > Z95 * self.noise:
+            said.append(
+                f"Origin of the {self.quantity}: {quantity(self.origin, self.unit)} were taken off,"
+                " the mean distance from the prediction at the beginning of the record."
+            )
+        if self.band is not None and self.inside is not None:
+            half = 0.5 * float(np.max(self.band[1] - self.band[0]))
+            said.append(
+                f"95 % band of the prediction: up to {quantity(half, self.unit)} to either side;"
+                f" {percent(self.inside)} of the samples lie in it, and"
+                f" {percent(self.inside_with_noise or 0.0)} in the band with noise."
+            )
+        if self.late:
+            said.append(
+                f"With its times shifted by {quantity(self.shift, 's')}, the record would differ by"
+                f" {quantity(self.shifted_rms, self.unit)} only: check that its time 0 is when the"
+                " drive begins."
+            )
+        return tuple(said)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValidatedTravel(metaclass=Described):
+    """A travel, mean velocity or travel per cycle beside the prediction."""
+
+    name: str
+    """Name of the trial, or its number."""
+    quantity: str
+    """What was read: ``"travel"``, ``"mean_velocity"`` or ``"travel_per_cycle"``."""
+    unit: str
+    """SI unit of it."""
+    measured: float
+    """What was read."""
+    uncertainty: float
+    """Standard error of the reading; where none was stated, that of its last digit."""
+    predicted: float
+    """The same of the run with the best values."""
+    low: float | None
+    """Lower end of the 95 % band of predictions, without the error of reading."""
+    high: float | None
+    """Upper end."""
+
+    @property
+    def residual(self) -> float:
+        """Measured less predicted."""
+        return self.measured - self.predicted
+
+    def cells(self) -> tuple[str, str, str, str]:
+        """Return reading, prediction, its band and whether the reading meets it, as texts."""
+        known = [self.measured, self.predicted]
+        scale = shown_in(known, self.unit)
+        band = "—"
+        if self.low is not None and self.high is not None:
+            band = scale.interval(self.low, self.high)
+        answer = {True: "yes", False: "no", None: "—"}[self.inside]
+        return (*(scale.quantity(one, 4) for one in known), band, answer)  # type: ignore[return-value]
+
+    @property
+    def inside(self) -> bool | None:
+        """Whether the reading, give or take 1.96 standard errors, meets the band."""
+        if self.low is None or self.high is None:
+            return None
+        room = Z95 * self.uncertainty
+        return self.low - room <= self.measured <= self.high + room
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers, ready for JSON."""
+        return {
+            "name": self.name,
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "measured": self.measured,
+            "uncertainty": self.uncertainty,
+            "predicted": self.predicted,
+            "low": self.low,
+            "high": self.high,
+            "residual": self.residual,
+            "relative_error": self.relative_error,
+            "inside": self.inside,
+        }
+
+    @property
+    def relative_error(self) -> float | None:
+        """Predicted less measured, over measured; None of a reading of 0."""
+        return -self.residual / self.measured if self.measured else None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Validation(InPanels):
+    """What was measured beside what a law from elsewhere predicts of it."""
+
+    records: tuple[ValidatedRecord, ...] = ()
+    """Records in time."""
+    travels: tuple[ValidatedTravel, ...] = ()
+    """Travels, mean velocities or travels per cycle."""
+    stated: bool = True
+    """Whether uncertainties of the travels were stated."""
+    travels_as_large: float | None = None
+    """Share of simulated sets of readings, with parameters and errors of reading drawn, whose sum
+    of squared standardised residuals is at least that of the readings."""
+    drawn: tuple[str, ...] = ()
+    """Parameters that were drawn, by path."""
+    kept: tuple[str, ...] = ()
+    """Parameters of the law that the band leaves out: given, assumed or not identified; and
+    ``"recorded_swing"`` where a recorded motion drives."""
+    count: int = 0
+    """Number of draws."""
+    seed: int = 0
+    """Of the draws."""
+    reasons: tuple[str, ...] = ()
+    """Why runs with draws ended early, if some did: a sentence for each reason."""
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all that was measured is expected of the law; None if that cannot be told."""
+        seen = [one.agrees for one in self.records]
+        if self.travels:
+            seen.append(_judged(self.travels_as_large if self.stated else None))
+        return False if False in seen else None if None in seen or not seen else True
+
+    @property
+    def verdict(self) -> str:
+        """Whether the measurement agrees with the prediction, as a sentence."""
+        what = "measurement" if self.records and self.travels else self._record or self._reading
+        if not self.drawn:
+            return (
+                f"Whether the {what} agrees with the prediction cannot be told: no parameter of the"
+                " law or of the mechanism has an uncertainty."
+            )
+        if self.agrees is None and self.travels and not self.stated:
+            return (
+                f"Whether the {what} agrees with the prediction cannot be told: no uncertainty of"
+                " the readings was stated."
+            )
+        if self.agrees is None:
+            return (
+                f"Whether the {what} agrees with the prediction is not clear: its residuals are"
+                f" rather large for the uncertain parameters and {self._errors}, but may be chance"
+                f" ({self._odds})."
+            )
+        if self.agrees:
+            return (
+                f"The {what} agrees with the prediction: such residuals are expected from the"
+                f" uncertain parameters and {self._errors} ({self._odds})."
+            )
+        left = f", parameters that the band leaves out ({self._kept})" if self.kept else ""
+        times = ", times of the record" if self.records else ""
+        return (
+            f"The {what} does not agree with the prediction: its residuals are larger than the"
+            f" uncertain parameters and {self._errors} explain ({self._odds}). Possible causes:"
+            " other friction than where the law was fitted, the form of the law, values of the"
+            f" mechanism{times}{left}."
+        )
+
+    @property
+    def _errors(self) -> str:
+        return "the noise" if self.records else "errors of reading"
+
+    @property
+    def _record(self) -> str:
+        return "" if not self.records else "record" if len(self.records) == 1 else "set of records"
+
+    @property
+    def _reading(self) -> str:
+        return "reading" if len(self.travels) == 1 else "set of readings"
+
+    @property
+    def _kept(self) -> str:
+        return joined([parameter_words(name) for name in self.kept])
+
+    @property
+    def _odds(self) -> str:
+        shares = [one.as_large for one in self.records if one.as_large is not None]
+        if self.travels and self.travels_as_large is not None:
+            shares.append(self.travels_as_large)
+        least = min(shares)
+        if least == 0.0:
+            return f"none of {self.count} simulated measurements has as large ones"
+        return f"{percent(least)} of {self.count} simulated measurements have as large ones"
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return the verdict, and what it rests on, as sentences."""
+        said = [self.verdict]
+        for one in self.records:
+            label = f"{one.name}: " if one.name and len(self.records) > 1 else ""
+            said += [f"{label}{text}" for text in one.sentences()]
+        if self.travels and not self.stated:
+            said.append(
+                "No uncertainty of the readings was stated: half of their last digit was taken."
+            )
+        if self.drawn:
+            names = joined([parameter_words(path) for path in self.drawn])
+            left = f" Held at their values: {self._kept}." if self.kept else ""
+            no = "measurement noise" if self.records else "error of reading"
+            said.append(
+                f"The band includes the uncertainty of {names} ({self.count} draws, seed"
+                f" {self.seed}) and no {no}.{left}"
+            )
+        return (*said, *self.reasons)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the numbers, ready for JSON."""
+        return {
+            "agrees": self.agrees,
+            "verdict": self.verdict,
+            "records": [one.to_dict() for one in self.records],
+            "travels": [one.to_dict() for one in self.travels],
+            "uncertainty_of_travels_stated": self.stated if self.travels else None,
+            "share_with_as_large_residuals_of_travels": self.travels_as_large,
+            "drawn": list(self.drawn),
+            "kept": list(self.kept),
+            "draws": self.count,
+            "seed": self.seed,
+            "reasons": list(self.reasons),
+        }
+
+    @override
+    def _summary(self) -> Summary:
+        first, *rest = self.sentences()
+        rows = [
+            (one.name, number(one.measured, 4), number(one.predicted, 4), one.unit)
+            for one in self.travels
+        ]
+        head = ("", "measured", "predicted", "unit") if rows else ()
+        return Summary(sentence=first, head=head, rows=rows, notes=rest)
+
+
+def validate(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    measurement: Measurement,
+    estimates: LawEstimates | None = None,
+    *,
+    t_end: float = 10.0,
+    count: int = 200,
+    seed: int = 0,
+    executor: Executor | None = None,
+) -> Validation:
+    """Compare what was measured on a mechanism with what a law from elsewhere predicts of it.
+
+    Nothing is fitted but the origin of measured positions. Parameters of the law are drawn from
+    their estimates, and those of the mechanism from `Measurement.parameter_uncertainties`; with
+    each draw, and with noise of the sensor, a measurement is simulated. The measurement agrees with
+    the prediction if at least 5 % of these have as large residuals, and does not if less than 1 %
+    have.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with a drive of its own, which begins at time 0.
+    law : FrictionLaw
+        The law with its best values, such as that of `carried`. If it was fitted to this very
+        measurement, agreement says nothing.
+    measurement : Measurement
+        Records of the position or velocity of the body that slips; or travels, mean velocities or
+        travels per cycle.
+    estimates : LawEstimates, optional
+        How well the law is known.
+    t_end : float
+        Time at which runs of travels end [s].
+    count : int
+        Number of draws.
+    seed : int
+        Of the draws.
+    executor : concurrent.futures.Executor, optional
+        Where runs with draws are made, with the same result; threads for all cores if not given.
+
+    Returns
+    -------
+    Validation
+        Residuals, bands, and whether the measurement agrees with the prediction.
+
+    Raises
+    ------
+    InputError
+        If the measurement is not of a motion that the mechanism makes by itself.
+    SimulationError
+        If a run with the best values ends early.
+    ConvergenceError
+        If a body whose travel to rest was measured still moves at `t_end`.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.24, 0.26)})
+    >>> seen = validate(rig, law, Measurement(travel=0.20, uncertainty=0.001), known)
+    >>> (one,) = seen.travels
+    >>> round(one.predicted, 4), round(one.low, 2), round(one.high, 2), seen.agrees
+    (0.2039, 0.2, 0.21, True)
+    """
+    law = _one_law(mechanism, law)
+    if count < 2:
+        raise InputError(f"validate: count must be at least 2, got {count}.")
+    uncertain = _Uncertain(law, estimates, count, seed, executor)
+    if any(isinstance(drive, SampledSwing) for drive in mechanism.drives().values()):
+        uncertain.kept += (RECORDED,)
+    records = measurement.records()
+    if any(record.time is not None for record in records):
+        doubts = uncertainties_of(mechanism, measurement)
+        seen = tuple(
+            _record(mechanism, record, uncertain, doubts[index], index)
+            for index, record in enumerate(records)
+        )
+        return Validation(records=seen, **uncertain.said())
+    if not measurement.travelled:
+        raise InputError(
+            "predictions are compared with positions or velocities in time, or with travels, and"
+            f" the measurement has only {joined(measurement.quantities())}."
+        )
+    return _travels(mechanism, law, measurement, t_end, uncertain)
+
+
+def _one_law(mechanism: Mechanism, law: FrictionLaw) -> FrictionLaw:
+    found = event_driven_law(mechanism, law)
+    if not isinstance(found, FrictionLaw):
+        raise InputError(
+            f"predictions are compared for mechanisms with one contact, but {mechanism.name} has"
+            f" {len(mechanism.contacts())}."
+        )
+    return found
+
+
+class _Uncertain:
+    """What is drawn, the same in all records and trials where these share it."""
+
+    def __init__(
+        self,
+        law: FrictionLaw,
+        known: LawEstimates | None,
+        count: int,
+        seed: int,
+        executor: Executor | None,
+    ) -> None:
+        self.law, self.count, self.seed, self.executor = law, count, seed, executor
+        self.known = known if known is not None and known.drawn else None
+        self.kept: tuple[str, ...] = ()
+        if known is not None:
+            self.kept = known.kept
+        self.paths: dict[str, None] = {}
+        self.reasons: dict[str, None] = {}
+        self.random = np.random.default_rng([seed, 2])  # of the noise
+
+    def draws(
+        self,
+        mechanism: Mechanism,
+        own: Mapping[str, float],
+        shared: Mapping[str, float],
+        index: int,
+    ) -> dict[str, Array]:
+        """Return draws for a record or trial of an index; what it does not share is its own."""
+        found: dict[str, Array] = {}
+        if self.known is not None or shared:
+            found |= draws_of(mechanism, self.law, self.known, shared, self.count, self.seed)
+        if own:
+            seed = int(np.random.SeedSequence([self.seed, index]).generate_state(1)[0])
+            found |= draws_of(mechanism, self.law, None, own, self.count, seed)
+        self.paths |= dict.fromkeys(found)
+        return found
+
+    def lasted(self, runs: Ensemble) -> NDArray[np.bool_]:
+        """Return which runs with draws lasted (n,), and note why others did not.
+
+        Raises
+        ------
+        SimulationError
+            If none lasted: there is no prediction then.
+        """
+        self.reasons |= dict.fromkeys(left_out(runs.status))
+        complete = np.array([status.complete for status in runs.status], dtype=np.bool_)
+        if not complete.any():
+            raise SimulationError(" ".join(early_ends(runs.status, "", noun="draws")))
+        return complete
+
+    def said(self) -> dict[str, Any]:
+        """Return what a `Validation` says of the draws."""
+        drawn = tuple(self.paths)
+        return {
+            "drawn": drawn,
+            "kept": self.kept,
+            "count": self.count if drawn else 0,
+            "seed": self.seed,
+            "reasons": tuple(self.reasons),
+        }
+
+
+def _record(
+    mechanism: Mechanism,
+    record: Measurement,
+    uncertain: _Uncertain,
+    doubts: tuple[Mapping[str, float], Mapping[str, float]],
+    index: int,
+) -> ValidatedRecord:
+    """Compare a record in time with the run that begins at time 0."""
+    name = record.name or f"record {index + 1}"
+    compared = _compared(mechanism, record, name)
+    mechanism = vary(mechanism, "mechanism", record.overrides)
+    slip, rate = slip_names(mechanism)
+    column = slip if compared == "position" else rate
+    t = np.asarray(record.time, dtype=np.float64)
+    values = np.asarray(record.values(compared), dtype=np.float64)
+    bristles = record.initial.keys() - {*mechanism.coordinates, *mechanism.rates}
+    start = {state: value for state, value in record.initial.items() if state not in bristles}
+    run = simulate(mechanism, uncertain.law, t_end=float(t[-1]), y0=start)
+    if not mechanism.drives() and not np.ptp(run[slip]):
+        raise InputError(
+            f"{name}: nothing moves in the prediction, since {type(mechanism).__name__} has no"
+            " drive and begins at rest: give the initial states of the record."
+        )
+    predicted = run.at(t)[column]
+    rows = max(min(len(t), LEAST_ORIGIN), math.ceil(ORIGIN * len(t)))
+    of_position = float(compared == "position")
+
+    def origin(residual: Array) -> Array:
+        """Return what is taken off a residual (n,), or off rows of them (k, n)."""
+        first: Array = residual[..., :rows].mean(axis=-1, keepdims=True)
+        return of_position * first
+
+    read = values - predicted
+    zero = float(origin(read)[0])
+    stated = record.uncertainty.get(compared)
+    kinds = {"rounding": math.sqrt(3.0), "interval": Z95}
+    noise = (
+        noise_of(read, step_of(values))
+        if stated is None
+        else stated / kinds.get(record.uncertainty_kind, 1.0)
+    )
+    shift, shifted = _shifted(run, column, t, values, origin, cycle_or_none(mechanism))
+    band = wide = as_large = None
+    own, shared = doubts
+    draws = uncertain.draws(mechanism, own, shared, index)
+    if draws:
+        seen = ensemble(
+            mechanism,
+            uncertain.law,
+            draws,
+            t_end=float(t[-1]),
+            outputs={"seen": Samples(column, t.tolist())},
+            y0=start,
+            executor=uncertain.executor,
+        )
+        others = seen["seen"][uncertain.lasted(seen)] - predicted
+        # what was measured has its origin taken off, and so must what could have been
+        others -= origin(others)
+        with_noise = others + uncertain.random.normal(0.0, noise, others.shape)
+        with_noise -= origin(with_noise)
+        ends = (QUANTILES[0], QUANTILES[-1])
+        band = predicted + np.quantile(others, ends, axis=0)
+        wide = predicted + np.quantile(with_noise, ends, axis=0)
+        step = step_of(values)
+        noises = (  # that of each as it would have been estimated
+            np.full(len(others), noise)
+            if stated is not None
+            else np.array([noise_of(row, step) for row in with_noise])
+        )
+        # where all draws agree, as at the start, nothing but this keeps rounding from counting
+        variance = np.var(others, axis=0) + (1e-9 * float(np.ptp(values))) ** 2
+        size = _rms((read - zero) / np.sqrt(variance + noise**2))
+        sizes = np.sqrt(np.mean(with_noise**2 / (variance + noises[:, None] ** 2), axis=1))
+        as_large = float(np.mean(sizes >= size))
+    return ValidatedRecord(
+        name=record.name,
+        quantity=compared,
+        unit=run.units[column],
+        t=t,
+        measured=values - zero,
+        predicted=predicted,
+        origin=zero,
+        noise=noise,
+        noise_stated=stated is not None,
+        band=band,
+        wide=wide,
+        as_large=as_large,
+        shift=shift,
+        shifted_rms=shifted,
+    )
+
+
+def _compared(mechanism: Mechanism, record: Measurement, name: str) -> str:
+    """Return what of a record is compared, or refuse a record of another kind of motion."""
+    known = record.quantities()
+    if record.joints:
+        raise InputError(f"{name}: predictions are not compared with records of several joints.")
+    by_hand = [one for one in ("force", "reference", "pull", "spring_force") if one in known]
+    if by_hand:
+        raise InputError(
+            f"{name} is driven by what was recorded ({joined(by_hand)}), which a run of"
+            f" {type(mechanism).__name__} from its start does not see: `fit` with `validate`"
+            " predicts such records."
+        )
+    compared = next((one for one in ("position", "velocity") if one in known), None)
+    if compared is None or record.time is None:
+        raise InputError(
+            f"{name}: predictions are compared with position or velocity in time, and the"
+            f" record has only {joined(known)}."
+        )
+    first = float(np.asarray(record.time)[0])
+    if first < 0.0:
+        raise InputError(
+            f"{name} begins at {number(first)} s, but the prediction begins at 0 s: shift the times"
+            " of the record."
+        )
+    return compared
+
+
+def _shifted(
+    run: Trajectory,
+    column: str,
+    t: Array,
+    values: Array,
+    origin: Callable[[Array], Array],
+    period: float | None,
+) -> tuple[float, float]:
+    """Return the shift of a record's times with the least residual, and that residual.
+
+    Beyond the ends of the run the prediction keeps its first or last value.
+    """
+    from scipy.optimize import minimize_scalar
+
+    grid = np.union1d(np.linspace(*run.span, FINE), run.t)
+    known = run.at(grid)[column]
+
+    def size(shift: float) -> float:
+        residual = values - np.interp(t + shift, grid, known)
+        return _rms(residual - origin(residual))
+
+    most = FARTHEST * float(t[-1] - t[0])
+    most = most if period is None else min(most, 0.5 * period)
+    # residuals over shifts have many minima where a motion repeats itself: the lowest is sought
+    # first, and refined then
+    tried = np.linspace(-most, most, 81)
+    best = int(np.argmin([size(one) for one in tried]))
+    near = (float(tried[max(best - 1, 0)]), float(tried[min(best + 1, 80)]))
+    found = minimize_scalar(size, bounds=near, method="bounded")
+    return float(found.x), float(found.fun)
+
+
+def _travels(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    measurement: Measurement,
+    t_end: float,
+    uncertain: _Uncertain,
+) -> Validation:
+    """Compare readings of how far a body came."""
+    trials = trials_of(mechanism, measurement, t_end)
+    labels = [
+        record.name or str(index)
+        for index, record in enumerate(measurement.records(), 1)
+        for _ in np.atleast_1d(record.values(record.travelled))
+    ]
+    errors, stated = standard_errors(trials)
+    model = TravelModel(law, (), t_end)
+    model.check_rest(trials, (), errors)
+    predicted = model.travels(trials, ())
+    drawn: dict[Hashable, Array] = {}
+    for index, trial in enumerate(trials):
+        if trial.run not in drawn:
+            drawn[trial.run] = _drawn_travels(trial, law, t_end, uncertain, index)
+    others = np.array([drawn[trial.run] for trial in trials])  # (trials, draws)
+    ends: list[tuple[float | None, float | None]] = [(None, None)] * len(trials)
+    as_large = None
+    if others.size:
+        # the same draw in all trials: they share the law, and so their errors
+        others = others[:, np.all(np.isfinite(others), axis=0)]
+        if not others.size:
+            raise SimulationError(f"no draw lasted in all trials. {' '.join(uncertain.reasons)}")
+        low, high = np.quantile(others, (QUANTILES[0], QUANTILES[-1]), axis=1)
+        ends = list(
+            zip((low / _scales(trials)).tolist(), (high / _scales(trials)).tolist(), strict=True)
+        )
+        spread = np.sqrt(np.var(others, axis=1) + errors**2)
+        with_errors = others + uncertain.random.normal(size=others.shape) * errors[:, None]
+        simulated = np.sum(((with_errors - predicted[:, None]) / spread[:, None]) ** 2, axis=0)
+        seen = np.array([trial.travel for trial in trials])
+        as_large = float(np.mean(simulated >= np.sum(((seen - predicted) / spread) ** 2)))
+    units = {name: one.unit for name, one in QUANTITIES.items()}
+    slip, _ = slip_names(mechanism)
+    turning = mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+    return Validation(
+        travels=tuple(
+            ValidatedTravel(
+                name=label,
+                quantity=trial.quantity,
+                unit=turned(units[trial.quantity], turning),
+                measured=trial.travel / trial.scale,
+                uncertainty=float(error) / trial.scale,
+                predicted=float(value) / trial.scale,
+                low=low,
+                high=high,
+            )
+            for label, trial, error, value, (low, high) in zip(
+                labels, trials, errors, predicted, ends, strict=True
+            )
+        ),
+        stated=stated,
+        travels_as_large=as_large,
+        **uncertain.said(),
+    )
+
+
+def _scales(trials: Sequence[Trial]) -> Array:
+    return np.array([trial.scale for trial in trials])
+
+
+def _drawn_travels(
+    trial: Trial, law: FrictionLaw, t_end: float, uncertain: _Uncertain, index: int
+) -> Array:
+    """Return the travel of a trial with each draw (n,), NaN where its run ended early."""
+    draws = uncertain.draws(trial.mechanism, trial.doubts, trial.shared, index)
+    if not draws:
+        return np.empty(0)
+    slip, _ = slip_names(trial.mechanism)
+    end = trial.until(t_end)
+    runs = ensemble(
+        trial.mechanism,
+        law,
+        draws,
+        t_end=end,
+        outputs={"x": Samples(slip, [0.0, end])},
+        y0=trial.start(law),
+        executor=uncertain.executor,
+    )
+    travel = runs["x"][:, 1] - runs["x"][:, 0]
+    return np.where(uncertain.lasted(runs), travel, np.nan)
+
+
+def _judged(share: float | None) -> bool | None:
+    """Return whether residuals are expected, of the share of simulated ones that are as large."""
+    if share is None or REFUTED <= share < EXPECTED:
+        return None
+    return share >= EXPECTED
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _share(values: Array, band: Array | None) -> float | None:
+    """Return the share of values in a band (2, n), its ends give or take rounding."""
+    if band is None:
+        return None
+    room = 1e-9 * float(np.ptp(values))
+    return float(np.mean((values >= band[0] - room) & (values <= band[1] + room)))
