@@ -36,7 +36,7 @@ from stickslip.engine import Final, Sensitivity
 from stickslip.friction import RateState
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.mechanisms.drives import Sampled, Sine
-from stickslip.show.tables import Tabular
+from stickslip.show.display import Tabular
 from stickslip.study.characterization import presliding_loop
 from stickslip.study.control import closed_loop, limit_cycle
 from stickslip.study.sweep import average_velocity, band_of, basins, bifurcation

@@ -11,7 +11,7 @@ import pytest
 import stickslip
 from stickslip import Axis, Coulomb, Measurement
 from stickslip.errors import InputError
-from stickslip.show.tables import dataset_of
+from stickslip.show.display import dataset_of
 from stickslip.study.control import closed_loop
 
 PLACES = (

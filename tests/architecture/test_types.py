@@ -24,7 +24,7 @@ from tools.lowest import lowest
 import stickslip
 import stickslip.show.plots
 from stickslip.friction import LAWS
-from stickslip.identify.fits.records.route_choice import OwnRouteName
+from stickslip.identify.fits.records.fitting import OwnRouteName
 from stickslip.identify.kinds.registry import OWN
 from stickslip.mechanisms import MECHANISMS
 from stickslip.study.optimisation.parametrisation import KINDS, TYPES, KindName

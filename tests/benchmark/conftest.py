@@ -50,7 +50,7 @@ MADE_UP = Task(
 def other_package(monkeypatch):
     """Install a package with the made-up task."""
     entry = SimpleNamespace(load=lambda: MADE_UP)
-    monkeypatch.setattr("stickslip.study.benchmark.sets.entry_points", lambda group: [entry])
+    monkeypatch.setattr("stickslip.study.benchmark.runs.entry_points", lambda group: [entry])
     tasks.cache_clear()
     yield MADE_UP
     tasks.cache_clear()

@@ -52,7 +52,7 @@ def test_two_tasks_of_one_name_are_refused(other_package, monkeypatch):
     from types import SimpleNamespace
 
     entry = SimpleNamespace(load=lambda: [other_package, other_package])
-    monkeypatch.setattr("stickslip.study.benchmark.sets.entry_points", lambda group: [entry])
+    monkeypatch.setattr("stickslip.study.benchmark.runs.entry_points", lambda group: [entry])
     tasks.cache_clear()
     with pytest.raises(InputError, match="two tasks of the benchmark are called 'made-up'"):
         tasks()

@@ -16,7 +16,7 @@ from stickslip import (
     characterize,
     simulate,
 )
-from stickslip.cli.characterize import _show
+from stickslip.cli.studies import _show
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import law
 from stickslip.show.documents import document, json_text

@@ -11,7 +11,7 @@ from stickslip.friction import law
 from stickslip.identify.fits.estimation.bristle_integration import Path, follow
 from stickslip.identify.fits.estimation.parameters import FreeParameters
 from stickslip.identify.fits.records.problems import RouteChoice, prepared
-from stickslip.identify.fits.shooting.first_deflections import FirstDeflections, RecordedMotion
+from stickslip.identify.fits.shooting.initial_states import FirstDeflections, RecordedMotion
 from stickslip.identify.fits.validation import Parameters
 from stickslip.mechanisms.drives import Sampled
 

@@ -20,8 +20,8 @@ from stickslip import (
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import RateState
 from stickslip.identify.kinds import registry
-from stickslip.identify.kinds.friction_tables import FrictionTableKind
 from stickslip.identify.kinds.kind import Kind, Request
+from stickslip.identify.kinds.records import FrictionTableKind
 from stickslip.identify.kinds.registry import kind_of, kind_of_route, kinds, refuse_unused
 
 T = np.linspace(0.0, 1.0, 50)

@@ -100,8 +100,7 @@ def select(
     While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
     so far, twice to cancel.
     """
-    from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import measured
+    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_select
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
@@ -127,8 +126,7 @@ def demo(
     The rig is that of the source paper, a block that a spring pushes, with one measured travel.
     Other commands take it as `demo`, such as `stickslip simulate demo`.
     """
-    from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import measured
+    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_select
 
     reading = reading_of(ReadingOptions())
@@ -179,8 +177,8 @@ def init(
     Several files are films of a capsule or a cart that drives itself, at other frequencies each:
     tracked positions, and nothing else. The rig file has a question mark for what they do not show.
     """
-    from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
+    from stickslip.cli.inputs import reading_of
 
     asked = ReadingOptions(columns=columns, units=units, gain=gain, motor_constant=motor_constant)
     run(files, reading_of(asked), output, urdf=urdf, force=force, as_json=as_json)
@@ -207,8 +205,7 @@ def fit(
 
     While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
-    from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import measured
+    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_fit
 
     ask = partial(measured, data=data or [], reading=reading_of(reading))
@@ -243,7 +240,7 @@ def check(
     Exits with code 2 if the check finds an error.
     """
     from stickslip.cli.check import run
-    from stickslip.cli.file_options import reading_of
+    from stickslip.cli.inputs import reading_of
 
     named = [*files, *(data or [])]
     run(named, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)
@@ -631,7 +628,7 @@ def characterize(
     passivity and cost of one law, or of several side by side. A law without values has typical
     ones.
     """
-    from stickslip.cli.characterize import run
+    from stickslip.cli.studies import run
 
     start = partial(run, match=match, force=force, as_json=as_json)
     start(laws, rig, load, tests, inputs or [], report)

@@ -81,8 +81,8 @@ from stickslip.data.rig import with_voltage as with_voltage
 from stickslip.data.rigs.guessed_rig import filmed_rig as filmed_rig
 from stickslip.data.rigs.guessed_rig import guess_films as guess_films
 from stickslip.data.rigs.guessed_rig import guessed_rig as guessed_rig
-from stickslip.data.rigs.load import load_rig as load_rig
-from stickslip.data.rigs.load import rig_schema as rig_schema
+from stickslip.data.rigs.rig_builder import load_rig as load_rig
+from stickslip.data.rigs.rig_builder import rig_schema as rig_schema
 from stickslip.data.rigs.rig_writer import rig_toml as rig_toml
 from stickslip.data.travels import is_filmed as is_filmed
 from stickslip.data.travels import scale_of as scale_of

@@ -22,10 +22,9 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.quantities import Converted, Given, Numbers, Quantity, turned
 from stickslip.show.described import Described
-from stickslip.show.display import InPanels, Summary
+from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, span
 from stickslip.show.formatting import quantity as with_unit
-from stickslip.show.tables import Tabular
 from stickslip.units import converted, is_pint, number_in, pint_magnitude
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from stickslip.data.travels import is_filmed, other_drives
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import PREFIX, BoundedMechanism, Mechanism, cycle_or_none, slip_names
 from stickslip.quantities import vary
+from stickslip.show.display import Tabular
 from stickslip.show.formatting import joined, quantity, unbroken
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,7 @@ HOMES = {
     "MotorEnvironment": "environments",
     "MotorTask": "motor_task",
     "MotorVectorEnvironment": "environments",
-    "register_environments": "registration",
+    "register_environments": "motor_task",
     "to_describing_function": "control_systems",
     "to_ivp": "initial_value_problems",
     "to_nonlinear_system": "control_systems",

@@ -13,7 +13,7 @@ from stickslip.exports.adapters.initial_value_problems import to_ivp as to_ivp
 from stickslip.exports.adapters.motor_task import CAPSULE as CAPSULE
 from stickslip.exports.adapters.motor_task import CART as CART
 from stickslip.exports.adapters.motor_task import MotorTask as _MotorTask
-from stickslip.exports.adapters.registration import register_environments as register_environments
+from stickslip.exports.adapters.motor_task import register_environments as register_environments
 from stickslip.friction import FrictionLaw as _FrictionLaw
 from stickslip.mechanisms import Mechanism as _Mechanism
 from stickslip.quantities import Given as _Given

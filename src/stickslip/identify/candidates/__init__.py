@@ -37,7 +37,7 @@ INSIDE = {
     "held_out_text": "verdict",
     "in_sentence": "verdict",
     "largest_step": "fixed_step_comparison",
-    "limits_of": "identifiable",
+    "limits_of": "criteria",
     "longer": "verdict",
     "not_distinguished": "verdict",
     "on_second_record": "verdict",

@@ -14,6 +14,7 @@ from stickslip.identify.candidates.choice import errs_more as errs_more
 from stickslip.identify.candidates.choice import outcome_beside as outcome_beside
 from stickslip.identify.candidates.criteria import Criteria as Criteria
 from stickslip.identify.candidates.criteria import criteria_of as criteria_of
+from stickslip.identify.candidates.criteria import limits_of as limits_of
 from stickslip.identify.candidates.cross_validation import CrossValidated as CrossValidated
 from stickslip.identify.candidates.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
 from stickslip.identify.candidates.cross_validation import CrossValidation as CrossValidation
@@ -22,7 +23,6 @@ from stickslip.identify.candidates.cross_validation import held_out as held_out
 from stickslip.identify.candidates.fixed_step_comparison import FixedStepRow as FixedStepRow
 from stickslip.identify.candidates.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.identify.candidates.fixed_step_comparison import largest_step as largest_step
-from stickslip.identify.candidates.identifiable import limits_of as limits_of
 from stickslip.identify.candidates.verdict import Candidate as Candidate
 from stickslip.identify.candidates.verdict import MOST as MOST
 from stickslip.identify.candidates.verdict import NOT_DISTINGUISHED as NOT_DISTINGUISHED

@@ -16,7 +16,7 @@ from stickslip.identify.fits import Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.show.described import Described
-from stickslip.show.display import OnAxes, Summary, plots, summary_of_table
+from stickslip.show.display import OnAxes, Summary, Tabular, plots, summary_of_table
 from stickslip.show.formatting import (
     EstimateText,
     Scale,
@@ -27,7 +27,6 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

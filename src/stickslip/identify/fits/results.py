@@ -18,7 +18,7 @@ from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.show.described import Described
-from stickslip.show.display import OnAxes, Summary
+from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.documents import write_file
 from stickslip.show.formatting import (
     EstimateText,
@@ -32,7 +32,6 @@ from stickslip.show.formatting import (
     with_unit,
     within,
 )
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.data import Measurement, condition_name, condition_unit
+from stickslip.data import Measurement, condition_name, condition_unit, faults
 from stickslip.engine.solver import notice
 from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.friction import FrictionLaw, law_type
@@ -30,15 +30,13 @@ from stickslip.identify.fits.estimation.problem import (
     SubsetProblem,
 )
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
-from stickslip.identify.fits.records.fitting import fit_records
-from stickslip.identify.fits.records.resting import rests
-from stickslip.identify.fits.records.route_choice import RouteName
+from stickslip.identify.fits.records.fitting import RouteName, fit_records
 from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.settings import CHANCE, NEGLIGIBLE, RecordSettings
 from stickslip.identify.fits.validation import check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
-from stickslip.show.display import InPanels, Summary, summary_of_table
+from stickslip.show.display import InPanels, Summary, Tabular, summary_of_table
 from stickslip.show.formatting import (
     interval,
     joined,
@@ -48,10 +46,10 @@ from stickslip.show.formatting import (
     with_unit,
     within,
 )
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -883,3 +881,21 @@ def _lines(trials: Sequence[TrialEstimates]) -> tuple[ConditionLine, ...]:
                 )
             )
     return tuple(found)
+
+
+# Trials at rest throughout: no row of them slips, so that a fit of sliding friction has none.
+
+
+def rests(record: Measurement) -> bool:
+    """Whether a record is one of a single body that rests throughout, as `check` says.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(50.0)
+    >>> [rests(Measurement(time=t, position=x, force=t)) for x in (0.0 * t, np.sin(t))]
+    [True, False]
+    """
+    if record.time is None or record.joints:
+        return False
+    return any(one.kind == "constant" for one in faults(record))

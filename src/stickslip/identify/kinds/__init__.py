@@ -4,7 +4,7 @@ from stickslip.lazy import attach
 
 HOMES = {
     "AnyKind": "registry",
-    "Column": "columns",
+    "Column": "kind",
     "Comparison": "kind",
     "FeatureCandidate": "features.verdict",
     "FeatureFit": "features.result",
@@ -25,7 +25,7 @@ HOMES = {
     "TravelFit": "travels.result",
     "TravelVerdict": "travels.verdict",
     "compare_features": "features.fit",
-    "data_row": "columns",
+    "data_row": "kind",
     "features_of": "features.features",
     "fit": "verbs",
     "fit_features": "features.fit",
@@ -34,7 +34,7 @@ HOMES = {
     "kind_of": "registry",
     "kind_of_route": "registry",
     "kinds": "registry",
-    "page_table": "columns",
+    "page_table": "kind",
     "plan": "travels.plan.planning",
     "refuse_unused": "registry",
     "select": "verbs",
@@ -42,7 +42,7 @@ HOMES = {
     "select_rate_state": "velocity_steps.selection",
     "select_travels": "travels.selection",
     "simulate_velocity_steps": "velocity_steps.slider",
-    "terminal_table": "columns",
+    "terminal_table": "kind",
     "verdict_page": "report",
     "write_report": "report",
 }

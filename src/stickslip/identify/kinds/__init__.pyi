@@ -1,8 +1,4 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
-from stickslip.identify.kinds.columns import Column as Column
-from stickslip.identify.kinds.columns import data_row as data_row
-from stickslip.identify.kinds.columns import page_table as page_table
-from stickslip.identify.kinds.columns import terminal_table as terminal_table
 from stickslip.identify.kinds.features.features import StickSlipFeatures as StickSlipFeatures
 from stickslip.identify.kinds.features.features import features_of as features_of
 from stickslip.identify.kinds.features.fit import compare_features as compare_features
@@ -12,11 +8,15 @@ from stickslip.identify.kinds.features.selection import select_features as selec
 from stickslip.identify.kinds.features.verdict import FeatureCandidate as FeatureCandidate
 from stickslip.identify.kinds.features.verdict import FeatureVerdict as FeatureVerdict
 from stickslip.identify.kinds.features.verdict import OtherSpeed as OtherSpeed
+from stickslip.identify.kinds.kind import Column as Column
 from stickslip.identify.kinds.kind import Comparison as Comparison
 from stickslip.identify.kinds.kind import FitSummary as FitSummary
 from stickslip.identify.kinds.kind import Kind as Kind
 from stickslip.identify.kinds.kind import Law as Law
 from stickslip.identify.kinds.kind import Request as Request
+from stickslip.identify.kinds.kind import data_row as data_row
+from stickslip.identify.kinds.kind import page_table as page_table
+from stickslip.identify.kinds.kind import terminal_table as terminal_table
 from stickslip.identify.kinds.registry import AnyKind as AnyKind
 from stickslip.identify.kinds.registry import kind_of as kind_of
 from stickslip.identify.kinds.registry import kind_of_route as kind_of_route

@@ -7,7 +7,14 @@ from typing import Any
 from typing_extensions import override
 
 from stickslip.data import QUANTITIES, Measurement
-from stickslip.identify import BandVerdict, importance, select_record, verdict_sections
+from stickslip.errors import InputError
+from stickslip.identify import (
+    BandVerdict,
+    importance,
+    select_record,
+    select_table,
+    verdict_sections,
+)
 from stickslip.identify.candidates import limits_of, score_text
 from stickslip.identify.fits import (
     LAW,
@@ -19,12 +26,13 @@ from stickslip.identify.fits import (
     Score,
     compared,
     fit_records,
+    names_of,
     route_of,
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.quantities import turned
 from stickslip.show import formatting
-from stickslip.show.formatting import NO_VALUE, percent
+from stickslip.show.formatting import NO_VALUE, joined, percent
 from stickslip.show.report import Origin, SectionMaker
 
 WITHOUT_EFFECT = {
@@ -240,3 +248,45 @@ def _predicted(fit: RecordFit, second: Score) -> str:
     if fit.problem.simulates:
         return f"in segments of {formatting.quantity(second.horizon, 's')}"
     return "along the measured motion"
+
+
+# Tables of friction over the speed, judged by `stickslip.identify`.
+
+FORCE_MAP = "force-map"
+"""Route by which tables are fitted."""
+
+
+class FrictionTableKind(BandKind):
+    """Friction against velocity without time: no bristles, rows in any order."""
+
+    routes = ("table", FORCE_MAP)
+    measured = "tables of friction"
+    settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return all(one.kind == "friction-map" for one in measurement.records())
+
+    @override
+    def why_unused(self, name: str, request: Request) -> str:
+        if name == "route" and request.route and not self.serves(request.measurement):
+            own = f"{request.route!r} applies to {self.measured}"
+            return f"{own}, not to this measurement: leave it out."
+        return super().why_unused(name, request)
+
+    @override
+    def select(self, request: Request) -> BandVerdict:
+        varied = {*names_of(request.vary or ())} - {LAW}
+        for name, given in (("vary", varied), ("fixed", request.fixed)):
+            if given:
+                raise InputError(
+                    f"{name} applies to `fit` of {self.measured}; it has no effect on `select`,"
+                    f" got {joined(sorted(given))}: leave it out."
+                )
+        return select_table(
+            request.mechanism,
+            request.measurement,
+            laws=request.laws,
+            validate=request.validate,
+            route=self.routes[0],
+        )

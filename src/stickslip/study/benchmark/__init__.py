@@ -15,8 +15,16 @@ from stickslip.study.benchmark.definition import (
     Task,
 )
 from stickslip.study.benchmark.peers import PEERS, Peer
-from stickslip.study.benchmark.runs import OURS, Results, Row, benchmark_page, run, summary_rows
-from stickslip.study.benchmark.sets import task, tasks
+from stickslip.study.benchmark.runs import (
+    OURS,
+    Results,
+    Row,
+    benchmark_page,
+    run,
+    summary_rows,
+    task,
+    tasks,
+)
 
 __all__ = [
     "OURS",

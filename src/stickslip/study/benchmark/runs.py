@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, entry_points, version
 from importlib.resources import files
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from typing_extensions import override
@@ -26,6 +27,7 @@ from stickslip.identify.fits import RecordFit
 from stickslip.identify.kinds import fit, select
 from stickslip.quantities import vary
 from stickslip.show.described import Described
+from stickslip.show.display import Tabular
 from stickslip.show.documents import document, json_text, regular_bytes, unwritable, write_file
 from stickslip.show.formatting import Scale, count, joined, number, quantity, scale_of
 from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, inline_svg
@@ -47,13 +49,51 @@ from stickslip.show.report import (
     colophon,
 )
 from stickslip.show.report import Row as TableRow
-from stickslip.show.tables import Tabular
 from stickslip.study.benchmark.definition import CoefficientError, Task
 from stickslip.study.benchmark.peers import PEERS, Found, by_speed
-from stickslip.study.benchmark.sets import task
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+# The tasks of the benchmark, and those of other packages.
+
+GROUP = "stickslip.benchmark"
+"""Entry points of other packages: a `Task`, or a sequence of them."""
+
+
+@functools.cache
+def tasks() -> Mapping[str, Task]:
+    """Return the tasks by name.
+
+    Examples
+    --------
+    >>> list(tasks())[:2]
+    ['emps', 'pendulum']
+    """
+    from stickslip.study.benchmark.records import TASKS
+
+    found = list(TASKS)
+    for entry in entry_points(group=GROUP):
+        own = entry.load()
+        found += [own] if isinstance(own, Task) else own
+    names = [one.name for one in found]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise InputError(f"two tasks of the benchmark are called {min(twice)!r}.")
+    return MappingProxyType({one.name: one for one in found})
+
+
+def task(name: str) -> Task:
+    """Return a task.
+
+    Examples
+    --------
+    >>> task("rock").record
+    'rock_velocity_step'
+    """
+    if name not in tasks():
+        raise UnknownNameError("task of the benchmark", name, tasks())
+    return tasks()[name]
 
 
 # Runs of the benchmark: a task given to a tool, and a folder of results that goes on.

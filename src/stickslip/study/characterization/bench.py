@@ -30,8 +30,7 @@ from stickslip.mechanisms import (
 )
 from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.show.display import OnAxes, Summary
-from stickslip.show.tables import Tabular
+from stickslip.show.display import OnAxes, Summary, Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

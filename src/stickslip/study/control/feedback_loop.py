@@ -18,9 +18,8 @@ from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.drives import PiecewiseAffine, Sampled
 from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
-from stickslip.show.display import InPanels, Summary
+from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.show.tables import Tabular
 from stickslip.study.control.equations_of_motion import places_of
 
 if TYPE_CHECKING:

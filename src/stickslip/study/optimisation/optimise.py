@@ -24,8 +24,8 @@ from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.drives import Profile, ThreePhase
 from stickslip.quantities import named
+from stickslip.show.display import Tabular
 from stickslip.show.formatting import number, with_unit
-from stickslip.show.tables import Tabular
 from stickslip.study.optimisation.parametrisation import (
     KindName,
     Space,

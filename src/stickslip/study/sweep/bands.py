@@ -35,9 +35,8 @@ from stickslip.errors import (
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
-from stickslip.show.display import OnAxes, Summary
+from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number
-from stickslip.show.tables import Tabular
 from stickslip.study.sweep.design import (
     NEARLY_INDEPENDENT,
     SensitivityIndices,

@@ -47,7 +47,7 @@ from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.show.described import Described
-from stickslip.show.display import Summary, text_of
+from stickslip.show.display import Summary, Tabular, text_of
 from stickslip.show.documents import (
     SCHEMA_VERSION,
     becomes,
@@ -59,7 +59,6 @@ from stickslip.show.documents import (
     write_file,
 )
 from stickslip.show.formatting import quantity
-from stickslip.show.tables import Tabular
 from stickslip.study.sweep.design import (
     OF_INDICES,
     Design,

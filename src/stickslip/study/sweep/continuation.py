@@ -49,9 +49,8 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-from stickslip.show.display import OnAxes, Summary
+from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.show.tables import Tabular
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,

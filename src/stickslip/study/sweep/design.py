@@ -34,9 +34,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, check_size, not_whole
 from stickslip.show.described import Described
-from stickslip.show.display import OnAxes, Summary, require_library
+from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import number
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -30,9 +30,8 @@ from stickslip.engine.solver import EventDriven, Mean, Output
 from stickslip.engine.trajectory import Ensemble, Status
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slip_among
-from stickslip.show.display import OnAxes, Summary, require_library
+from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import percent, quantity, span
-from stickslip.show.tables import Tabular
 from stickslip.study.sweep.parameter_grid import (
     Array,
     Progress,

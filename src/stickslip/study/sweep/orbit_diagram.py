@@ -33,9 +33,8 @@ from stickslip.engine.simulation import (
 from stickslip.engine.solver import EventDriven, Output, Samples
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
-from stickslip.show.display import OnAxes, Summary
+from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.show.tables import Tabular
 from stickslip.study.sweep.bifurcation import CLOSED, period_of
 from stickslip.study.sweep.orbits import (
     Orbit,

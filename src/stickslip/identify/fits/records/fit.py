@@ -41,10 +41,9 @@ from stickslip.identify.fits.settings import RESOLUTION, ROUNDS, SETTLED
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, turned, vary
 from stickslip.show.described import Described
-from stickslip.show.display import plots
+from stickslip.show.display import Tabular, plots
 from stickslip.show.formatting import Scale, count, joined, quantity
 from stickslip.show.formatting import scale_of as shown_in
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

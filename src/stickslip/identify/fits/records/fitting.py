@@ -4,12 +4,13 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, refuse_faults, refuse_unused, with_doubts
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.data import Measurement, command_of, refuse_faults, refuse_unused, with_doubts
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
     as_informed,
@@ -40,22 +41,86 @@ from stickslip.identify.fits.outliers import without_outliers
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
     FitSetup,
+    RecordRouteName,
     RouteChoice,
     Wanted,
     held_otherwise,
+    per_current,
     prepared,
 )
-from stickslip.identify.fits.records.route_choice import route_of
 from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
-from stickslip.identify.fits.series.applied_force import driven, inside
+from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
 from stickslip.identify.fits.series.measured_load import as_loaded
-from stickslip.identify.fits.settings import RecordSettings
+from stickslip.identify.fits.settings import SEGMENT, RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import LAW, Parameters
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import vary
 from stickslip.show.formatting import joined, number, quantity
+
+# Which way records are fitted, by what was measured.
+
+OwnRouteName: TypeAlias = Literal[
+    "shooting", "force-map", "inverse-dynamics", "features", "rate-state", "table", "balance"
+]
+RouteName: TypeAlias = OwnRouteName | str
+"""What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
+"""
+ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
+
+
+def route_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    asked: str | None = None,
+) -> RecordRouteName:
+    """Return how a measurement is fitted: as asked, or as its quantities allow.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> t = np.arange(300) / 100
+    >>> pushed = Measurement(time=t, position=np.sin(t), force=np.cos(t))
+    >>> [route_of(Axis(inertia=1.0), one) for one in (table, pushed)]
+    ['force-map', 'inverse-dynamics']
+    """
+    if asked is not None:
+        for known in ROUTES:
+            if asked == known:
+                return known
+        if asked == "features":
+            raise InputError(
+                "the route 'features' has no residuals in time: use fit_features, `fit` or"
+                " `select`."
+            )
+        raise UnknownNameError("route", asked, (*ROUTES, "features"))
+    if "friction" in measurement.quantities():
+        return "force-map"
+    commands = {command_of(one) for one in measurement.records()}
+    short = all(float(np.ptp(np.asarray(one.time))) <= SEGMENT for one in measurement.records())
+    if drives_itself(mechanism, measurement) or not driven(measurement) or "reference" in commands:
+        return "shooting"
+    unknown = Parameters.of(mechanism, None, vary).unknown
+    linear = all(path.rpartition(".")[2] in ("inertia", "mass") for path in unknown)
+    balances = not short and (linear or per_current(mechanism, measurement, unknown))
+    return "inverse-dynamics" if balances and _tracked(mechanism, measurement) else "shooting"
+
+
+def _tracked(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether a mechanism has one coordinate without stops, recorded as positions in time."""
+    return (
+        len(mechanism.coordinates) == 1
+        and not stops_of(mechanism)
+        and all(
+            record.time is not None and "position" in record.quantities()
+            for record in measurement.records()
+        )
+    )
+
 
 Array = NDArray[np.float64]
 

@@ -50,7 +50,7 @@ from stickslip.identify.fits.series.start_values import (
     regressed,
 )
 from stickslip.identify.fits.settings import NEGLIGIBLE, Hold, RecordSettings, SensorResponse
-from stickslip.identify.fits.shooting.first_deflections import RecordedMotion
+from stickslip.identify.fits.shooting.initial_states import RecordedMotion
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.shooting.segments import (
     measured_quantity,

@@ -18,8 +18,8 @@ from stickslip.identify.fits.signals import GAP, ORDER
 from stickslip.identify.fits.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary as with_values
+from stickslip.show.display import Tabular
 from stickslip.show.formatting import estimate, percent, quantity
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -22,9 +22,10 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, not_whole
 from stickslip.identify.fits.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identify.fits.settings import RESOLUTION, ROUNDING, SURE
-from stickslip.identify.fits.shooting.first_deflections import FirstDeflections, RecordedMotion
 from stickslip.identify.fits.shooting.initial_states import (
+    FirstDeflections,
     LocalState,
+    RecordedMotion,
     Ways,
     followed,
     settled,

@@ -7,13 +7,12 @@ from typing_extensions import override
 
 from stickslip.data import Measurement
 from stickslip.identify.fits import Laws
-from stickslip.identify.kinds.columns import terminal_table
 from stickslip.identify.kinds.features.features import COMPARED, FEATURES
 from stickslip.identify.kinds.features.fit import fit_features
 from stickslip.identify.kinds.features.result import FeatureFit
 from stickslip.identify.kinds.features.selection import feature_laws, select_features
 from stickslip.identify.kinds.features.verdict import COLUMNS, FeatureVerdict
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, terminal_table
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.show.formatting import percent, quantity, signed_percent
 from stickslip.show.report import Origin, SectionMaker

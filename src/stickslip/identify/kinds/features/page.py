@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.columns import page_table
 from stickslip.identify.kinds.features.features import COMPARED, StickSlipFeatures
 from stickslip.identify.kinds.features.figures import PULL_SIZES, Excerpt, Half, draw_pull
 from stickslip.identify.kinds.features.problem import SAMPLES, WATCHED
@@ -22,6 +21,7 @@ from stickslip.identify.kinds.features.verdict import (
     share_parts,
 )
 from stickslip.identify.kinds.features.wording import share_text
+from stickslip.identify.kinds.kind import page_table
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import (
     estimate,

@@ -11,9 +11,9 @@ from stickslip.data import Checks
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.columns import Column, Columns, data_row
 from stickslip.identify.kinds.features.features import COMPARED, FEATURES, StickSlipFeatures
 from stickslip.identify.kinds.features.result import FeatureFit
+from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.show.described import Described
 from stickslip.show.formatting import EstimateText, Scale, percent, signed_percent
 

@@ -10,8 +10,7 @@ from stickslip.friction import law_type
 from stickslip.identify import USUAL_LAWS
 from stickslip.identify.candidates import limits_of
 from stickslip.identify.fits import AnyLaw, Laws, quantities_read
-from stickslip.identify.kinds.columns import terminal_table
-from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request
+from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Law, Request, terminal_table
 from stickslip.identify.kinds.travels.fit import fit_travels
 from stickslip.identify.kinds.travels.result import T_END, TravelFit
 from stickslip.identify.kinds.travels.selection import select_travels

@@ -13,7 +13,7 @@ from stickslip.identify import (
     remarks_section,
 )
 from stickslip.identify.candidates import in_sentence
-from stickslip.identify.kinds.columns import page_table
+from stickslip.identify.kinds.kind import page_table
 from stickslip.identify.kinds.travels.verdict import TravelVerdict, columns_of, what_of
 from stickslip.show.formatting import capital, count, joined, percent, quantity
 from stickslip.show.plots import MAP_SIZES, inline_svg

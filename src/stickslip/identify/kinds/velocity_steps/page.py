@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identify.candidates import score_text
 from stickslip.identify.fits import Estimate
-from stickslip.identify.kinds.columns import page_table
+from stickslip.identify.kinds.kind import page_table
 from stickslip.identify.kinds.velocity_steps.result import SETTLED, RateStateFit
 from stickslip.identify.kinds.velocity_steps.verdict import (
     COEFFICIENT,

@@ -14,8 +14,8 @@ from typing_extensions import override
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import RateState
 from stickslip.quantities import Quantity
+from stickslip.show.display import Tabular
 from stickslip.show.formatting import number
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.friction import RateState
 from stickslip.identify.candidates import CrossValidated, CrossValidatedVerdict, plain, score_text
-from stickslip.identify.kinds.columns import Column, Columns, data_row
+from stickslip.identify.kinds.kind import Column, Columns, data_row
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
 from stickslip.show.described import Described
 from stickslip.show.formatting import EstimateText, Scale

@@ -15,8 +15,8 @@ from stickslip.identify.kinds.travels.settings import setting_text, unit_of, wor
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.show.described import Described
+from stickslip.show.display import Tabular
 from stickslip.show.formatting import count, joined, number, quantity
-from stickslip.show.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
