@@ -50,7 +50,7 @@ NEW = 20
 """New readings of each rig."""
 SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0, "travels": 3.0}
 """Processor time that a verdict of each kind may take [s]."""
-JUDGE = ("identify", "kinds", "identification", "evidence", "selection")
+JUDGE = ("identify",)
 """Packages of the judge."""
 FAULTS = {"drift"}
 """Terms that are faults."""

@@ -15,8 +15,8 @@ from stickslip.show.display import dataset_of
 from stickslip.study.control import closed_loop
 
 PLACES = (
-    "results", "adapters", "characterization", "control", "experiments", "identification",
-    "optimisation", "selection", "solver", "sweep",
+    "data", "engine", "engine.solver", "exports.adapters", "identify", "identify.candidates",
+    "identify.fits", "study.characterization", "study.control", "study.optimisation", "study.sweep",
 )  # fmt: skip
 
 

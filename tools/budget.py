@@ -25,7 +25,7 @@ THRESHOLDS = ("Thresholds",)
 
 
 def room_of(module: str, rooms: dict[str, list[str]]) -> str:
-    """Return the room of a module, such as ``identify/kinds/travels/fit.py``; empty if it has none."""
+    """Return the room of a module, such as ``identify/laws.py``; empty if it has none."""
     first = module.split("/", maxsplit=1)[0].removesuffix(".py")
     return next((room for room, folders in rooms.items() if first in folders), "")
 

@@ -17,7 +17,7 @@ from functools import cache
 
 from tools import structure
 
-KERNELS = f"{structure.PACKAGE}.kernels"
+KERNELS = f"{structure.PACKAGE}.engine.kernels"
 VECTORS = ("w", "whole")
 DRIVES = "drives"
 """Name for the first places, which hold value, slope and start of each drive."""

@@ -1,8 +1,8 @@
 """Which friction model fits a mechanism, with which parameters and how surely; and its simulation.
 
-Functions, laws, mechanisms and measurements are here; the rest is in the modules of its subject,
-such as `stickslip.mechanisms.drives.Sine`. All are loaded when first asked for. What type checkers and editors
-read is `__init__.pyi`, which `make stubs` writes from the tables below.
+Functions, laws, mechanisms and measurements are here; the rest is in the room of its subject, such
+as `stickslip.mechanisms.drives.Sine`. All are loaded when first asked for. What type checkers and
+editors read is `__init__.pyi`, which `make stubs` writes from the tables below.
 """
 
 from stickslip.friction import LAW_MODULES

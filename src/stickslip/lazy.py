@@ -1,6 +1,7 @@
 """Public names of a package that are loaded when they are first asked for."""
 
 import importlib
+import itertools
 import sys
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
@@ -55,12 +56,14 @@ def _elsewhere(package: str, name: str, namespaces: Collection[str]) -> str:
     if name.startswith("_") or (root / name).exists() or (root / f"{name}.py").exists():
         return ""
     for namespace in namespaces:
-        for file in (*(root / namespace).glob("__init__.py*"), root / f"{namespace}.py"):
+        doors = ((root / namespace).glob(door) for door in ("__init__.py*", "*/__init__.py*"))
+        for file in (*itertools.chain.from_iterable(doors), root / f"{namespace}.py"):
             names = (
                 file.read_text(encoding="utf-8").partition("__all__ = [")[2]
                 if file.exists()
                 else ""
             )
             if f'"{name}"' in names.partition("]")[0]:
-                return f"; it is {package}.{namespace}.{name}"
+                place = file.parent if file.stem == "__init__" else file.with_suffix("")
+                return f"; it is {'.'.join((package, *place.relative_to(root).parts, name))}"
     return ""

@@ -46,7 +46,7 @@ def test_a_public_module_needs_no_import_of_its_own():
 
 
 def test_a_name_of_a_public_module_is_found_by_its_name_alone():
-    with pytest.raises(AttributeError, match=r"'Sine'; it is stickslip\.drives\.Sine$"):
+    with pytest.raises(AttributeError, match=r"'Sine'; it is stickslip\.mechanisms\.drives\.Sine$"):
         _ = stickslip.Sine
     assert not hasattr(stickslip, "nothing_of_this_name")
 

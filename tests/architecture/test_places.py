@@ -291,9 +291,9 @@ def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
             "from stickslip.identify.kinds.travels.kind import TravelKind",
             "from stickslip.identify.kinds.toy.kind import SlideKind",
         ),
-        ("results/__init__.py", "HOMES = {", '    "SlideFit": "kinds.toy.fit",'),
+        ("identify/__init__.py", "HOMES = {", '    "SlideFit": "kinds.toy.fit",'),
     )
-    run(tree, "-c", KIND_USED + "from stickslip.results import SlideFit\n")
+    run(tree, "-c", KIND_USED + "from stickslip.identify import SlideFit\n")
     assert places == 4
 
 

@@ -257,12 +257,14 @@ FROM_A_FILE = {"examples.load_rig", "examples.write_report"}
 
 
 NAMESPACES = ["stickslip"]
-NAMESPACES += [f"stickslip.{name}" for name in ("control", "drives", "outputs", "results", "sweep")]
+NAMESPACES += [
+    f"stickslip.{name}"
+    for name in ("engine", "identify", "mechanisms.drives", "study.control", "study.sweep")
+]
 PUBLIC = {
     name: getattr(module, name)
     for module in map(importlib.import_module, NAMESPACES)
-    for name in module.__all__
-    if name != "__version__"
+    for name in getattr(module, "HOMES", module.__all__)
 }
 
 

@@ -1,4 +1,4 @@
-"""Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
+"""Data: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
 from stickslip.lazy import attach
 

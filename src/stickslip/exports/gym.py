@@ -1,6 +1,7 @@
-"""Importing this module tells Gymnasium the environments, as ``make("stickslip.exports.gym:...")`` does.
+"""Importing this module tells Gymnasium the environments.
 
-That is work at import, which no other module does: Gymnasium knows no other way to find them.
+``make("stickslip.exports.gym:...")`` imports it. That is work at import, which no other module
+does: Gymnasium knows no other way to find them.
 """
 
 from stickslip.exports.adapters import register_environments

@@ -2,8 +2,8 @@ r"""Laws of a record refined by simulation: each runs as an observer of the reco
 
 The force balance of a record is biased where its law is not linear in the motion, and its shapes
 stand on a grid. Here each law of a small set runs along the record: the force goes in, between
-samples the law moves the inertia (`stickslip.engine.kernels.observer`), and at each sample place and speed
-are corrected by fixed gains,
+samples the law moves the inertia (`stickslip.engine.kernels.observer`), and at each sample place
+and speed are corrected by fixed gains,
 
 .. math:: e_k = q_k - \hat x_k, \qquad \hat x_k \mathrel{+}= \alpha e_k, \qquad
           \hat v_k \mathrel{+}= \beta e_k / h ,

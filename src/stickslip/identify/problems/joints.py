@@ -1,9 +1,10 @@
 r"""Records of several joints: the balance of each is a record of one coordinate.
 
 1. **Balance of a joint.** Along the measured motion of all joints, the equations of the mechanism
-   (:class:`~stickslip.engine.formulation.JointTorques`) give the force :math:`T_i(q, \dot q, \ddot q)`
-   that joint :math:`i` takes without friction, which is affine in the parameters :math:`p` of links
-   that are looked for. With the inertia :math:`J_i` that it moves where all others rest,
+   (:class:`~stickslip.engine.formulation.JointTorques`) give the force
+   :math:`T_i(q, \dot q, \ddot q)` that joint :math:`i` takes without friction, which is affine in
+   the parameters :math:`p` of links that are looked for. With the inertia :math:`J_i` that it moves
+   where all others rest,
 
    .. math:: F_i - (T_i - J_i \ddot q_i) - J_i \ddot q_i
              = \sum_k (p_k - p_{k0})\, \partial T_i / \partial p_k + \text{friction}_i ,

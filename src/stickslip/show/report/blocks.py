@@ -1,7 +1,7 @@
 """Blocks, sections and pages of a report, and the page as one self-contained HTML file.
 
-Every text may use the small markup of `stickslip.show.report.markup.inline`. A block knows what it says
-and which template shows it; it computes nothing.
+Every text may use the small markup of `stickslip.show.report.markup.inline`. A block knows what it
+says and which template shows it; it computes nothing.
 """
 
 import platform

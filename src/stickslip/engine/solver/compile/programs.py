@@ -161,8 +161,8 @@ def code_of(model: Model) -> EquationsCode:
 
 # Machine code of the kernels, which all mechanisms and laws share: one file on a machine.
 #
-# Functions are translated from the modules of `stickslip.engine.kernels` as they stand, those that the
-# entries reach; their annotations say what everything is.
+# Functions are translated from the modules of `stickslip.engine.kernels` as they stand, those that
+# the entries reach; their annotations say what everything is.
 
 KINDS: dict[Any, str] = {Vector: VECTOR, Wholes: WHOLES, float: REAL, int: WHOLE, bool: TRUTH}
 """Kinds of values by their annotations."""

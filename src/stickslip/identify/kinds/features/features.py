@@ -41,7 +41,7 @@ AGREE = 0.25
 """Logarithm by which the top of a spectrum and the rate of regular slips may differ: irregular
 slips with a coefficient of variation of 0.2 reach 0.1."""
 Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
-COMPARED = ("frequency", "mean", "standard_deviation")
+COMPARED: tuple[str, ...] = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
 FEATURES = "features"
 """What `fit` and `select` call the way that compares features."""
