@@ -3,18 +3,23 @@
 ``python docs/make_figures.py`` makes all of them, ``python docs/make_figures.py cart`` one.
 """
 
+import ast
 import math
 import re
 import sys
 import textwrap
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
+import grimp
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyBboxPatch
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
+from matplotlib.path import Path as MplPath
 
+import stickslip
 from stickslip import (
     Axis,
     Capsule,
@@ -319,7 +324,109 @@ def chart(
     card(name, draw, (840, height - 5), title)
 
 
-DRAWN = (choices, judge, reversal, separation, chatter, hunting, axis_record, report, cart)
+PACKAGE = Path(stickslip.__file__).parent
+FIGURES = ("show.plots", "show.report")
+"""Of `show`, what stands above the rooms that it shows."""
+ROW, LEFT, RIGHT, ARC = 50, 70, 760, 30
+"""Height of the row of a room, ends of its box, and width of an arc to the next row [CSS px]."""
+
+
+def imports_between_rooms() -> set[tuple[str, str]]:
+    """Return which room imports from which other; figures and pages count as one of them."""
+    graph = grimp.build_graph("stickslip", cache_dir=None)
+    ends = {
+        (room_of(module), room_of(other))
+        for module in graph.modules
+        for other in graph.find_modules_directly_imported_by(module)
+    }
+    return {(a, b) for a, b in ends if a and b and a != b}
+
+
+def room_of(module: str) -> str:
+    """Return the room of a module; empty for those beside the rooms."""
+    room = module.partition(".")[2]
+    if f"{room}.".startswith(tuple(f"{one}." for one in FIGURES)):
+        return "figures"
+    first = room.partition(".")[0]
+    return first if (PACKAGE / first / "__init__.py").exists() and first else ""
+
+
+def in_order(imports: Collection[tuple[str, str]]) -> list[str]:
+    """Return the rooms from the top down: that of the contract, with `show` in its two places."""
+    contracts = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = contracts["tool"]["importlinter"]["contracts"][0]["layers"]
+    rooms = {room for ends in imports for room in ends}
+    order = [one for one in (layer.strip("()") for layer in layers) if one in rooms]
+    return [*order[: order.index("data")], "figures", *order[order.index("data") :], "show"]
+
+
+def contents(room: str) -> str:
+    """Return what a room says of itself at its door."""
+    if room == "figures":
+        return "Figures and pages."
+    if room == "show":
+        return "Numbers, tables and documents."
+    text = ast.parse((PACKAGE / room / "__init__.py").read_text(encoding="utf-8"))
+    return (ast.get_docstring(text) or "").partition("\n")[0]
+
+
+def house() -> None:
+    """The rooms and what they import: left out is what follows from other arrows."""
+    imports = imports_between_rooms()
+    order = in_order(imports)
+    place = {room: k for k, room in enumerate(order)}
+    down = {(a, b) for a, b in imports if place[a] < place[b]}
+    below: dict[str, set[str]] = {}
+    for room in reversed(order):
+        next_ones = {b for a, b in down if a == room}
+        below[room] = next_ones.union(*(below[one] for one in next_ones))
+    arrows = [
+        (a, b)
+        for a, b in sorted(down)
+        if not any(b in below[one] for c, one in down if c == a and one != b)
+    ]
+    upward = sorted(imports - down)
+    height = ROW * len(order)
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set(xlim=(0, 840), ylim=(height, 0))
+        axes.axis("off")
+        for room, k in place.items():
+            y, name = ROW * (k + 0.5), "show" if room == "figures" else room
+            axes.add_patch(
+                FancyBboxPatch(
+                    (LEFT, y - 0.36 * ROW), RIGHT - LEFT, 0.72 * ROW, boxstyle="square,pad=0",
+                    fc="none", ec=DATA,
+                )
+            )  # fmt: skip
+            axes.text(LEFT + 10, y - 8, name, va="center", fontsize=11, weight="bold", color=INK)
+            text = textwrap.shorten(contents(room), 92, placeholder=" ...")
+            axes.text(LEFT + 10, y + 9, text, va="center", fontsize=9, color=INK)
+        for side, ends, style, colour in ((RIGHT, arrows, "-", DATA), (LEFT, upward, ":", C1)):
+            for a, b in ends:
+                span = abs(place[a] - place[b])
+                shift = 7 if place[a] < place[b] else -7
+                start = side, ROW * (place[a] + 0.5) + shift
+                end = side, ROW * (place[b] + 0.5) - shift
+                bulge = (1 if side == RIGHT else -1) * ARC * span**0.75
+                path = MplPath([start, (side + bulge, start[1]), (side + bulge, end[1]), end],
+                               [1, 4, 4, 4])  # fmt: skip
+                axes.add_patch(
+                    FancyArrowPatch(path=path, arrowstyle="->", mutation_scale=9, ls=style,
+                                    color=colour, fc="none")
+                )  # fmt: skip
+
+    card(
+        "house.svg",
+        draw,
+        (840, height),
+        "Ten rooms from the command line down to mechanisms; arrows between them lead down, dotted"
+        " ones, which are exceptions, up",
+    )
+
+
+DRAWN = (house, choices, judge, reversal, separation, chatter, hunting, axis_record, report, cart)
 """In the order in which they are made."""
 
 if __name__ == "__main__":

@@ -1,16 +1,19 @@
 """Print the numbers by which the structure of the package is judged: python -m tools.structure.
 
 Everything is counted from the sources with `ast`, but for what one command and one function run,
-which is watched in processes of their own, and the tests, which pytest collects.
+and how long an import and a run take, which is watched in processes of their own, and the tests,
+which pytest collects.
 """
 
 import ast
 import importlib
+import io
 import json
 import os
 import subprocess
 import sys
 import tempfile
+import tokenize
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +23,8 @@ from tools import stubs
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src"
 PACKAGE = "stickslip"
-UPPER = ("cli", "identification", "selection", "report", "plots")
+JUDGE = f"{PACKAGE}.identify"
+UPPER = ("cli", "identify.fits", "identify.candidates", "show.report", "show.plots")
 """Rooms that only a route should tell apart."""
 ROUTE_BASES = {"Fit", "Verdict", "Problem"}
 """Classes of which each route has its own subclasses."""
@@ -95,6 +99,28 @@ table = Measurement(velocity=v, friction=2.0 + 3.0 * v + noise)
 }
 """A selection of two laws on a friction table of ten rows."""
 
+TIMES = 7
+"""Of so many the least is printed: on a loaded machine all others say how loaded it is."""
+IMPORTED = """
+from time import perf_counter
+start = perf_counter()
+import stickslip
+print(perf_counter() - start)
+"""
+SIMULATED = f"""
+from time import perf_counter
+from stickslip import load_rig, simulate
+rig = load_rig()
+law = rig.laws["coulomb"]
+spent = []
+for _ in range({TIMES} + 1):
+    start = perf_counter()
+    simulate(rig.mechanism, law, t_end=1.0)
+    spent.append(perf_counter() - start)
+print(min(spent[1:]))
+"""
+"""A run of the bundled rig, which has run before."""
+
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -135,7 +161,7 @@ def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str,
     for name, tree in trees.items():
         for other in imports(tree, known, doors):
             found[other].add(name)
-    for package in ("stickslip", "stickslip.outputs", "stickslip.show.plots", "stickslip.results"):
+    for package in (PACKAGE, f"{PACKAGE}.engine", JUDGE, f"{PACKAGE}.show.plots"):
         for home in doors[package].values():  # what users import
             found[home].add(package)
     return found
@@ -158,6 +184,59 @@ def lines_of_code(text: str, tree: ast.Module) -> int:
     said = lines_of_texts(tree)
     lines = enumerate(map(str.strip, text.splitlines()), 1)
     return sum(bool(line) and not line.startswith("#") and at not in said for at, line in lines)
+
+
+def lines_of_imports(tree: ast.Module) -> int:
+    """Return how many lines import something."""
+    return sum(
+        (node.end_lineno or node.lineno) - node.lineno + 1
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    )
+
+
+def comments(text: str) -> int:
+    """Return how many comments there are, but for those that speak to tools."""
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    spoken = ("# noqa", "# type:", "# fmt:")
+    return sum(one.type == tokenize.COMMENT and not one.string.startswith(spoken) for one in tokens)
+
+
+def at_the_top() -> int:
+    """Return how many folders and modules of Python stand at the top of the package."""
+    top = SOURCE / PACKAGE
+    return sum((path / "__init__.py").exists() for path in top.iterdir()) + sum(
+        path.name != "__init__.py" for path in top.glob("*.py")
+    )
+
+
+def seconds(program: str) -> float:
+    """Return the number that a process prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(SOURCE), "PYTHONDONTWRITEBYTECODE": ""},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return float(done.stdout)
+
+
+def house(texts: dict[str, str], trees: dict[str, ast.Module]) -> Iterator[tuple[str, object]]:
+    """Yield the numbers that say how large the house is, and how fast."""
+    code = {name: lines_of_code(texts[name], tree) for name, tree in trees.items()}
+    outside = [name for name in texts if not f"{name}.".startswith(f"{JUDGE}.")]
+    lines = sum(code[name] for name in outside)
+    yield "code lines outside the judge", lines
+    yield "modules in all (files)", len(texts)
+    yield "folders and modules at the top", at_the_top()
+    share = sum(map(lines_of_imports, trees.values())) / sum(code.values())
+    yield "lines of imports, % of code", round(100.0 * share, 1)
+    spoken = sum(comments(texts[name]) for name in outside)
+    yield "comments per 100 code lines outside the judge", round(100.0 * spoken / lines, 1)
+    yield "simulate, of the bundled rig once more [ms]", round(1e3 * seconds(SIMULATED), 2)
+    spent = min(seconds(IMPORTED) for _ in range(TIMES))
+    yield "import stickslip [ms]", round(1e3 * spent, 1)
 
 
 def arguments(function: Function, *, is_method: bool) -> list[str]:
@@ -260,6 +339,7 @@ def table() -> Iterator[tuple[str, object]]:
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
     trees = {name: ast.parse(text) for name, text in texts.items()}
     modules = {name for name, path in known.items() if path.name != "__init__.py"}
+    yield from house(texts, trees)
     yield "lines in src", sum(text.count("\n") for text in texts.values())
     yield "lines of code", sum(lines_of_code(texts[name], tree) for name, tree in trees.items())
     texts_of = [len(lines_of_texts(tree)) for tree in trees.values()]
