@@ -159,7 +159,12 @@ MOTION = Measurement(time=T, position=WAVE, force=WAVE)
         (select, TABLE, {"fixed": {"offset": 0.0}}, r"fixed applies to `fit`.*, got offset"),
         (select, MOTION, {"route": "shooting"}, "route 'shooting' applies to `fit` of records"),
         (fit, MOTION, {"route": "balance"}, "route 'balance' applies to `select` of records"),
-        (select, MOTION, {"settings": RecordSettings(starts=2)}, "settings applies to `fit`"),
+        (
+            select,
+            MOTION,
+            {"settings": RecordSettings(starts=2)},
+            "settings with starts applies to `fit`",
+        ),
     ],
 )
 def test_of_tables_and_records_each_verb_refuses_what_the_other_uses(

@@ -80,4 +80,4 @@ def test_a_rig_that_is_thrown_or_shot_backwards_has_a_report(tmp_path, v, compre
     page, verdict = report(load_rig(path))
     assert page.startswith("<!doctype html>")
     assert verdict.best is not None
-    assert {"verdict", "band", "models"} <= {*ids(page)}
+    assert {"verdict", "models"} <= {*ids(page)}

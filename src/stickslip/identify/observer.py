@@ -506,7 +506,8 @@ class Observer:
         ]  # fmt: skip
         order = np.argsort(-comparison.shares)[: THRESHOLDS.beam]
         kin += [comparison.structures[i] for i in order]
-        kin += [comparison.curve]
+        # where the curve has a term that no observer has, it goes without: the band needs a curve
+        kin += [tuple(one for one in comparison.curve if one[0] not in UNSEEN)]
         allowed = (one for one in dict.fromkeys(kin) if not UNSEEN & {name for name, _ in one})
         found = [self._plain(one) for one in allowed if one and problem.allowed(one)]
         self.ensemble.regression.add(column for one in found for column in one)

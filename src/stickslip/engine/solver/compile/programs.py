@@ -3,11 +3,11 @@
 Equations are text already, a function for each thing that kernels ask. They are translated together
 and called through one function, by number and address, so that kernels know no model.
 
-Kernels are translated from the modules of `stickslip.engine.kernels` as they stand: from the entries
-all functions are followed that one of them names, and their annotations say what everything is.
-They are one file, compiled once on a machine. The name of a file is a hash of all that decides what is
-in it: program, numbers of functions, sources of the translation, version of llvmlite, and the
-processor; so no file is ever wrong, and an old one is never found.
+Kernels are translated from the modules of `stickslip.engine.kernels` as they stand: from the
+entries all functions are followed that one of them names, and their annotations say what everything
+is. They are one file, compiled once on a machine. The name of a file is a hash of all that decides
+what is in it: program, numbers of functions, sources of the translation, version of llvmlite, and
+the processor; so no file is ever wrong, and an old one is never found.
 
 From Python a kernel is a C function. Arrays are checked, as a wrong one would be written over: each
 becomes the address of its numbers, and their count.
