@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.special import fdtri
 
 from stickslip.data import Checks, Measurement, speeds_in_order
 from stickslip.identify.advice import Proposal, propose
@@ -19,7 +18,12 @@ from stickslip.identify.judge import Judgement
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.problems.record_signals import Record, records_of
-from stickslip.identify.problems.records import RecordsProblem, unseen_length, with_hold
+from stickslip.identify.problems.records import (
+    RecordsProblem,
+    chance_of_records,
+    unseen_length,
+    with_hold,
+)
 from stickslip.identify.problems.tables import TableProblem
 from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -109,10 +113,7 @@ def _remarks(
 ) -> tuple[str, ...]:
     """Return what the number of records, a free motion and a balance leave to say."""
     if len(problem.records) > 1:
-        chance = 1.0 - THRESHOLDS.pattern_chance
-        stretches = int(problem.stretches.max()) + 1
-        usual = fdtri(len(problem.records) - 1, stretches - 1, chance)
-        found = (DIFFER,) if problem.between > usual else ()
+        found = (DIFFER,) if chance_of_records(problem) <= THRESHOLDS.differ_chance else ()
     else:
         found = (OTHERS,) if validate is None else ()
     if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:

@@ -86,10 +86,10 @@ def free_form(records: Sequence[Record]) -> str:
     """
     if any(np.ptp(one.force) > 0.0 or one.friction or one.driven for one in records):
         return ""
-    back = []
-    for one in records:
-        q = one.position * np.sign(one.position[-1] - one.position[0])
-        back.append(float(np.max(np.maximum.accumulate(q) - q)) / (np.ptp(q) + 1e-300))
+    ways = [(one.position, float(np.ptp(one.position)) + 1e-300) for one in records]
+    back = [
+        min(float(np.max(np.maximum.accumulate(q) - q)) for q in (x, -x)) / size for x, size in ways
+    ]
     return "momentum" if max(back) < TURNED else "work"
 
 

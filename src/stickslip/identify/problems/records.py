@@ -124,11 +124,13 @@ UNLIKE = (
     "stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion", "gear_direction",
 )  # fmt: skip
 """Terms that no law of `stickslip.friction` has."""
-DELAYS = ("delay", "latency")
+DEALS = 199
+"""Times that stretches are dealt to records at random."""
 HOLD = "hold"
 """Term of when forces act that may hold between samples, or go straight."""
 HOLD_DOUBT = 0.5
 """Its standard deviation, over half a sample: a force that goes straight is two from one held."""
+DELAYS = ("delay", "latency")
 """Those whose size is the product of both."""
 SHAPED = ("clip", "dead_zone", "backlash", "flexible")
 """Those whose shape is their size."""
@@ -672,17 +674,24 @@ def with_hold(
 
     Where nothing is said, they go straight where the measured curve leaves less of them half a
     sample earlier, by two standard errors over stretches, and hold elsewhere. When they act stays
-    doubtful, less so the nearer the difference is to what is material.
+    doubtful, less so the nearer what the choice gains, less two standard errors, is to what is
+    material.
     """
     problem = make([replace(one, held=one.held and hold != "first") for one in records])
     if hold is not None or problem.free or not any(one.held for one in problem.records):
         return problem
     held, straight = _left_by_hold(problem).T
-    more = held - straight
-    earlier = np.mean(more) > THRESHOLDS.no_law_gain * np.std(more) / math.sqrt(len(more))
-    material = THRESHOLDS.material * max(float(np.mean(held)), float(np.mean(straight)))
-    doubt = HOLD_DOUBT * max(1.0 - abs(float(np.mean(more))) / (material + 1e-300), 0.0)
-    return make([replace(one, held=one.held and not earlier, hold_doubt=doubt) for one in records])
+    more, material = held - straight, THRESHOLDS.material * max(np.mean(held), np.mean(straight))
+    errors = THRESHOLDS.hold_errors * float(np.std(more)) / math.sqrt(len(more))
+    interpolated = float(np.mean(more)) > errors
+    # by how much the choice is better at least
+    gain = abs(float(np.mean(more))) - errors if interpolated or np.mean(more) < 0.0 else 0.0
+    doubt = HOLD_DOUBT * min(max(1.0 - gain / (float(material) + 1e-300), 0.0), 1.0)
+    if not interpolated and not doubt:
+        return problem
+    return make(
+        [replace(one, held=one.held and not interpolated, hold_doubt=doubt) for one in records]
+    )
 
 
 def _left_by_hold(problem: RecordsProblem) -> Array:
@@ -700,25 +709,46 @@ def _left_by_hold(problem: RecordsProblem) -> Array:
     return np.array([[np.abs(e[k]).mean() for e in (held, straight)] for k in stretches])
 
 
+def _of_stretches(problem: RecordsProblem) -> tuple[Array, NDArray[np.intp]]:
+    """Return products of what stretches do to the fit (k, k), and the record of each (k,)."""
+    x, left = by_curve(problem)
+    inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
+    e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
+    parts = problem.stretches * len(problem.records) + problem.rows.record
+    parts, of = np.unique(parts, return_inverse=True)
+    scores = np.zeros((len(parts), x.shape[1]))
+    np.add.at(scores, of, x * e[:, None])
+    moved = x @ inverse @ scores.T
+    return moved.T @ moved, parts % len(problem.records)
+
+
+def _by_records(products: Array, records: NDArray[np.intp]) -> float:
+    """Return the size of what records do to the fit, by the products of their stretches."""
+    same = records[:, None] == records
+    return float(np.sum(products[same]))
+
+
 def _between(problem: RecordsProblem) -> float:
     """Return the variance of the fit by what records differ, over that by what stretches do.
 
     Each is the variance of sums of the scores of the measured curve; a fit to records that share a
     law leaves both the same. Without a second record it is 1.
     """
-    if len(problem.records) < 2:
+    count = len(problem.records)
+    if count < 2:
         return 1.0
-    x, left = by_curve(problem)
-    inverse = np.linalg.pinv(x.T @ x + 1e-6 * len(x) * np.eye(x.shape[1]), hermitian=True)
-    e = np.clip(left, *np.quantile(left, (0.01, 0.99)))
+    products, records = _of_stretches(problem)
+    k = len(records)
+    by_stretch = float(np.trace(products)) * k / (k - 1)
+    return _by_records(products, records) * count / (count - 1) / (by_stretch + 1e-300)
 
-    def variance(groups: NDArray[np.intp]) -> float:
-        scores = np.zeros((int(groups.max()) + 1, x.shape[1]))
-        np.add.at(scores, groups, x * e[:, None])
-        own = len(np.unique(groups))
-        return float(np.sum((x @ inverse @ scores.T) ** 2)) * own / max(own - 1, 1)
 
-    return variance(problem.rows.record) / (variance(problem.stretches) + 1e-300)
+def chance_of_records(problem: RecordsProblem) -> float:
+    """Return how often stretches dealt to records at random differ as those of the records do."""
+    products, records = _of_stretches(problem)
+    rng, measured = np.random.default_rng(7), _by_records(products, records)
+    dealt = (_by_records(products, rng.permutation(records)) for _ in range(DEALS))
+    return (1.0 + sum(one >= measured for one in dealt)) / (1.0 + DEALS)
 
 
 def _spread(problem: RecordsProblem) -> float:
