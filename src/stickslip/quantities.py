@@ -724,8 +724,8 @@ MOST_KEPT = 256
 """Objects, or pairs of them, of which something is kept."""
 _FIXED: dict[int, weakref.ref[Any]] = {}
 """Objects of which nothing can be changed in place, by their places in memory."""
-_LOCK = threading.Lock()
-"""Held while what is kept changes."""
+_LOCK = threading.RLock()
+"""Held while what is kept changes, which may end objects that ask for what is kept."""
 
 
 def _is_fixed(root: object) -> bool:
@@ -755,8 +755,8 @@ def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], 
     """Let a function of two objects with parameters work out its value once for the same objects.
 
     Such objects are frozen, so that what follows from them never changes. The same are the same in
-    memory, which takes less time to see than that two are equal. They are not kept alive. What is
-    of another kind, or holds something that can be changed in place, is looked at each time.
+    memory, which takes less time to see than that two are equal. They are not kept alive, unless
+    the value holds them; it is not None. What is of another kind, or holds something that can be changed in place, is looked at each time.
 
     Examples
     --------
@@ -768,20 +768,23 @@ def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], 
     (0.2, 0.2, 1)
     """
     # Weak references tell an object from one that is gone and had the same place in memory.
-    kept: dict[tuple[int, int], tuple[weakref.ref[Any], weakref.ref[Any], R]] = {}
+    kept: dict[tuple[int, int], tuple[weakref.ref[Any], weakref.ref[Any], R | None]] = {}
 
     @functools.wraps(function)
-    def again(first: Any, second: Any) -> R:
+    def cached(first: Any, second: Any) -> R:
         key = id(first), id(second)
         known = kept.get(key)
         if known is not None and known[0]() is first and known[1]() is second:
-            return known[2]
+            value: R = second if known[2] is None else known[2]
+            return value
         value = function(first, second)
         if _is_fixed(first) and _is_fixed(second):
-            _keep(kept, key, (weakref.ref(first), weakref.ref(second), value))
+            # the second object itself, such as a law that was checked, is not kept alive
+            own = None if value is second else value
+            _keep(kept, key, (weakref.ref(first), weakref.ref(second), own))
         return value
 
-    return again
+    return cached
 
 
 def _structure_of(value: Any) -> Any:
