@@ -45,10 +45,16 @@ CHECKED = (0.25, 0.5, 0.75, 1.0)
 """Fractions of a step at which its series is checked against the equations."""
 STANDING = 1e-12
 """Share of the largest margin of a switch so far below which it stands on its threshold."""
+GROWTH = 4.0
+"""Length of a step over the one before, at most: of what had to be halved most will be again."""
 COMMON = (hy.taylor_outcome.success, hy.taylor_outcome.time_limit)
 """Outcomes of a step that ends with no event."""
-SHORTEST = 1e-12
-"""Length [s] of a step that is not halved: whatever its defect, its error is as small."""
+SHORTEST = 1e-9
+"""Length [s] of a step that is not halved.
+
+It is a share of 1e-9 of what moves a state by its size, and a bend bends the rates within it as
+little; from rest a broken power of the speed has a large defect over a speed that is nothing yet.
+"""
 
 COMPILED: dict[tuple[Any, ...], tuple[Any, Any]] = {}
 """Integrators and functions by their equations (whose text heyoka cuts after 1000 characters)."""
@@ -143,34 +149,36 @@ class Oracle:
 
     def _follow(self, times: list[float], end: float) -> None:
         """Go from event to event up to `end`."""
-        ta, after_event = self.integrator, True
+        ta, longest = self.integrator, FIRST
         while ta.time < end:
-            guard = self._step(min(end, ta.time + FIRST) if after_event else end, times)
-            after_event = guard is not None
+            guard, length = self._step(longest, end, times)
+            longest = GROWTH * length
             if guard is not None:
                 assert len(self.path.events) < EVENT_LIMIT
                 self._happen(guard)
+                longest = FIRST
 
-    def _step(self, end: float, times: list[float]) -> int | None:
-        """Take one step that the equations confirm; return the guard that ended it, if any.
+    def _step(self, longest: float, end: float, times: list[float]) -> tuple[int | None, float]:
+        """Take one step that the equations confirm; return the guard that ended it, and its length.
 
         Times that it passed are looked at, and taken out of those still to come.
         """
         ta = self.integrator
-        begin, start, longest = ta.time, ta.state.copy(), end - ta.time
+        begin, start = ta.time, ta.state.copy()
         self.sizes = np.maximum(self.sizes, np.abs(start))
         while True:
             ta.reset_cooldowns()
-            outcome, length = ta.step(longest, write_tc=True)
+            last = longest >= end - begin
+            outcome, length = ta.step(min(longest, end - begin), write_tc=True)
             assert outcome in COMMON or -int(outcome) - 1 in range(len(ta.t_events)), outcome
             if length <= SHORTEST or self._defect(begin, length) <= CONFIRMED:
                 break
             ta.time, ta.state[:], longest = begin, start, 0.5 * length
-        if outcome == hy.taylor_outcome.time_limit and longest == end - begin:
+        if outcome == hy.taylor_outcome.time_limit and last:
             ta.time = end  # whatever the sum of both rounds to
         while times and times[0] <= ta.time:
             self._note(ta.update_d_output(times[0]), times.pop(0))
-        return None if outcome in COMMON else -int(outcome) - 1
+        return None if outcome in COMMON else -int(outcome) - 1, length
 
     def _defect(self, begin: float, length: float) -> float:
         """Return the largest error of the last step, over the sizes of the states, by its defect.
@@ -268,7 +276,10 @@ class Oracle:
         self._enter(self._heading() if self.bristles else int(np.sign(needed)))
 
     def _heading(self) -> int:
-        """Return the direction in which a body that nothing holds starts from rest."""
+        """Return the direction in which a body that nothing holds starts from rest.
+
+        That is where it goes within the first step: forces that balance leave their rounding.
+        """
         ta = self.integrator
         self._enter(1)
         t, state = ta.time, ta.state.copy()
@@ -276,7 +287,7 @@ class Oracle:
         ta.step(FIRST, write_tc=True)
         series = ta.tc[self.model.slip]
         ta.time, ta.state[:] = t, state
-        return -1 if series[np.flatnonzero(series)[:1]].sum() < 0 else 1
+        return -1 if series @ FIRST ** np.arange(len(series)) < 0.0 else 1
 
     def _happen(self, guard: int) -> None:
         """Make the transition that a guard asks for, and note it down."""

@@ -252,6 +252,21 @@ def direction(flags: int, w: Vector, whole: Wholes) -> int:
     return -1 if w[values + slip] < 0.0 else 1
 
 
+def direction_of_break(guard: int, flags: int, w: Vector, whole: Wholes) -> int:
+    """Return the direction in which a held body leaves rest as its level is reached.
+
+    Bristles that have yielded to that level leave nothing but rounding of the balance: the body
+    goes where it was pulled.
+    """
+    y, values, t = whole[Y], whole[VALUES], w[TIME]
+    evaluate(CONTACT, 0, flags, t, w, y, values)
+    needed, level = w[values + 2], w[values + 3]
+    evaluate(CONTACT, 1, flags, t, w, y, values)
+    if abs(needed - w[values]) <= UNMOVED * level:
+        return 1 if guard == BREAK_FORWARD else -1
+    return direction(flags, w, whole)
+
+
 def initial_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state."""
     whole[FLAGS] = 0
@@ -321,7 +336,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
     elif abs(mode) == 2:
         whole[MODE] = -mode // 2
     elif whole[HAS_BRISTLES]:
-        whole[MODE] = direction(flags, w, whole)
+        whole[MODE] = direction_of_break(guard, flags, w, whole)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
     whole[FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
