@@ -18,7 +18,7 @@ import typing
 import weakref
 from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from typing_extensions import override
 
@@ -754,9 +754,10 @@ def _keep(kept: dict[Any, Any], key: object, value: object) -> None:
 def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], R]:
     """Let a function of two objects with parameters work out its value once for the same objects.
 
-    Such objects are frozen, so that what follows from them never changes. The same are the same in
-    memory, which takes less time to see than that two are equal. They are not kept alive, unless
-    the value holds them; it is not None. What is of another kind, or holds something that can be changed in place, is looked at each time.
+    Such objects are frozen, so that what follows from them never changes. The same are the same
+    in memory, which takes less time to see than that two are equal. They are not kept alive,
+    unless the value holds them; it is not None. What is of another kind, or holds something
+    that can be changed in place, is looked at each time.
 
     Examples
     --------
@@ -775,8 +776,7 @@ def kept_by_identity(function: Callable[[Any, Any], R]) -> Callable[[Any, Any], 
         key = id(first), id(second)
         known = kept.get(key)
         if known is not None and known[0]() is first and known[1]() is second:
-            value: R = second if known[2] is None else known[2]
-            return value
+            return cast("R", second if known[2] is None else known[2])
         value = function(first, second)
         if _is_fixed(first) and _is_fixed(second):
             # the second object itself, such as a law that was checked, is not kept alive

@@ -39,8 +39,25 @@ Of a guard that begins at zero heyoka can overlook the other roots in the same s
 EVENT_LIMIT = 1000
 """Events after which a run is given up."""
 
-COMPILED: dict[str, tuple[Any, Any]] = {}
-"""Integrators and functions by the text of their equations."""
+CONFIRMED = 1e-13
+"""Largest error of a step by its defect, over the sizes of the states."""
+CHECKED = (0.25, 0.5, 0.75, 1.0)
+"""Fractions of a step at which its series is checked against the equations."""
+STANDING = 1e-12
+"""Share of the largest margin of a switch so far below which it stands on its threshold."""
+GROWTH = 4.0
+"""Length of a step over the one before, at most: of what had to be halved most will be again."""
+COMMON = (hy.taylor_outcome.success, hy.taylor_outcome.time_limit)
+"""Outcomes of a step that ends with no event."""
+SHORTEST = 1e-9
+"""Length [s] of a step that is not halved.
+
+It is a share of 1e-9 of what moves a state by its size, and a bend bends the rates within it as
+little; from rest a broken power of the speed has a large defect over a speed that is nothing yet.
+"""
+
+COMPILED: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+"""Integrators and functions by their equations (whose text heyoka cuts after 1000 characters)."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +83,7 @@ class Path:
 def _machines(model: Equations) -> tuple[Any, Any]:
     """Return the integrator, and the function that looks at a state.
 
-    The function gives friction, normal force, both break-away levels, acceleration and margins.
+    The function gives friction, normal force, both break-away levels, acceleration, margins, rates.
     """
     stuck, direction = (hy.par[model.numbers[name]] for name in ("stuck", "direction"))
     velocity, acceleration = model.rates[model.slip]
@@ -78,8 +95,9 @@ def _machines(model: Equations) -> tuple[Any, Any]:
         *[hy.par[model.numbers[switch.side]] * switch.margin for switch in model.switches],
     ]
     margins = [switch.margin for switch in model.switches]
-    outputs = [model.friction, model.normal, ahead, back, acceleration, *margins]
-    key = str([model.rates, guards, outputs])
+    rates = [rate for _, rate in model.rates]
+    outputs = [model.friction, model.normal, ahead, back, acceleration, *margins, *rates]
+    key = tuple(model.rates), tuple(guards), tuple(outputs)
     if key not in COMPILED:
         falling = hy.event_direction.negative
         integrator = hy.taylor_adaptive(
@@ -106,13 +124,17 @@ class Oracle:
         for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
             self.numbers |= {path: value for path, _, value in parameters(root, prefix)}
         self.mode = 0
+        self.sizes = np.zeros(len(self.model.rates))
+        self.reached = np.zeros(len(self.model.switches))
         self.path = Path()
 
     def run(self, y0: Sequence[float], times: Iterable[float], t_end: float) -> Path:
         """Run from time 0 to `t_end`, and look at times in between."""
         ta = self.integrator
         ta.time, ta.state[:] = 0.0, y0
-        self.path = Path()
+        self.path, self.sizes = Path(), np.abs(ta.state)
+        self.reached = np.zeros(len(self.model.switches))
+        self.numbers |= {switch.side: 0.0 for switch in self.model.switches}
         self._enter(int(np.sign(ta.state[self.model.slip])))
         starts = {piece.start for drive in self.drives.values() for piece in drive.pieces()}
         edges = sorted({0.0, t_end} | {start for start in starts if 0.0 < start < t_end})
@@ -127,28 +149,56 @@ class Oracle:
 
     def _follow(self, times: list[float], end: float) -> None:
         """Go from event to event up to `end`."""
+        ta, longest = self.integrator, FIRST
+        while ta.time < end:
+            guard, length = self._step(longest, end, times)
+            longest = GROWTH * length
+            if guard is not None:
+                assert len(self.path.events) < EVENT_LIMIT
+                self._happen(guard)
+                longest = FIRST
+
+    def _step(self, longest: float, end: float, times: list[float]) -> tuple[int | None, float]:
+        """Take one step that the equations confirm; return the guard that ended it, and its length.
+
+        Times that it passed are looked at, and taken out of those still to come.
+        """
         ta = self.integrator
+        begin, start = ta.time, ta.state.copy()
+        self.sizes = np.maximum(self.sizes, np.abs(start))
         while True:
             ta.reset_cooldowns()
-            times = [t for t in times if t > ta.time]
-            first = min(ta.time + FIRST, *times[:1], end)
-            outcome, *_ = ta.propagate_until(first)
-            if outcome == hy.taylor_outcome.time_limit:
-                grid = sorted({first, *times, end})
-                outcome, *_, states = ta.propagate_grid(grid)
-                self._note(grid, states, set(times))
-            if outcome == hy.taylor_outcome.time_limit:
-                return
-            assert int(outcome) < 0, outcome
-            assert len(self.path.events) < EVENT_LIMIT
-            self._happen(-int(outcome) - 1)
+            last = longest >= end - begin
+            outcome, length = ta.step(min(longest, end - begin), write_tc=True)
+            assert outcome in COMMON or -int(outcome) - 1 in range(len(ta.t_events)), outcome
+            if length <= SHORTEST or self._defect(begin, length) <= CONFIRMED:
+                break
+            ta.time, ta.state[:], longest = begin, start, 0.5 * length
+        if outcome == hy.taylor_outcome.time_limit and last:
+            ta.time = end  # whatever the sum of both rounds to
+        while times and times[0] <= ta.time:
+            self._note(ta.update_d_output(times[0]), times.pop(0))
+        return None if outcome in COMMON else -int(outcome) - 1, length
 
-    def _note(self, grid: list[float], states: Any, wanted: set[float]) -> None:
-        """Note states down; there are fewer than times where an event came between."""
-        for t, state in zip(grid, states, strict=False):
-            if t in wanted:
-                friction, normal, *_ = self._look(state, t)
-                self.path.rows.append(np.array([*state, friction, normal, self.mode]))
+    def _defect(self, begin: float, length: float) -> float:
+        """Return the largest error of the last step, over the sizes of the states, by its defect.
+
+        That is the difference of the equations and the slope of the series, times the length.
+        """
+        series = self.integrator.tc
+        powers, worst = np.arange(series.shape[1]), 0.0
+        for h in [share * length for share in CHECKED]:
+            state = series @ h**powers
+            slopes = series[:, 1:] @ (powers[1:] * h ** powers[:-1])
+            rates = self._look(state, begin + h)[-len(state) :]
+            size = np.maximum(self.sizes, np.abs(state)) + np.finfo(float).tiny
+            worst = max(worst, float((np.abs(rates - slopes) * length / size).max()))
+        return worst
+
+    def _note(self, state: Any, t: float) -> None:
+        """Note a state down."""
+        friction, normal, *_ = self._look(state, t)
+        self.path.rows.append(np.array([*state, friction, normal, self.mode]))
 
     def _load_piece(self, name: str, drive: Drive, t: float) -> None:
         """Put in the piece of a drive that holds from a time on."""
@@ -176,23 +226,44 @@ class Oracle:
         return list(self.numbers.values())[:count]
 
     def _look(self, state: Any, t: float) -> Any:
-        """Return friction, normal force, both break-away levels, acceleration and margins."""
+        """Return friction, normal force, break-away levels, acceleration, margins and rates."""
         time = {"time": t} if self.look.is_time_dependent else {}
         return self.look(state, pars=self._vector(self.look.nparams), **time)
 
     def _judge(self) -> None:
         """Set switches and mode as the state asks for at the start of a piece."""
         ta, before = self.integrator, self.mode
-        for _ in self.model.switches:  # as often as they can stand in each other
-            margins = self._look(ta.state, ta.time)[5:]
-            for switch, margin in zip(self.model.switches, margins, strict=True):
-                self.numbers[switch.side] = 1.0 if margin > 0 else -1.0
+        self._turn_switches()
         if ta.state[self.model.slip] == 0.0:
             self._leave_rest()
         else:
             self._enter(before)
         if ta.time > 0.0 and before == 0 != self.mode:
             self.path.events.append(Happening(ta.time, before, self.mode, "break-away"))
+
+    def _turn_switches(self) -> None:
+        """Set switches as their margins ask for, which may have jumped.
+
+        One that stands on its threshold is turned only if it moves away to the other side: two may
+        reach their thresholds at once, and rounding must not turn any.
+        """
+        ta = self.integrator
+        for _ in self.model.switches:  # as often as they can stand in each other
+            margins, rates = self._margins(ta.state, ta.time)
+            after, _ = self._margins(ta.state + FIRST * rates, ta.time + FIRST)
+            self.reached = np.maximum(self.reached, np.abs(margins))
+            stands = np.abs(margins) <= STANDING * self.reached
+            for switch, value in zip(
+                self.model.switches, np.where(stands, after - margins, margins), strict=True
+            ):
+                if value != 0.0 or self.numbers[switch.side] == 0.0:
+                    self.numbers[switch.side] = 1.0 if value > 0.0 else -1.0
+        self._enter(self.mode)
+
+    def _margins(self, state: Any, t: float) -> tuple[Any, Any]:
+        """Return the margins of the switches and the rates of the states."""
+        looked = self._look(state, t)
+        return looked[5 : -len(state)], looked[-len(state) :]
 
     def _leave_rest(self) -> None:
         """Take up the mode of a body at rest."""
@@ -205,7 +276,10 @@ class Oracle:
         self._enter(self._heading() if self.bristles else int(np.sign(needed)))
 
     def _heading(self) -> int:
-        """Return the direction in which a body that nothing holds starts from rest."""
+        """Return the direction in which a body that nothing holds starts from rest.
+
+        That is where it goes within the first step: forces that balance leave their rounding.
+        """
         ta = self.integrator
         self._enter(1)
         t, state = ta.time, ta.state.copy()
@@ -213,7 +287,7 @@ class Oracle:
         ta.step(FIRST, write_tc=True)
         series = ta.tc[self.model.slip]
         ta.time, ta.state[:] = t, state
-        return -1 if series[np.flatnonzero(series)[:1]].sum() < 0 else 1
+        return -1 if series @ FIRST ** np.arange(len(series)) < 0.0 else 1
 
     def _happen(self, guard: int) -> None:
         """Make the transition that a guard asks for, and note it down."""
@@ -224,15 +298,18 @@ class Oracle:
                 self._leave_rest()
             else:
                 self._enter(-self.mode)
+            self._turn_switches()
             reason = "stop" if self.mode == 0 else "reversal"
         elif guard < SWITCH:
             forward = 1 if guard == BREAK_FORWARD else -1
             self._enter(self._heading() if self.bristles else forward)
+            self._turn_switches()
             reason = "break-away"
         else:
             switch = self.model.switches[guard - SWITCH]
             self.numbers[switch.side] *= -1.0
             self._enter(self.mode)
+            self._turn_switches()
             if switch.events is None:
                 return
             reason = switch.events[0 if self.numbers[switch.side] > 0 else 1]

@@ -33,11 +33,14 @@ ALLOWED = 10.0
 Local errors of some hundred steps, most of them far below their tolerance, add up to this.
 """
 
-ALLOWED_IN_LAYERS = 100.0
-"""The same for set-valued laws with a switch of their own.
+ALLOWED_IN_LAYERS = 300.0
+"""The same for laws without states that bend within a speed of their own.
 
-Where an exponential begins at rounding and fades in by many orders within one step of DOP853, that
-step can err by a hundred times its estimate.
+Where such a layer begins at rounding and fades in by many orders within one step of DOP853, that
+step errs by more than its estimate (by three tolerances for tanh and Stribeck on a towed block),
+and its friction by what the layer is steeper. Errors of cases above `ALLOWED` fall with the
+tolerance: at 1e-10, 1e-11, 1e-12 and 1e-13 that block's are 58, 11, 215 and 32 times it, and
+Simscape's 55, 27, 191 and 61 times.
 """
 
 LOOKS = 199
@@ -181,6 +184,20 @@ def transitions(events: Sequence[Any]) -> list[tuple[int, int, str]]:
     return [(event.from_mode, event.to_mode, event.reason) for event in events]
 
 
+def holds(law: FrictionLaw) -> bool:
+    return any(law.towards(side).break_away(1.0) > 0.0 for side in (1, -1))
+
+
+def determined(events: Sequence[Any], law: FrictionLaw) -> list[Any]:
+    """Return the events that the equations determine.
+
+    A law without a level at rest stops no body. One that creeps to rest does so without end, until
+    errors of steps take its speed through zero: for arctan 1.01, 0.62 or 0.97 s after the start at
+    a tolerance of 1e-12, 1e-10 or 1e-8, and with other laws or tolerances not within the run.
+    """
+    return [event for event in events if event.to_mode != 0 or holds(law)]
+
+
 @dataclass(frozen=True)
 class Reference:
     """A run of the oracle, and how much of it a share of its numbers moves."""
@@ -213,49 +230,53 @@ def reference(setup: Setup, law: FrictionLaw) -> Reference:
     y0, t_end = start_of(setup, law), setup.t_end
     times = [t_end * (i + 0.6180339887) / (LOOKS + 1) for i in range(LOOKS)]
     path = Oracle(setup.mechanism, law).run(y0, times, t_end)
-    rows, at = np.array(path.rows), np.array([event.t for event in path.events])
+    events = determined(path.events, law)
+    rows, at = np.array(path.rows), np.array([event.t for event in events])
     size = np.abs(rows).max(axis=0)
     moved, late = size.copy(), at.copy()
     for seed in range(2):
         dice = random.Random(seed)
         start = [value * (1.0 + SHAKE * dice.choice((-1, 1))) for value in y0]
         other = Oracle(shaken(setup.mechanism, dice), shaken(law, dice)).run(start, times, t_end)
-        assert transitions(other.events) == transitions(path.events), "a case on an edge"
+        others = determined(other.events, law)
+        assert transitions(others) == transitions(events), "a case on an edge"
         moved = np.maximum(moved, np.abs(np.array(other.rows) - rows).max(axis=0) / SHAKE)
-        late = np.maximum(late, np.abs(at - [event.t for event in other.events]) / SHAKE)
+        late = np.maximum(late, np.abs(at - [event.t for event in others]) / SHAKE)
     # the solver judges errors against the largest speed, however slowly zero is crossed
     speed = size[Oracle(setup.mechanism, law).model.slip]
-    late += np.array([speed / event.slope for event in path.events])
-    return Reference(times, rows, moved, path.events, late)
+    late += np.array([speed / event.slope for event in events])
+    return Reference(times, rows, moved, events, late)
 
 
-def excess(run: Trajectory, expected: Reference) -> dict[str, float]:
+def excess(run: Trajectory, law: FrictionLaw, expected: Reference) -> dict[str, float]:
     """Return errors of events and columns over what a share of 1 of all numbers would change."""
-    assert transitions(run.events) == transitions(expected.events)
+    events = determined(run.events, law)
+    assert transitions(events) == transitions(expected.events)
     tiny = np.finfo(float).tiny  # where nothing moves there must be no error
-    pairs = zip(run.events, expected.events, strict=True)
+    pairs = zip(events, expected.events, strict=True)
     late = np.array([ours.t - theirs.t for ours, theirs in pairs])
     fine = run.at(expected.times)
     off = {
         name: np.abs(fine[name] - expected.rows[:, i]).max() / (expected.moved[i] + tiny)
         for i, name in enumerate(fine.names)
+        if name != "mode" or holds(law)  # what creeps to rest is compared by its speed
     }
     return off | {"events": (np.abs(late) / (expected.late + tiny)).max(initial=0.0)}
 
 
-def limit(setup: Setup, law: FrictionLaw) -> float:
+def limit(law: FrictionLaw) -> float:
     """Return what `excess` may be."""
     if law.states:
         return ALLOWED * SOLVER.stiff_tolerance
-    switches = Oracle(setup.mechanism, law).model.switches
-    layered = any(switch.events is None for switch in switches)
+    speeds = [quantity for quantity in fields_of(type(law)).values() if quantity is not None]
+    layered = any(quantity.scale == "speed" for quantity in speeds)
     return (ALLOWED_IN_LAYERS if layered else ALLOWED) * SOLVER.tolerance
 
 
 def agrees(setup: Setup, law: FrictionLaw) -> None:
     run = simulate(setup.mechanism, law, t_end=setup.t_end, y0=setup.y0, solver=SOLVER)
-    errors = excess(run, reference(setup, law))
-    assert max(errors.values()) <= limit(setup, law), errors
+    errors = excess(run, law, reference(setup, law))
+    assert max(errors.values()) <= limit(law), errors
 
 
 @pytest.mark.parametrize(("setup", "law"), list(cases()))
@@ -282,7 +303,7 @@ def test_a_wrong_digit_would_be_noticed(kind):
     path, _, value = next(parameters(law, "law"))
     wrong = vary(law, "law", {path: value * (1.0 + 1e-6)})
     run = simulate(setup.mechanism, wrong, t_end=setup.t_end, y0=setup.y0, solver=SOLVER)
-    assert max(excess(run, reference(setup, law)).values()) > 2.0 * limit(setup, law)
+    assert max(excess(run, law, reference(setup, law)).values()) > 2.0 * limit(law)
 
 
 @pytest.mark.slow

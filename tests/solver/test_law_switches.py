@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar
 
 import pytest
 
-from stickslip import Axis, DiscBrake, EventDriven, simulate
+from stickslip import Axis, DiscBrake, EventDriven, MaxwellSlip, TowedBlock, simulate
 from stickslip.engine import Status
-from stickslip.friction import SetValuedLaw
+from stickslip.friction import HaessigFriedland, SetValuedLaw
 from stickslip.maths import where
 from stickslip.mechanisms import Lining
 from stickslip.mechanisms.drives import Sampled
@@ -76,3 +76,37 @@ def test_a_speed_that_meets_the_threshold_where_the_drive_jumps_goes_on(
         gained = (after - (fast if after > 2.0 else slow)) * (END - JUMP)
         rate = run[made.rates[0]][-1]
         assert rate == pytest.approx(threshold + gained, abs=1e-12), after
+
+
+YIELDED = {
+    "elements": MaxwellSlip(
+        kinetic_coefficient=0.25, bristle_stiffness=1e3, viscous_coefficient=0.4, static_switch=True
+    ),
+    "a spring": HaessigFriedland(
+        kinetic_coefficient=0.25,
+        bristle_stiffness=1e3,
+        bristle_damping=0.5,
+        sticking_surplus=0.0,
+        static_switch=True,
+    ),
+}
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize(("mass", "pace"), [(0.5, 0.3), (0.8, 0.3), (1.5, 0.2)])
+@pytest.mark.parametrize("law", YIELDED.values(), ids=YIELDED)
+def test_a_body_on_yielded_springs_breaks_away_where_it_is_pulled(law, mass, pace, tier):
+    # the springs stand at their level when it is reached, so forces balance but for rounding
+    for way in (1, -1):
+        speed, stiffness, damping = pace * way, 40.0, 0.4
+        block = TowedBlock(mass=mass, stiffness=stiffness, speed=speed, damping=damping)
+        solver = EventDriven(tier=tier)
+        run = simulate(block, law, t_end=1.0, y0={"v": 0.5 * way}, solver=solver)
+        modes = [(event.from_mode, event.to_mode, event.reason) for event in run.events[:2]]
+        assert modes == [(way, 0, "stop"), (0, way, "break-away")]
+        # held, the tow's spring winds up from what it was at the stop to the level
+        stop, start = (event.t for event in run.events[:2])
+        place = run.at([stop])["x"][0]
+        pull = stiffness * (speed * stop - place) + damping * speed
+        level = way * 0.25 * mass * block.gravity
+        assert start == pytest.approx(stop + (level - pull) / (stiffness * speed), rel=1e-9)

@@ -252,6 +252,21 @@ def direction(flags: int, w: Vector, whole: Wholes) -> int:
     return -1 if w[values + slip] < 0.0 else 1
 
 
+def direction_of_break(guard: int, flags: int, w: Vector, whole: Wholes) -> int:
+    """Return the direction in which a held body leaves rest as its level is reached.
+
+    Bristles that have yielded to that level leave nothing but rounding of the balance: the body
+    goes where it was pulled.
+    """
+    values = whole[VALUES]
+    evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
+    needed, level = w[values + 2], w[values + 3]
+    evaluate(CONTACT, 1, flags, w[TIME], w, whole[Y], values)
+    if abs(needed - w[values]) <= UNMOVED * level:
+        return 1 if guard == BREAK_FORWARD else -1
+    return direction(flags, w, whole)
+
+
 def initial_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state."""
     whole[FLAGS] = 0
@@ -260,13 +275,12 @@ def initial_mode(w: Vector, whole: Wholes) -> None:
 
 def set_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state, from flags that held before."""
-    y = whole[Y]
-    slip = whole[SLIP]
-    flags = set_flags(w[TIME], w, whole, y, whole[FLAGS], 0)
+    rate = whole[Y] + whole[SLIP]
+    flags = set_flags(w[TIME], w, whole, whole[Y], whole[FLAGS], 0)
     whole[FLAGS] = flags
-    if w[y + slip] > 0.0:
+    if w[rate] > 0.0:
         whole[MODE] = 1
-    elif w[y + slip] < 0.0:
+    elif w[rate] < 0.0:
         whole[MODE] = -1
     else:
         whole[MODE] = mode_from_rest(flags, w, whole)
@@ -321,7 +335,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
     elif abs(mode) == 2:
         whole[MODE] = -mode // 2
     elif whole[HAS_BRISTLES]:
-        whole[MODE] = direction(flags, w, whole)
+        whole[MODE] = direction_of_break(guard, flags, w, whole)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
     whole[FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
@@ -352,35 +366,27 @@ def forbidden(w: Vector, whole: Wholes) -> int:
 
 def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
     """Turn the switches whose margins jumped with the drives, nested ones included."""
-    switches = whole[N_SWITCHES]
-    first_limit = whole[FIRST_LIMIT]
-    y = whole[Y]
     values = whole[VALUES]
-    reached = whole[REACHED]
-    for _ in range(switches):
-        for guard in range(SWITCH, first_limit):
-            guards(w[TIME], w, whole, y, values)
-            if w[values + guard] < -UNMOVED * w[reached + guard]:
+    for _ in range(whole[N_SWITCHES]):
+        for guard in range(SWITCH, whole[FIRST_LIMIT]):
+            guards(w[TIME], w, whole, whole[Y], values)
+            if w[values + guard] < -UNMOVED * w[whole[REACHED] + guard]:
                 note_event(guard, w, whole, events)
 
 
 def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transitions that follow from a jump of forces, and from the start."""
-    y = whole[Y]
-    values = whole[VALUES]
-    t = w[TIME]
-    mode = whole[MODE]
-    flags = whole[FLAGS]
+    values, mode = whole[VALUES], whole[MODE]
     beyond = forbidden(w, whole)
     if beyond > 0:
         note_event(beyond, w, whole, events)
         return
     guard = -1  # a variable, so that machine code is made once for all of them
-    if whole[HAS_BRISTLES] and abs(mode) == 1 and w[y + whole[SLIP]] == 0.0:
-        if mode_from_rest(flags, w, whole) != mode:
+    if whole[HAS_BRISTLES] and abs(mode) == 1 and w[whole[Y] + whole[SLIP]] == 0.0:
+        if mode_from_rest(whole[FLAGS], w, whole) != mode:
             guard = STOP
     elif whole[CAN_LIFT] or abs(mode) != 1:
-        guards(t, w, whole, y, values)
+        guards(w[TIME], w, whole, whole[Y], values)
         if w[values + LIFT_OFF] < 0.0:
             guard = LIFT_OFF
         elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
