@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 FOLDER = HERE.parent / "gallery"
 KEPT = HERE.parent / "_build" / "gallery"
 PACKAGE = HERE.parents[1] / "src" / "stickslip"
-DECIDING = ("characterization", "formulation", "friction", "kernels", "plots/laws.py", "solver")
+DECIDING = ("engine", "friction", "show/plots/laws.py", "study/characterization")
 """Folders and files of the package that decide what a page shows."""
 FIGURE, THUMBNAIL = (620, 270), (200, 130)
 """Sizes [CSS px]."""
@@ -113,6 +113,8 @@ def code_digest() -> str:
     found = hashlib.sha256(Path(__file__).read_bytes())
     for place in DECIDING:
         path = PACKAGE / place
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: no file or folder decides what pages show")
         for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
             found.update(file.read_bytes())
     return found.hexdigest()

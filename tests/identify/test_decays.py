@@ -174,3 +174,36 @@ def test_swings_are_no_coast_down_wherever_they_end(last):
     x[-1] = x[0] if last == 0.0 else x[-1]  # counts may be the same at both ends
     records = records_of(RIG, Measurement(time=10.0 * turns, position=x, turning=True))
     assert free_form(records) == "work"
+
+
+@pytest.mark.parametrize(("noise", "rate"), [(2e-4, 100.0), (1e-6, 100.0), (2e-5, 500.0)])
+def test_a_block_that_comes_to_rest_within_its_record_has_coulomb_friction(noise, rate):
+    """At rest friction is not that of sliding, by which the record must not be judged."""
+    friction, speed = 1.962, 1.3
+    t = np.arange(0.0, 1.6 * speed / friction, 1.0 / rate)
+    slid = np.minimum(t, speed / friction)
+    x = speed * slid - 0.5 * friction * slid**2
+    x = x + noise * np.random.default_rng(3).normal(size=len(t))
+    found = select(Axis(inertia=1.0), None, Measurement(time=t, position=x))
+    assert found.family == ("level",)
+    (interval,) = (one for one in found.parameters if one.path.endswith("kinetic_coefficient"))
+    # of noise of a micrometre the interval is 2e-5 wide, and so is the error of the filter
+    assert interval.low - 1e-4 * friction <= friction <= interval.high + 1e-4 * friction
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_swings_that_stop_within_their_record_have_the_level_that_stops_them(seed):
+    t = np.arange(0.0, 20.0, 0.005)
+    moving = swings(seed, noise=0.0)
+    x = np.interp(t, moving.time, moving.position)
+    x = x + NOISE * np.random.default_rng(seed).normal(size=len(t))
+    found = select(RIG, None, Measurement(time=t, position=x, turning=True))
+    (interval,) = (one for one in found.parameters if one.path.endswith("kinetic_coefficient"))
+    assert interval.low < LEVEL < interval.high
+
+
+@pytest.mark.parametrize("rate", [90.0, 200.0, 410.0])
+def test_a_decay_has_a_figure_at_any_rate(rate):
+    found = select(RIG, ["coulomb", "viscous"], swings(rate=rate))
+    drawing = found.drawing()
+    assert len(drawing.weights) == len(drawing.velocity)

@@ -51,11 +51,12 @@ def intervals(verdict):
     return [ends[name] for name in ("inertia", "kinetic_coefficient", "viscous_coefficient")]
 
 
-@pytest.mark.parametrize("seed", [1, 4, 5])
-def test_a_command_that_may_hold_or_not_leaves_the_level_as_unsure_as_it_is(seed):
+@pytest.mark.parametrize(("seed", "hold"), [(1, "zero"), (4, "zero"), (5, "zero"), (4, "first")])
+def test_a_command_that_may_hold_or_not_leaves_the_level_as_unsure_as_it_is(seed, hold):
     """On ramps half a sample is a level of 0.01 N, which their encoder does not show."""
-    truth, measurement = trials(seed)
+    truth, measurement = trials(seed, hold=hold)
     verdict = judged(measurement)
+    # an interval of 95 % misses one value in twenty, if by little
     for value, (low, high) in zip(truth, intervals(verdict), strict=True):
         assert low - 0.003 * value <= value <= high + 0.003 * value
     assert not any("records differ" in text for text in verdict.words.cannot_tell)

@@ -335,8 +335,8 @@ class Points:
     """Friction (n,) [N]: the response, less what a structure says of the rig."""
     load: Array
     """Loads (n,) [N]."""
-    rows: NDArray[np.intp]
-    """Rows of the problem (n,) that are shown."""
+    rows: NDArray[np.intp] | None
+    """Rows of the problem (n,) that are shown; None of free motions, whose forces have others."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

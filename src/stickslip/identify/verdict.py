@@ -506,7 +506,9 @@ def drawing_of(
         velocity=points.velocity,
         friction=points.friction,
         load=points.load,
-        weights=judgement.regression.weights[points.rows],
+        weights=np.ones(len(points.velocity))
+        if points.rows is None
+        else judgement.regression.weights[points.rows],
         speeds=speeds,
         band=band,
         law=at(None),

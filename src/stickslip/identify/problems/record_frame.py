@@ -17,6 +17,10 @@ WIDEST, NARROWEST = 130.0, 1.5
 """Limits of the band over the mean frequency of the motion."""
 FREE = 4.0
 """Band of a free motion over its mean frequency: its energy is that of all harmonics."""
+RESTED = 5.0
+"""Noise of the place by which a body moves that has not come to rest."""
+RESTING = 50
+"""Parts of a record, of which a body rests in one at least."""
 TURNED = 0.1
 """Way back over the range up to which a motion goes on in one direction."""
 FREE_SAMPLED = 0.35
@@ -91,6 +95,21 @@ def free_form(records: Sequence[Record]) -> str:
         min(float(np.max(np.maximum.accumulate(q) - q)) for q in (x, -x)) / size for x, size in ways
     ]
     return "momentum" if max(back) < TURNED else "work"
+
+
+def before_rest(record: Record) -> Record:
+    """Return a free motion until the body rests for good: what friction is at rest, nothing shows.
+
+    The level of a law would act on, by the time or by the noise of the place.
+    """
+    assert record.located or record.velocity is not None
+    x = record.position if record.located or record.velocity is None else record.velocity
+    last = float(np.median(x[-max(len(x) // RESTING, 3) :])) if record.located else 0.0
+    moving = np.flatnonzero(np.abs(x - last) > RESTED * noise_of(x))
+    end = int(moving[-1]) + 1 if len(moving) else len(x)
+    if len(x) - end < max(len(x) // RESTING, 3):
+        return record
+    return record.on(record.time[:end])
 
 
 def balanced_band(records: Sequence[Record], inertia: float) -> float:

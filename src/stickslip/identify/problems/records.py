@@ -82,6 +82,7 @@ from stickslip.identify.problems.record_frame import (
     alike,
     balanced_band,
     band_for,
+    before_rest,
     by_best_sensor,
     frame_of,
     free_form,
@@ -165,13 +166,14 @@ class RecordsProblem(Problem):
         self.records: list[Record] = (
             by_best_sensor(records) if like is None else alike(records, like.records[0])
         )
+        self.free: str = free_form(self.records) if like is None else like.free
+        if self.free:
+            self.curve_share = THRESHOLDS.free_curve_share
+            self.records = [before_rest(one) for one in self.records]
         first = self.records[0]
         self.finds_inertia = first.inertia is None and not first.friction
         base = min(band_for(self.records), widest) if like is None else like.frame.band
-        self.free: str = free_form(self.records) if like is None else like.free
         frame = None if like is None else like.frame
-        if self.free:
-            self.curve_share = THRESHOLDS.free_curve_share
         self.rows = Along(self.records, frame, band * base, free=self.free)
         self.frame: Frame = frame_of(self.rows, base) if like is None else like.frame
         self.rows._frame = self.frame
@@ -407,7 +409,12 @@ class RecordsProblem(Problem):
         few = np.arange(0, rows.count, max(rows.count // DRAWN, 1))
         velocity = rows.seen(rows.velocity)
         load = np.ones(len(few))
-        return Points(velocity=velocity[few], friction=friction[few], load=load, rows=few)
+        return Points(
+            velocity=velocity[few],
+            friction=friction[few],
+            load=load,
+            rows=None if self.free else few,
+        )
 
     @cached_property
     def shown(self) -> Along:
