@@ -681,19 +681,19 @@ def with_hold(
 
     Where nothing is said, they go straight where the measured curve leaves less of them half a
     sample earlier, by two standard errors over stretches, and hold elsewhere. When they act stays
-    doubtful, less so the nearer what the choice gains, less two standard errors, is to what is
-    material.
+    doubtful, less so the nearer what the choice is seen to gain is to what is material.
     """
     problem = make([replace(one, held=one.held and hold != "first") for one in records])
     if hold is not None or problem.free or not any(one.held for one in problem.records):
         return problem
     held, straight = _left_by_hold(problem).T
     more, material = held - straight, THRESHOLDS.material * max(np.mean(held), np.mean(straight))
-    errors = THRESHOLDS.hold_errors * float(np.std(more)) / math.sqrt(len(more))
-    interpolated = float(np.mean(more)) > errors
-    # by how much the choice is better at least
-    gain = abs(float(np.mean(more))) - errors if interpolated or np.mean(more) < 0.0 else 0.0
-    doubt = HOLD_DOUBT * min(max(1.0 - gain / (float(material) + 1e-300), 0.0), 1.0)
+    errors = float(np.mean(more)) / (float(np.std(more)) / math.sqrt(len(more)) + 1e-300)
+    interpolated = errors > THRESHOLDS.hold_errors
+    # what the choice gains counts in so far as it is seen, between half of the errors and all
+    seen = (errors if interpolated else -errors) / (0.5 * THRESHOLDS.hold_errors) - 1.0
+    gain = min(max(seen, 0.0), 1.0) * abs(float(np.mean(more)))
+    doubt = HOLD_DOUBT * max(1.0 - gain / (float(material) + 1e-300), 0.0)
     if not interpolated and not doubt:
         return problem
     return make(
