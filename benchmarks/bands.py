@@ -20,17 +20,17 @@ that misses the truth by more than two noises anywhere, unless what hides there 
 """
 
 import argparse
-import ast
 import json
 import math
 import time
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tools.structure import lines_of_code
+from tools.budget import BUDGET, counted
 
 from benchmarks.band_truths import decays, maps, records, tables, travels
 from benchmarks.band_truths.rig import VISCOUS, Array, Points, Rig
@@ -50,12 +50,8 @@ NEW = 20
 """New readings of each rig."""
 SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0, "travels": 3.0}
 """Processor time that a verdict of each kind may take [s]."""
-JUDGE = ("identify",)
-"""Packages of the judge."""
 FAULTS = {"drift"}
 """Terms that are faults."""
-PLAIN = {0, 1, 2}
-"""Numbers that are no thresholds."""
 Row = Mapping[str, Any]
 
 
@@ -279,45 +275,11 @@ def summary(rows: Sequence[Row]) -> list[tuple[str, str, str, bool | None]]:
         put(f"{kind}: processor time, median [s]", f"<= {SECONDS[kind]}", middle,
             middle <= SECONDS[kind], "{:.2f}")  # fmt: skip
         put(f"{kind}: processor time, most [s]", "-", worst, True, "{:.2f}")
-    code, modules, constants = size()
+    sizes = counted(tomllib.loads(BUDGET.read_text(encoding="utf-8"))["rooms"])
+    code, constants = sizes["judge"], sizes["constants"]
     put("judge: code lines", "<= 27,000", code, code <= 27_000, "{:,.0f}")
-    put("judge: modules", "-", modules, True, "{:.0f}")
     put("judge: numeric constants", "<= 350", constants, constants <= 350, "{:.0f}")
     return lines
-
-
-def size() -> tuple[int, int, int]:
-    """Return code lines, modules and numeric constants of the judge.
-
-    Constants are numbers that module-level names and fields of classes are set to, and that
-    something is compared with, but for those of `PLAIN`.
-    """
-    root = Path(__file__).resolve().parent.parent / "src" / "stickslip"
-    code = modules = constants = 0
-    for path in (one for part in JUDGE for one in sorted((root / part).rglob("*.py"))):
-        text = path.read_text(encoding="utf-8")
-        tree = ast.parse(text)
-        code += lines_of_code(text, tree)
-        modules += path.name != "__init__.py"
-        classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-        for body in (tree.body, *(one.body for one in classes)):
-            for node in body:
-                if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
-                    constants += any(one not in PLAIN for one in _numbers(node.value))
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Compare):
-                constants += sum(one not in PLAIN for one in _numbers(node))
-    return code, modules, constants
-
-
-def _numbers(tree: ast.AST) -> list[float]:
-    return [
-        node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant)
-        and isinstance(node.value, int | float)
-        and not isinstance(node.value, bool)
-    ]
 
 
 def printed(lines: Sequence[tuple[str, str, str, bool | None]]) -> str:
