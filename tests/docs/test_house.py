@@ -15,7 +15,8 @@ CALLS = {
     "simulate": """
 block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 law = Coulomb(kinetic_coefficient=0.25)
-call = lambda: simulate(block, law, t_end=1.0)
+plain = EventDriven(tier="python")  # machine code of kernels runs no module
+call = lambda: simulate(block, law, t_end=1.0, solver=plain)
 """,
     "select": """
 speed = np.linspace(0.1, 1.0, 10)
@@ -27,7 +28,7 @@ call = lambda: select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], table)
 WATCHED = """
 import sys
 import numpy as np
-from stickslip import Axis, Coulomb, Measurement, SpringBlock, select, simulate
+from stickslip import Axis, Coulomb, EventDriven, Measurement, SpringBlock, select, simulate
 {}
 files = set()
 def watch(frame, event, _):
