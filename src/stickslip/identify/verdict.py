@@ -740,9 +740,9 @@ def _usual_quantity(name: str) -> Quantity:
 
 
 def importance(estimate: Estimate) -> int:
-    """Return where an estimate stands: levels, slopes, then speeds and shapes; the rig last."""
+    """Return where an estimate stands: levels, inertia, slopes, speeds, shapes, the other rig."""
     if not estimate.path.startswith("friction."):
-        return 1 if estimate.path == "mechanism.inertia" else 5
+        return 1 if estimate.path in ("mechanism.inertia", "mechanism.mass") else 5
     scale = estimate.quantity.scale.rstrip("+-")
     return {"level": 0, "slope": 2, "drag": 2, "speed": 3}.get(scale, 4)
 

@@ -98,18 +98,17 @@ def free_form(records: Sequence[Record]) -> str:
 
 
 def before_rest(record: Record) -> Record:
-    """Return a free motion until the body rests for good: what friction is at rest, nothing shows.
+    """Return a free motion until the body rests for good, which tells nothing of sliding.
 
     The level of a law would act on, by the time or by the noise of the place.
     """
-    assert record.located or record.velocity is not None
-    x = record.position if record.located or record.velocity is None else record.velocity
-    last = float(np.median(x[-max(len(x) // RESTING, 3) :])) if record.located else 0.0
-    moving = np.flatnonzero(np.abs(x - last) > RESTED * noise_of(x))
+    x, least = record.velocity, max(len(record.time) // RESTING, 3)
+    if record.located:
+        x = record.position - np.median(record.position[-least:])
+    assert x is not None
+    moving = np.flatnonzero(np.abs(x) > RESTED * noise_of(x))
     end = int(moving[-1]) + 1 if len(moving) else len(x)
-    if len(x) - end < max(len(x) // RESTING, 3):
-        return record
-    return record.on(record.time[:end])
+    return record if len(x) - end < least else record.on(record.time[:end])
 
 
 def balanced_band(records: Sequence[Record], inertia: float) -> float:
