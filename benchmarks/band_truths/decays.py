@@ -138,21 +138,25 @@ def drawn(number: int, seed: int) -> Rig:
     step = min((period / FINEST) if pendulum else duration / (4 * FINEST), 1.0 / rate)
     quantity = "position" if pendulum or random.random() < 0.5 else "velocity"
     noise = factor(5e-4, 6e-3, random)
+    times = np.arange(0.0, duration, 1.0 / rate)
 
-    def measured(share: float, source: Random) -> Measurement:
-        times = np.arange(0.0, duration, 1.0 / rate)
+    def motion_of(share: float) -> Array:
         q, v = moved(body, share * at[0], share * at[1], times, step)
-        y = q if quantity == "position" else v
-        size = noise * float(np.ptp(y)) / (2.0 if pendulum else 1.0)
-        y = y + size * source.normal(size=len(y))
+        return q if quantity == "position" else v
+
+    # the sensor of a second record is the same: its noise does not shrink with the motion
+    size = noise * float(np.ptp(motion_of(1.0))) / (2.0 if pendulum else 1.0)
+
+    def measured(share: float) -> Measurement:
+        y = motion_of(share) + size * random.normal(size=len(times))
         return Measurement(time=times, turning=True, **{quantity: y})
 
-    record = measured(1.0, random)
+    record = measured(1.0)
 
     def fitted(p: Points) -> Array:
         """Return what the true structure says, fitted to the record by least squares."""
         scale = np.array([abs(x) for x in parameters.values()] + [abs(at[0]) + abs(at[1])] * 2)
-        times, y = np.asarray(record.time), np.asarray(getattr(record, quantity))
+        y = np.asarray(getattr(record, quantity))
         coarse = max(step, period / 50.0) if pendulum else step
 
         def motion(x: Array) -> Array:
@@ -185,7 +189,7 @@ def drawn(number: int, seed: int) -> Rig:
         kind="decays", truth=name, inside=inside, measurement=record, mechanism=mechanism,
         family=TRUTHS[name][0] if inside else None, curves=(steady,), noise=noises,
         asked=asked, beyond=beyond, parameters=parameters, fitted=fitted if inside else None,
-        second=measured(float(random.uniform(0.6, 0.9)), random),
+        second=measured(float(random.uniform(0.6, 0.9))),
     )  # fmt: skip
 
 

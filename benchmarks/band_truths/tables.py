@@ -515,8 +515,9 @@ def _spoilt(
         times = 1.0 + share * (place - 0.5)
         if how == "running-in":
             times = 1.0 + abs(share) * np.exp(-place / 0.25)
-        mean = float(times.mean())
-        return (lambda q: mean * steady(q),), exact * times
+        # a reading is taken early, midway or late
+        moments = times[0], times[len(times) // 2], times[-1]
+        return tuple(lambda q, t=t: t * steady(q) for t in moments), exact * times  # type: ignore[misc]
     return (steady,), -exact if how == "sign" else exact
 
 

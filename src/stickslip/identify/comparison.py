@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import softmax
 
 from stickslip.identify.candidates import DIGITS
-from stickslip.identify.evidence import evidence_of, price_of, priors_of
+from stickslip.identify.evidence import evidence_of, price_of, priors_of, prudent_choice
 from stickslip.identify.problem import Array, Family, Mask, Structure
 from stickslip.identify.search import Search, block_scores
 from stickslip.identify.thresholds import THRESHOLDS
@@ -85,13 +85,14 @@ def compare(search: Search) -> Comparison:
     top = min(best_of.values())
     if problem.worth:
         evidence = evidence_of(search.regression, structures, best_of)
+        named = prudent_choice(search.regression, structures, evidence)
     else:
         evidence = _material_evidence(search, losses, best_of)
-    # terms of one span differ by rounding
-    named = min(
-        evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
-    )
-    least = evidence[named] - math.log(THRESHOLDS.odds)
+        # terms of one span differ by rounding
+        named = min(
+            evidence, key=lambda i: (-round(evidence[i], DIGITS), problem.rank(structures[i]), i)
+        )
+    least = max(evidence.values()) - math.log(THRESHOLDS.odds)
     near = {i for i, e in evidence.items() if e >= least}
     if not problem.worth:
         # terms that are not needed cost little on dense rows: laws with more are no rivals

@@ -267,26 +267,26 @@ class Judgement:
 
     def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
         """Return the band of new readings at rows (n,)."""
-        draws = self.readings(rows)
-        if not self.problem.independent:  # another record has what no part of this one has
-            return band_of(draws, level)
-        low, median, high = np.quantile(draws, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
+        ends = 0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level
+        low, median, high = np.quantile(self.readings(rows), ends, axis=0)
         return PredictionBand(low=low, median=median, high=high)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
 
-        Of independent readings noise is normal, with the scale that each law leaves. Dense rows
-        have what laws leave of one part of the measurement, predicted from the others, at
-        rows of about the same speed: with its tails, its scatter by speed, and what differs from
-        part to part.
+        Of independent readings noise has the variance that each law leaves and, as in the score of
+        blocks, the tails of Student's t: what a law leaves is larger where friction is not as it
+        says, and smaller elsewhere. Dense rows have what laws leave of one part of the measurement,
+        predicted from the others, at rows of about the same speed: with its tails, its scatter by
+        speed, and what differs from part to part.
         """
         curves = self.ensemble.curves(rows)
         rng = np.random.default_rng(self.ensemble.seed + 3)
         if not self.problem.independent:
             return curves + self._resampled(rows, len(curves), rng)
-        scatter = self.ensemble.scatter(rng)[:, None]
-        return np.asarray(curves + self.noise(rows) * rng.normal(size=curves.shape) * scatter)
+        freedom = THRESHOLDS.freedom
+        noise = rng.standard_t(freedom, size=curves.shape) * math.sqrt(1.0 - 2.0 / freedom)
+        return np.asarray(curves + self.noise(rows) * noise * self.ensemble.scatter(rng)[:, None])
 
     def _resampled(self, rows: Any, count: int, rng: np.random.Generator) -> Array:
         """Return what readings at rows leave (count, n), drawn from rows of like speed."""

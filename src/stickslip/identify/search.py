@@ -19,7 +19,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identify.candidates import DIGITS
-from stickslip.identify.evidence import evidence_of
+from stickslip.identify.evidence import evidence_of, prudent_choice
 from stickslip.identify.problem import Array, Column, Family, Problem, Shape, Structure
 from stickslip.identify.regression import TOGETHER, BlockRegression, noise_weights
 from stickslip.identify.thresholds import THRESHOLDS
@@ -89,7 +89,7 @@ class Search:
             if self.problem.is_law(structure):
                 best_of.setdefault(self.problem.family(structure), i)
         evidence = evidence_of(self.regression, structures, best_of)
-        return structures[min(evidence, key=lambda i: (-round(evidence[i], DIGITS), i))]
+        return structures[prudent_choice(self.regression, structures, evidence)]
 
     @property
     def structures(self) -> list[Structure]:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 from typing_extensions import override
 
 from stickslip.data import Measurement
@@ -125,6 +126,8 @@ class Frame:
     """Their eigenvalues (k,)."""
     means: Mapping[str, float]
     """Means of the inputs."""
+    straight: Array
+    """Level, and what is viscous [s/m], of a straight line through friction over its mean (2,)."""
 
 
 class TableProblem(Problem):
@@ -150,6 +153,7 @@ class TableProblem(Problem):
         ("level", "offset", "viscous"),
         ("level", "offset", "stribeck", "viscous"),
         ("level", "offset", "viscous", "viscous_direction"),
+        ("level", "offset", "stribeck_sides", "viscous"),
         ("level", "offset", "stribeck_sides", "viscous", "viscous_direction"),
     )
 
@@ -169,6 +173,7 @@ class TableProblem(Problem):
             basis=basis,
             bending=bending,
             means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
+            straight=_straight(rows, self.response),
         )
         self.loaded = bool(np.ptp(rows.load) > 1e-9 * rows.load.max())
         self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
@@ -582,8 +587,10 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
             terms += _of_input(name, frame)
     if _shuffled(rows):
         terms.append(
-            Term(name="drift", role="fault", shapes=[(one,) for one in RUNNING_IN], rank=10,
-                 columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0]),
+            Term(name="drift", role="fault", rank=10,
+                 shapes=[(settling, of) for settling in RUNNING_IN for of in (0.0, 1.0)],
+                 columns=lambda r, s: weight(r, 1.0) * _course(r.order, s[0])
+                 * (frame.straight[0] + frame.straight[1] * r.speed if s[1] else 1.0),
                  title="drift in the order of measuring")
         )  # fmt: skip
     if rows.run.max() > 0:
@@ -630,6 +637,16 @@ def _course(order: Array, settling: float) -> Array:
         return order
     decay = np.exp(-0.5 * (order + 1.0) / settling)
     return np.asarray(decay - settling * (1.0 - math.exp(-1.0 / settling)))
+
+
+def _straight(rows: Rows, friction: Array) -> Array:
+    """Return level and slope (2,) of the line through friction over speed and load, of mean 1."""
+    x = (rows.load / rows.load.mean())[:, None] * np.column_stack(
+        [np.ones_like(rows.speed), rows.speed]
+    )
+    line, _ = nnls(x, rows.direction * friction)
+    mean = float(np.mean(x @ line))
+    return line / mean if mean > 0.0 else np.array([1.0, 0.0])
 
 
 def _hats(logs: Array, knots: Array) -> Array:
