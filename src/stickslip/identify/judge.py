@@ -22,7 +22,6 @@ from stickslip.identify.ensemble import (
     PredictionBand,
     Prepared,
     allotted,
-    band_of,
 )
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
