@@ -22,6 +22,7 @@ from stickslip.identify.ensemble import (
     PredictionBand,
     Prepared,
     allotted,
+    band_of,
 )
 from stickslip.identify.explorer import Explorer, Pattern
 from stickslip.identify.laws import Composition
@@ -266,9 +267,7 @@ class Judgement:
 
     def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
         """Return the band of new readings at rows (n,)."""
-        ends = 0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level
-        low, median, high = np.quantile(self.readings(rows), ends, axis=0)
-        return PredictionBand(low=low, median=median, high=high)
+        return band_of(self.readings(rows), level)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
