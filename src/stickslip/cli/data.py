@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.cli.options import PathOptions, RecordOptions
 from stickslip.data.catalogue import Column, DataFile, Dataset, dataset, names
 from stickslip.show.documents import document
 
@@ -24,10 +25,10 @@ def run_list(*, as_json: bool) -> None:
     )
 
 
-def run_show(name: str, *, as_json: bool) -> None:
+def run_show(options: RecordOptions) -> None:
     """Show a record in full."""
-    record = dataset(name)
-    if as_json:
+    record = dataset(options.name)
+    if options.as_json:
         print_json(document("data", _record(record)))
         return
     console = stdout()
@@ -49,16 +50,16 @@ def run_show(name: str, *, as_json: bool) -> None:
         console.print(f"\n{record.notes}", markup=False)
 
 
-def run_path(name: str, file: str | None, *, as_json: bool) -> None:
+def run_path(options: PathOptions) -> None:
     """Print the path of a table; what is downloaded for it is said on stderr."""
-    record = dataset(name)
+    record, file = dataset(options.name), options.file
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", UserWarning)
         path = record.path(file, report=note)
     for warning in warned:
         note(f"stickslip: {warning.message}")
-    if as_json:
-        content = {"name": name, "file": record.file(file).name, "path": str(path)}
+    if options.as_json:
+        content = {"name": options.name, "file": record.file(file).name, "path": str(path)}
         print_json(document("data", content))
     else:
         print(path)

@@ -7,10 +7,16 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, TypeVar
 
 from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
-from stickslip.cli.options import EstimationOptions, LawOptions, ParameterOptions, ReadingOptions
+from stickslip.cli.options import (
+    ColumnOptions,
+    LawOptions,
+    MeasuredOptions,
+    ReadingOptions,
+    RigOptions,
+)
 from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.data import (
     LOAD,
@@ -139,18 +145,16 @@ def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
     return {"law_file": file, "remarks": list(map(plain, remarks))}
 
 
-def rig_and_form(
-    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
-) -> tuple[Rig, ChosenForm]:
+def rig_and_form(options: LawOptions) -> tuple[Rig, ChosenForm]:
     """Return the rig and an equation as printed, with the values that the rig has for its law."""
-    assert asked.law is not None
-    if asked.load is not None:
+    assert options.law is not None
+    if options.law_load is not None:
         raise InputError("--law-load applies to a law from a file: leave it out.")
-    kind = PRINTED_FORMS[asked.law]
-    given = overrides(changes)
+    kind = PRINTED_FORMS[options.law]
+    given = overrides(options.changes)
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = rig_with(path, others, law=kind.corrected.name, allow_import=allow_import)
+    rig = rig_with(options, others, law=kind.corrected.name)
     slip_of(rig.mechanism)
     law = _own(rig, kind.corrected.name).law
     load = static_normal_force(rig.mechanism) or 1.0
@@ -264,10 +268,9 @@ def names_by_contact(text: str) -> dict[str, str]:
     return found
 
 
-def rig_with(
-    path: Path | None, given: Mapping[str, str], *, law: str | None = None, allow_import: bool
-) -> Rig:
+def rig_with(options: RigOptions, given: Mapping[str, str], *, law: str | None = None) -> Rig:
     """Return the rig of a file under overrides; an unknown one is told what the law at hand has."""
+    path, allow_import = options.rig, options.allow_import
     try:
         return load_rig(path, overrides=given, allow_import=allow_import)
     except UnknownNameError as error:
@@ -288,30 +291,27 @@ def rig_with(
         raise own from None
 
 
-def rig_and_friction(
-    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
-) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def rig_and_friction(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: laws of its contacts, or one."""
-    given = overrides(changes)
-    if asked.law is None or not FILE.fullmatch(asked.law):
-        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
+    if options.law is None or not FILE.fullmatch(options.law):
+        rig = rig_with(options, overrides(options.changes), law=options.law)
         if rig.contacts:
-            laws = _by_contact(rig, asked)
+            laws = _by_contact(rig, options)
             known = estimates_by_contact(rig, laws)
             own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
             return rig, ChosenLaws(carried=own)
-        if asked.law is not None and "=" in asked.law:
+        if options.law is not None and "=" in options.law:
             raise InputError(
-                f"--law {asked.law} names laws by contact, but {rig.path} has no tables of"
+                f"--law {options.law} names laws by contact, but {rig.path} has no tables of"
                 " contacts: give one name."
             )
-    return _rig_and_law(path, changes, asked, allow_import=allow_import)
+    return _rig_and_law(options)
 
 
-def _by_contact(rig: Rig, asked: LawOptions) -> Laws:
+def _by_contact(rig: Rig, options: LawOptions) -> Laws:
     """Return the laws of a rig whose contacts have tables of their own."""
-    text = asked.law
-    if asked.load is not None:
+    text = options.law
+    if options.law_load is not None:
         raise InputError("--law-load applies only to a law from a file, such as --law law.toml.")
     names: str | dict[str, str] | None = text
     if text is not None and "=" in text:
@@ -330,47 +330,41 @@ def _check_all_used(given: Collection[str], laws: Laws) -> None:
         _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
 
 
-def _rig_and_law(
-    path: Path | None,
-    changes: Sequence[str],
-    asked: LawOptions,
-    *,
-    allow_import: bool,
-) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its law; where that is from another file, so are overrides of friction."""
-    given = overrides(changes)
-    file = None if asked.law is None else FILE.fullmatch(asked.law)
-    if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
-        beside = Path(asked.law).with_name("law.toml")
+    given, law, allow_import = overrides(options.changes), options.law, options.allow_import
+    file = None if law is None else FILE.fullmatch(law)
+    if file is None and law is not None and law.lower().endswith(OTHER_FILES):
+        beside = Path(law).with_name("law.toml")
         raise InputError(
-            f"--law takes the name of a law or a .toml file with a law, got {asked.law}: give the"
+            f"--law takes the name of a law or a .toml file with a law, got {law}: give the"
             f" law.toml that `stickslip select` writes beside its verdict.json, as --law {beside}."
         )
     if file is None:
-        if asked.load is not None:
+        if options.law_load is not None:
             raise InputError(
                 "--law-load applies only to a law from a file, such as --law law.toml, whose"
                 " levels are forces: leave it out."
             )
-        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
-        chosen = _own(rig, asked.law)
+        rig = rig_with(options, given, law=law)
+        chosen = _own(rig, law)
         _check_used(rig.overridden, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = rig_with(path, others, allow_import=allow_import)
+    rig = rig_with(options, others)
     check_named(Path(file["path"]))
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)
         laws = carried_by_contact(source, rig.mechanism, names=file["law"])
         _check_all_used(source.overridden, laws.laws)
-        if asked.load is not None:
+        if options.law_load is not None:
             raise InputError("--law-load applies to the law of one contact: leave it out.")
         for remark in laws.remarks:
             note(plain(remark))
         return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
-    load = _load(asked.load)
+    load = _load(options.law_load)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
     if own:
         name = found.law.name
@@ -383,7 +377,7 @@ def _rig_and_law(
 
 
 def laws_drawn(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, asked: LawOptions, count: int, seed: int
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, law_load: str | None, count: int, seed: int
 ) -> tuple[list[FrictionLaw], float]:
     """Return laws for an ensemble, and by how much mean velocities are off beside them [m/s].
 
@@ -398,7 +392,7 @@ def laws_drawn(
         laws, error = drawn
         if count > len(laws):
             raise InputError(f"--ensemble takes up to {len(laws)} laws, as {source.path} has.")
-        load, levels = _load(asked.load), source.estimates and source.estimates.levels
+        load, levels = _load(law_load), source.estimates and source.estimates.levels
         own = [
             dataclasses.replace(
                 source,
@@ -531,30 +525,16 @@ def _name(rig: Rig) -> str:
 
 # What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it.
 
-ALL_PARAMETERS: Final = ParameterOptions()
-"""Without a word of options."""
-USUAL_OPTIONS: Final = EstimationOptions()
-Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
-"""`measured` with what the options say."""
-
 
 def measured(
-    rig: Rig,
-    *,
-    reading: Reading,
-    data: Sequence[Path] = (),
-    parameters: ParameterOptions = ALL_PARAMETERS,
-    estimation: EstimationOptions = USUAL_OPTIONS,
-    given: bool,
-    law: Callable[[AnyKind], Law] | None = None,
+    rig: Rig, options: MeasuredOptions, *, law: Callable[[AnyKind], Law] | None = None
 ) -> tuple[AnyKind, Request, list[Path]]:
     """Return what fits such a measurement, what it is asked, and the data files of the options.
 
-    Options for files add to what the rig says of its own; None says nothing. `given` is
-    whether a rig file was, `law` the law of a kind.
+    Options for files add to what the rig says of its own. `law` returns the law of a kind.
     """
-    said, horizon, validate = estimation.settings, estimation.horizon, parameters.validate
-    route = estimation.route
+    said, horizon, validate = options.settings, options.horizon, options.validate
+    data, route, reading = options.data, options.route, reading_of(options)
     for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
@@ -582,7 +562,7 @@ def measured(
     kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
-    varied, held = _parameters(rig, parameters.vary or (), parameters.fixed or (), owner)
+    varied, held = _parameters(rig, options.vary, options.fixed, owner)
     numerics = RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
@@ -597,13 +577,10 @@ def measured(
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    options = {"horizon": horizon, "route": route, **said}
-    options["validate"] = validate
-    typed = {
-        name: f"--{name.replace('_', '-')}" for name, one in options.items() if one is not None
-    }
+    given = {"horizon": horizon, "route": route, **said, "validate": validate}
+    typed = {name: f"--{name.replace('_', '-')}" for name, one in given.items() if one is not None}
     refuse_unused(kind, typed, request)
-    if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
+    if options.rig is None and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(
             "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
             ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
@@ -777,27 +754,30 @@ def show_trials(comparison: TrialComparison | None) -> None:
 # How options say that the files of a measurement are read.
 
 
-def reading_of(asked: ReadingOptions) -> Reading:
+def columns_of(options: ColumnOptions) -> Reading:
     """Return what the options of that name say together."""
-    texts = [part.strip() for given in asked.repair or () for part in given.split(",")]
-    names = [part.strip() for given in asked.conditions or () for part in given.split(",")]
-    constant = asked.motor_constant
+    constant = options.motor_constant
     return Reading(
-        columns=_columns(asked.columns),
-        units=_pairs("--unit", "position=mm", asked.units),
-        gain=_gains(_pairs("--gain", "force=35.15", asked.gain)),
-        repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
-        conditions=tuple(names),
+        columns=_columns(options.columns),
+        units=_pairs("--unit", "position=mm", options.units),
+        gain=_gains(_pairs("--gain", "force=35.15", options.gain)),
         motor_constant={} if constant is None else motor_constants(constant),
         by="options",
     )
 
 
-def _columns(given: Sequence[str] | None) -> dict[str, Column]:
+def reading_of(options: ReadingOptions) -> Reading:
+    """Return what the options of that name say together."""
+    repair = [part.strip() for given in options.repair for part in given.split(",")]
+    names = [part.strip() for given in options.conditions for part in given.split(",")]
+    return replace(columns_of(options), repair=tuple(repair), conditions=tuple(names))  # type: ignore[arg-type]  # checked by Reading itself
+
+
+def _columns(given: Sequence[str]) -> dict[str, Column]:
     """Split ``name=column`` pairs; what has no name is the second column of the one before."""
     found: dict[str, list[str]] = {}
     name = ""
-    for part in (part for text in given or () for part in text.split(",")):
+    for part in (part for text in given for part in text.split(",")):
         if "=" in part or not name or not part.strip():
             ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
             found[name] = [column]
@@ -806,10 +786,10 @@ def _columns(given: Sequence[str] | None) -> dict[str, Column]:
     return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
 
 
-def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
+def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
     """Split ``name=value`` pairs, parted by commas."""
     found = {}
-    for pair in (part for text in given or () for part in text.split(",")):
+    for pair in (part for text in given for part in text.split(",")):
         name, equals, value = pair.partition("=")
         if not equals or not name.strip() or not value.strip():
             raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")

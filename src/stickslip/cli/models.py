@@ -1,6 +1,5 @@
 """``stickslip models`` and ``stickslip cite``: the laws and their sources."""
 
-from collections.abc import Sequence
 from dataclasses import fields
 from textwrap import fill, indent
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import plain, print_json, show_table, stdout
+from stickslip.cli.options import CiteOptions, ModelsOptions
 from stickslip.errors import UnknownNameError
 from stickslip.friction import (
     PRINTED_EQUATIONS,
@@ -36,14 +36,14 @@ INDENT = "    "
 """Before a formula and its notes."""
 
 
-def run(name: str | None, *, published: bool, as_json: bool) -> None:
+def run(options: ModelsOptions) -> None:
     """List laws and mechanisms, or show one."""
-    if name is not None:
-        _one(name, as_json=as_json)
-    elif published:
-        _printed(as_json=as_json)
+    if options.name is not None:
+        _one(options.name, as_json=options.as_json)
+    elif options.published:
+        _printed(as_json=options.as_json)
     else:
-        _all(as_json=as_json)
+        _all(as_json=options.as_json)
 
 
 def _all(*, as_json: bool) -> None:
@@ -208,14 +208,16 @@ def _typical(found: Typical) -> dict[str, Any]:
     return {"values": dict(found.values), "source": source}
 
 
-def cite(names: Sequence[str], *, as_json: bool) -> None:
+def run_cite(options: CiteOptions) -> None:
     """Print citations."""
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
-    chosen: Any = [law_type(name) for name in names] if names else list(listed().values())
+    chosen: Any = (
+        [law_type(name) for name in options.laws] if options.laws else list(listed().values())
+    )
     found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
-    if as_json:
+    if options.as_json:
         content = {"software": own, "rig": SOURCES["paper"], "laws": found}
         print_json(document("cite", content))
         return
