@@ -76,10 +76,10 @@ def _content(
 def _show(rig: Rig, friction: str, seen: Trajectory, count: int, output: Path) -> None:
     console = stdout()
     console.print(Text.assemble((rig.heading, "bold"), f", {friction} friction"))
-    console.print(seen.ending, markup=False)
+    console.print(seen.ending)
     for problem in seen.certificate.problems:
-        console.print(f"Not certified: {problem}", markup=False)
-    console.print(f"\nAnimation: {output}, {count} frames", markup=False)
+        console.print(f"Not certified: {problem}")
+    console.print(f"\nAnimation: {output}, {count} frames")
 
 
 def _size(text: str) -> tuple[float, float]:

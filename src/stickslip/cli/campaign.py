@@ -166,11 +166,10 @@ def _show_estimate(found: Estimate, cases: Sequence[str], shared: int, *, as_jso
         return
     console = stdout()
     for case in cases:
-        console.print(printable(case), markup=False)
+        console.print(printable(case))
     console.print(
         f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
-        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these.",
-        markup=False,
+        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these."
     )
 
 
@@ -183,31 +182,29 @@ def _show(
 ) -> None:
     console = stdout()
     for case in cases:
-        console.print(printable(case), markup=False)
+        console.print(printable(case))
     console.print(
         f"{count(len(found), 'run')}, {found.certified:,} certified, in"
         f" {count(len(found.parts), 'file')}"
-        f" ({_size(found.size)}).",
-        markup=False,
+        f" ({_size(found.size)})."
     )
     for name, runs in found.status.items():
-        console.print(f"  {name}: {runs:,}. {Status[name].value}", markup=False)
+        console.print(f"  {name}: {runs:,}. {Status[name].value}")
     if any(not Status[name].complete for name in found.status):
-        console.print(CUT_SHORT, markup=False)
+        console.print(CUT_SHORT)
     if found.made:
         console.print(
             f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
-            " second.",
-            markup=False,
+            " second."
         )
     for one in indices:
-        console.print(f"\n{one.sentence}", markup=False)
+        console.print(f"\n{one.sentence}")
         rows = [
             [path, *(one.text_of(name, place) for name in one.indices)]
             for place, path in enumerate(one.factors)
         ]
         show_table("", ["factor", *one.indices], rows)
-    console.print(f"\nWritten: {found.folder}", markup=False)
+    console.print(f"\nWritten: {found.folder}")
 
 
 def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:

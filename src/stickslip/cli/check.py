@@ -97,9 +97,9 @@ def run(options: CheckOptions) -> None:
         note("Drawing the overview ...")
         write_folder(output, {**_pictures(measurement), DOCUMENT: json_text(content)})
         if not options.as_json:
-            stdout().print(f"\nFindings and pictures: {output}", markup=False)
+            stdout().print(f"\nFindings and pictures: {output}")
     if not options.as_json:
-        stdout().print(f"\n{_summary(found.findings)}", markup=False)
+        stdout().print(f"\n{_summary(found.findings)}")
     if found.worst == "error":
         raise typer.Exit(BAD_DATA)
 
@@ -145,13 +145,13 @@ def _show(measurement: Measurement, found: Checks) -> None:
     console = stdout()
     for record in measurement.records():
         if "; " in record.provenance:  # something was repaired
-            console.print(f"  {record.provenance}", markup=False, style="dim")
+            console.print(f"  {record.provenance}", style="dim")
     findings = [*_by_trial(found.findings)] if measurement.trials else found.findings
     for finding in findings:
         mark, style = MARKS[finding.severity]
-        console.print(f"{mark}{finding}", markup=False, style=style)
+        console.print(f"{mark}{finding}", style=style)
     if len(findings) < len(found.findings):
-        console.print("All findings of each trial: --json.", markup=False)
+        console.print("All findings of each trial: --json.")
 
 
 def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:

@@ -33,7 +33,7 @@ FOLDED = 16
 
 
 class _Printable(Console):
-    """A console to which no text of a file can give commands."""
+    """A console to which no text of a file can give commands, be it codes or markup."""
 
     @override
     def print(self, *objects: Any, **settings: Any) -> None:
@@ -46,12 +46,12 @@ def _made_printable(item: Any) -> Any:
 
 def stdout() -> Console:
     """Return the console for results."""
-    return _Printable(highlight=False, soft_wrap=True, emoji=False)
+    return _Printable(markup=False, highlight=False, soft_wrap=True, emoji=False)
 
 
 def stderr() -> Console:
     """Return the console for progress and remarks."""
-    return _Printable(stderr=True, highlight=False, emoji=False)
+    return _Printable(stderr=True, markup=False, highlight=False, emoji=False)
 
 
 def hush(wanted: bool) -> None:
@@ -67,7 +67,7 @@ def is_quiet() -> bool:
 def note(text: str) -> None:
     """Say something beside the result, in whole lines, as the result itself is."""
     if not is_quiet():
-        stderr().print(text, markup=False, soft_wrap=True)
+        stderr().print(text, soft_wrap=True)
 
 
 def show_table(
@@ -116,7 +116,7 @@ def show_table(
     with console.capture() as lines:
         console.print(table)
     for line in lines.get().splitlines():
-        console.print(line.rstrip(), markup=False)
+        console.print(line.rstrip())
 
 
 def _is_number(cell: str) -> bool:
@@ -276,7 +276,7 @@ def draw_page(
     elif not quiet:
         from stickslip.identify.kinds import PAGE
 
-        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
+        stdout().print(f"\nReport: {folder / PAGE}")
     return code
 
 

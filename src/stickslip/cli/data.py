@@ -32,10 +32,10 @@ def run_show(options: RecordOptions) -> None:
         print_json(document("data", _record(record)))
         return
     console = stdout()
-    console.print(record.title, markup=False, style="bold")
+    console.print(record.title, style="bold")
     for label, text in _head(record).items():
         if text:
-            console.print(f"{label:<11}{text}", markup=False)
+            console.print(f"{label:<11}{text}")
     console.print()
     rows = [[c.name, c.unit, c.quantity, _number(c), c.meaning] for c in record.columns]
     show_table("", ["column", "unit", "quantity", "gain", "meaning"], rows)
@@ -43,11 +43,11 @@ def run_show(options: RecordOptions) -> None:
         _show_file(console, record, file)
     for title, known in {"known": record.known, **record.published}.items():
         if known:
-            console.print(f"\n{title}", style="bold", markup=False)
+            console.print(f"\n{title}", style="bold")
         for key, value in known.items():
-            console.print(f"  {key} = {value}", markup=False)
+            console.print(f"  {key} = {value}")
     if record.notes:
-        console.print(f"\n{record.notes}", markup=False)
+        console.print(f"\n{record.notes}")
 
 
 def run_path(options: PathOptions) -> None:
@@ -93,7 +93,7 @@ def _number(column: Column) -> str:
 
 def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
     place = record.place(file.name).value
-    console.print(f"\nfile {file.name} ({place})", style="bold", markup=False)
+    console.print(f"\nfile {file.name} ({place})", style="bold")
     about = {
         "about": file.about,
         "rows": "" if file.rows is None else str(file.rows),
@@ -105,7 +105,7 @@ def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
     for key, value in about.items():
         if value != "":
             text = f"  {key} = {value}" if key in file.known else f"  {key:<11}{value}"
-            console.print(text, markup=False)
+            console.print(text)
 
 
 def _record(record: Dataset) -> dict[str, Any]:

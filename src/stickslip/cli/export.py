@@ -78,9 +78,9 @@ def run_export(options: ExportOptions) -> None:
         print_json(document("export", content))
         return
     console = stdout()
-    console.print(f"{target.title}: {', '.join(map(str, files))}", markup=False)
+    console.print(f"{target.title}: {', '.join(map(str, files))}")
     for remark in found.remarks:
-        console.print(f"  {remark}", markup=False)
+        console.print(f"  {remark}")
 
 
 def law_source(options: LawOfFileOptions, path: Path) -> Rig | FrictionLaw:
@@ -152,7 +152,7 @@ def _export_fmu(options: ExportOptions) -> None:
     if options.as_json:
         print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
         return
-    stdout().print(f"FMU for FMI {options.fmi}.0: {file}", markup=False)
+    stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
 
 
 def stated(given: Sequence[str]) -> dict[str, Given]:
@@ -290,11 +290,11 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
 def _show(found: Applied, output: Path) -> None:
     console = stdout()
     names = ", ".join(one.joint for one in found.joints)
-    console.print(f"{output}: {found.path.name} with friction in {names}", markup=False)
+    console.print(f"{output}: {found.path.name} with friction in {names}")
     for one in found.joints:
-        console.print(f"{one.joint}: {one.law}", markup=False)
+        console.print(f"{one.joint}: {one.law}")
         for line in one.sentences:
-            console.print(f"  {line}", markup=False)
+            console.print(f"  {line}")
     rows = [row for one in found.joints for row in _rows(one)]
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
@@ -307,7 +307,7 @@ def _show(found: Applied, output: Path) -> None:
         )  # fmt: skip
         show_table("", heads, replays)
     for remark in found.remarks:
-        console.print(remark, markup=False)
+        console.print(remark)
 
 
 def _rows(joint: AppliedJoint) -> list[Sequence[str]]:

@@ -47,7 +47,7 @@ def run(options: InitOptions) -> None:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None
     if not options.as_json:  # all of the file is read once more below
-        stdout().print(str(guess), markup=False)
+        stdout().print(str(guess))
     name = _relative(data_file(file), target)
     if urdf is None:
         inertia = inertia_of(read_data([file], replace(guess.reading, by="options")))
@@ -67,8 +67,7 @@ def run(options: InitOptions) -> None:
         return
     typed = shlex.quote(str(target))
     stdout().print(
-        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}",
-        markup=False,
+        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}"
     )
 
 
@@ -91,13 +90,12 @@ def _films(options: InitOptions, reading: Reading) -> None:
         return
     typed = shlex.quote(str(target))
     low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
-    stdout().print(str(found), markup=False)
+    stdout().print(str(found))
     stdout().print(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
         f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"
-        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24",
-        markup=False,
+        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24"
     )
 
 

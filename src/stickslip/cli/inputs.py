@@ -687,7 +687,7 @@ def show_warnings(checks: Checks) -> None:
     """Print what is doubtful about a record."""
     doubts = [finding for finding in checks.findings if finding.severity == "warning"]
     for finding in doubts:
-        stdout().print(f"! {finding}", markup=False, style="yellow")
+        stdout().print(f"! {finding}", style="yellow")
 
 
 def show_estimates(estimates: Sequence[Estimate]) -> None:
@@ -707,7 +707,7 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
     show_table("", heads, rows, whole=heads[1:])
     for one in estimates:
         if one.reason:
-            stdout().print(f"  {one.path}: {plain(one.reason)}", markup=False)
+            stdout().print(f"  {one.path}: {plain(one.reason)}")
 
 
 def show_open(words: Wording) -> None:
@@ -715,9 +715,9 @@ def show_open(words: Wording) -> None:
     console = stdout()
     for title, lines in (("Limitations", words.cannot_tell), ("Measure next", words.measure_next)):
         if lines:
-            console.print(f"\n{title}", markup=False, style="bold")
+            console.print(f"\n{title}", style="bold")
         for line in lines:
-            console.print(f"  {plain(line)}", markup=False)
+            console.print(f"  {plain(line)}")
 
 
 def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
@@ -730,9 +730,9 @@ def show_trials(comparison: TrialComparison | None) -> None:
     if comparison is None:
         return
     console = stdout()
-    console.print("\nTrials", markup=False, style="bold")
+    console.print("\nTrials", style="bold")
     for line in comparison.sentences:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     if not comparison.trials or (comparison.shared and not comparison.conditions):
         return
     symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]

@@ -177,20 +177,20 @@ def show_verdict(verdict: Verdict) -> None:
     table = kind_of_route(verdict.route).comparison(verdict)
     if table.checks:
         show_warnings(table.checks)
-    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
-    console.print(plain(words.lede), markup=False)
+    console.print(f"\n{plain(words.verdict)}", style="bold")
+    console.print(plain(words.lede))
     if words.no_score:
-        console.print(words.no_score, markup=False, style="dim")
+        console.print(words.no_score, style="dim")
     console.print()
     rows = [[plain(cell) for cell in row] for row in table.rows]
     show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
     if table.notes:
         console.print()
     for line in table.notes:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     if table.fitted:
         title, estimates = table.fitted
-        console.print(f"\n{title}", markup=False, style="bold")
+        console.print(f"\n{title}", style="bold")
         show_estimates(estimates)
     show_trials(table.trials)
     show_open(words)
@@ -258,7 +258,7 @@ def run_fit(options: FitOptions) -> None:
     _show_fit(result, shown)
     show_trials(shown.trials)
     if output is not None:
-        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
+        stdout().print(f"\nRig file of the fitted law: {output}")
 
 
 def _checked(request: Request) -> Checks:
@@ -308,26 +308,26 @@ def _name(law: Law) -> str:
 
 def _show_fit(result: Fit, shown: FitSummary) -> None:
     console = stdout()
-    console.print(f"\n{result.law.title} friction", markup=False, style="bold")
+    console.print(f"\n{result.law.title} friction", style="bold")
     show_estimates(result.shown)
     for line in shown.limits:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     console.print()
     for line in far_above_dry(result):
-        console.print(f"! {plain(line)}\n", markup=False, style="yellow")
+        console.print(f"! {plain(line)}\n", style="yellow")
     if shown.rows:
         show_table("", shown.heads, [[plain(cell) for cell in row] for row in shown.rows])
     for line in shown.lines:
-        console.print(plain(line), markup=False)
+        console.print(plain(line))
     if result.cancelled:
         note("The search was stopped early; this is the best fit so far.")
     for line in shown.findings:
-        console.print(f"\n{plain(line)}", markup=False)
+        console.print(f"\n{plain(line)}")
     heading, lines = shown.open
     if lines:
-        console.print(f"\n{heading}", markup=False, style="bold")
+        console.print(f"\n{heading}", style="bold")
     for line in lines:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
 
 
 # ``stickslip plan``.
@@ -365,7 +365,7 @@ def run_plan(options: PlanOptions) -> None:
         return
     _show_plan(found)
     if files:
-        stdout().print(f"\nWritten: {', '.join(map(str, files))}", markup=False)
+        stdout().print(f"\nWritten: {', '.join(map(str, files))}")
 
 
 def _files(output: Path | None) -> list[Path]:
@@ -434,30 +434,29 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
 
 def _show_plan(found: Plan) -> None:
     console = stdout()
-    console.print(found.sentence, markup=False, style="bold")
+    console.print(found.sentence, style="bold")
     if found.assumed:
         console.print(
             "The uncertainty of 2 % of the longest travel is an assumption: repeat one setting and"
-            " give the scatter as --uncertainty.",
-            markup=False,
+            " give the scatter as --uncertainty."
         )
     if found.repeated:
-        console.print(f"The uncertainty is {known_by(found)}.", markup=False)
+        console.print(f"The uncertainty is {known_by(found)}.")
     for line in filter(None, (found.range_source, found.band_sentence)):
-        console.print(plain(line), markup=False)
+        console.print(plain(line))
     for line in found.remarks:
-        console.print(f"! {plain(line)}", markup=False, style="yellow")
+        console.print(f"! {plain(line)}", style="yellow")
     title = ""
     for table in tables_of(found):
         console.print()
         if table.title != title:
             title = table.title
-            console.print(plain(title), markup=False, style="bold")
+            console.print(plain(title), style="bold")
         if table.rows:
             rows = [[plain(cell) for cell in row.cells] for row in table.rows]
             show_table("", table.heads, rows, whole=table.heads)
         for head, text in table.lines.items():
-            console.print(f"  {plain(head)}: {plain(text)}", markup=False)
+            console.print(f"  {plain(head)}: {plain(text)}")
     head, *_ = found.csv().splitlines()
-    console.print("\nSave the travels as a CSV file with these columns", markup=False, style="bold")
-    console.print(f"  {head}", markup=False)
+    console.print("\nSave the travels as a CSV file with these columns", style="bold")
+    console.print(f"  {head}")

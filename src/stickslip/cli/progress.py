@@ -132,7 +132,7 @@ class _Shown:
             return
         self._last = now
         far = self._far(now - self._start, done, total)
-        self._bars.console.print(f"{step}{far} ...", markup=False, soft_wrap=True)
+        self._bars.console.print(f"{step}{far} ...", soft_wrap=True)
 
     def _far(self, elapsed: float, done: float, total: float) -> str:
         """Return how far work is, once it takes long."""

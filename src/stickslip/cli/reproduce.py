@@ -115,8 +115,8 @@ def _show(found: PaperAudit) -> None:
     _show_ranks(found)
     if found.own:
         stdout().print()
-        stdout().print(plain(found.verdict.words.verdict), markup=False)
-        stdout().print(plain(found.verdict.words.lede), markup=False)
+        stdout().print(plain(found.verdict.words.verdict))
+        stdout().print(plain(found.verdict.words.lede))
     else:
         _show_needs(found)
     stdout().print()
@@ -291,7 +291,7 @@ def run_benchmark(options: BenchmarkOptions) -> None:
         print_json(document("benchmark-run", content))
     else:
         show_table("", heads, cells, whole=["task"])
-        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}", markup=False)
+        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
     if not found.complete:
         note("Not all fits are there: the same command goes on.")
         raise typer.Exit(CANCELLED)

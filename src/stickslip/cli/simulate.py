@@ -147,7 +147,7 @@ def run(options: SimulateOptions) -> None:
     if not options.as_json:
         _show(ran, options)
         if output is not None:
-            stdout().print(f"\nWritten: {output}", markup=False)
+            stdout().print(f"\nWritten: {output}")
     page_code = 0
     if options.report is not None:
         kept = "The result of the run is not affected."
@@ -614,10 +614,10 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
 
 def _show(ran: Ran, options: SimulateOptions) -> None:
     console, run = stdout(), ran.run
-    console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
+    console.print(printable(ran.rig.heading), style="bold", end="")
     form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
-    console.print(f", {friction_title(ran.chosen)}{'' if form else ' friction'}", markup=False)
-    console.print(f"{run.ending}{_still_moving(ran)}", markup=False)
+    console.print(f", {friction_title(ran.chosen)}{'' if form else ' friction'}")
+    console.print(f"{run.ending}{_still_moving(ran)}")
     if run.events:
         contact = ["contact"] if run.contacts else []
         show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
@@ -629,27 +629,26 @@ def _show(ran: Ran, options: SimulateOptions) -> None:
         for name in shown[:MOST_STATES]
     )
     final += f", and {left} further states; --json lists all" if left > 0 else ""
-    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}", markup=False)
+    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}")
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
         held = run.contact(name).stick_time()
         console.print(
-            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
-            markup=False,
+            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction"
         )
     if len(work_by_contact) > MOST_STATES:
         more = len(work_by_contact) - MOST_STATES
-        console.print(f"{more} further contacts; --json lists all", markup=False)
+        console.print(f"{more} further contacts; --json lists all")
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
     if options.exact:
         checked += f"guard violation {residue(trust.guard_violation)}, "
         checked += f"stick drift {residue(trust.stick_drift)}, "
-    console.print(f"{checked}{trust.steps} steps", markup=False)
+    console.print(f"{checked}{trust.steps} steps")
     for warning in trust.warnings:
-        console.print(f"Warning: {warning}", markup=False)
+        console.print(f"Warning: {warning}")
     for problem in trust.problems:
-        console.print(f"Not certified: {problem}", markup=False)
+        console.print(f"Not certified: {problem}")
     if ran.twin is not None:
         _show_twin(ran.twin)
     if ran.band is not None:
@@ -657,9 +656,9 @@ def _show(ran: Ran, options: SimulateOptions) -> None:
     if ran.validation is not None:
         _show_validation(ran.validation)
     if ran.refit is not None:
-        console.print("\nRefitted to this measurement", markup=False, style="bold")
+        console.print("\nRefitted to this measurement", style="bold")
         for line in ran.refit.sentences(ran.validation):
-            console.print(f"  {line}", markup=False)
+            console.print(f"  {line}")
 
 
 def _still_moving(ran: Ran) -> str:
@@ -704,25 +703,25 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
 def _show_twin(found: "Twin") -> None:
     """Print what another program makes of the friction, and settings that come closer."""
     console = stdout()
-    console.print("\nBeside the exact run", markup=False, style="bold")
+    console.print("\nBeside the exact run", style="bold")
     for line in found.sentences:
-        console.print(line, markup=False)
+        console.print(line)
     cured = found.cured()
     if cured.peak_error < found.peak_error:
-        console.print("\nWith settings that come closer", markup=False, style="bold")
+        console.print("\nWith settings that come closer", style="bold")
         for line in cured.sentences[:3]:
-            console.print(line, markup=False)
+            console.print(line)
 
 
 def _show_validation(seen: Validation) -> None:
     """Print what was measured beside the prediction, and what to think of it."""
     console = stdout()
-    console.print("\nPrediction and measurement", markup=False, style="bold")
+    console.print("\nPrediction and measurement", style="bold")
     if seen.travels:
         rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
         show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
     for line in seen.sentences():
-        console.print(line, markup=False)
+        console.print(line)
 
 
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
@@ -761,7 +760,7 @@ def _show_band(band: Band) -> None:
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
     show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
     for reason in band.reasons:
-        stdout().print(reason, markup=False)
+        stdout().print(reason)
 
 
 def _cells(spread: Spread, unit: str) -> list[str]:

@@ -136,15 +136,15 @@ def run_sweep(options: SweepOptions) -> None:
         files = [str(output), str(figure)]
         print_json(document("sweep", head | content | {"files": files}))
         return
-    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
+    stdout().print(printable(rig.heading), style="bold", end="")
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        stdout().print(f", laws drawn: {joined(counts)}", markup=False)
+        stdout().print(f", laws drawn: {joined(counts)}")
         _show_band(found, measured)
     else:
-        stdout().print(f", {friction_title(chosen)} friction", markup=False)
+        stdout().print(f", {friction_title(chosen)} friction")
         _show_map(found, turns)
-    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
@@ -208,7 +208,7 @@ def _write_map(
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
-    stdout().print(str(found), markup=False)
+    stdout().print(str(found))
     ends = zip(found.low, found.high, strict=True)
     band = dict(zip(found.values.tolist(), ends, strict=True))
     seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
@@ -233,9 +233,9 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
     if rows:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
-        console.print(f"The mean velocity changes sign at {number(turn, 6)}.", markup=False)
+        console.print(f"The mean velocity changes sign at {number(turn, 6)}.")
     for reason in found.early_ends():
-        console.print(reason, markup=False)
+        console.print(reason)
 
 
 def _axes(vary: Sequence[str]) -> dict[str, Array]:
@@ -294,10 +294,10 @@ def run_orbits(options: OrbitOptions) -> None:
         files = [str(output), str(figure)]
         print_json(document("orbits", head | _diagram_content(found) | {"files": files}))
         return
-    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
-    stdout().print(f", {friction_title(chosen)} friction", markup=False)
+    stdout().print(printable(rig.heading), style="bold", end="")
+    stdout().print(f", {friction_title(chosen)} friction")
     _show_diagram(found)
-    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
@@ -358,7 +358,7 @@ def _show_diagram(found: OrbitDiagram) -> None:
         if not end.startswith("It reaches")
     ]
     for sentence in (*ends, *found.costs()):
-        stdout().print(sentence, markup=False)
+        stdout().print(sentence)
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
@@ -416,7 +416,7 @@ def run_profile(options: ProfileOptions) -> None:
         print_json(content)
     else:
         _show_optimum(found)
-        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})", markup=False)
+        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
     if found.cancelled:
         note("The search was stopped early; this is the best motion so far.")
 
@@ -531,10 +531,10 @@ def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]
 def _show_optimum(found: Optimum) -> None:
     console, goal = stdout(), found.goal
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
-    console.print(title, markup=False, style="bold")
+    console.print(title, style="bold")
     if len(found.scenarios) > 1:
-        console.print(f"Objective value: {found.scenarios.words}", markup=False)
-    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))), markup=False)
+        console.print(f"Objective value: {found.scenarios.words}")
+    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))))
     console.print()
     rows = [
         [
@@ -557,8 +557,7 @@ def _show_optimum(found: Optimum) -> None:
     else:
         how = "refined locally" if found.polished else "from the evolution strategy"
     console.print(
-        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified.",
-        markup=False,
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified."
     )
 
 
@@ -623,7 +622,7 @@ def run_characterize(options: CharacterizeOptions) -> None:
         return
     _show(found)
     if report is not None:
-        stdout().print(f"\nReport: {report}", markup=False)
+        stdout().print(f"\nReport: {report}")
 
 
 def _law(text: str) -> FrictionLaw | str:
@@ -679,11 +678,11 @@ def _show(found: Characterization) -> None:
     for i, one in enumerate(found.all):
         if i:
             stdout().print()
-        stdout().print(one.title, markup=False, style="bold")
-        stdout().print(f"{one.law}", markup=False)
+        stdout().print(one.title, style="bold")
+        stdout().print(f"{one.law}")
         if one.matched:
-            stdout().print(one.matched, markup=False)
+            stdout().print(one.matched)
         names = [name for name in TESTS if name in one.results or name in one.failed]
         show_table("", ["test", "result"], [[name, plain(one.told(name))] for name in names])
         for name, why in one.failed.items():
-            stdout().print(f"{name}: {why}", markup=False)
+            stdout().print(f"{name}: {why}")

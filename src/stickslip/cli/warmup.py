@@ -43,7 +43,7 @@ def run(options: WarmupOptions) -> None:
     if options.as_json:
         print_json(document("warmup", _content(pairs, done)))
     else:
-        stdout().print(_sentence(done), markup=False)
+        stdout().print(_sentence(done))
 
 
 def _names(laws: str | None) -> list[str]:
