@@ -28,7 +28,7 @@ from stickslip.engine.solver import (
 )
 from stickslip.engine.solver import Final as Last
 from stickslip.engine.trajectory import Status
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.quantities import Quantity, all_paths, full_path, parameters
 from stickslip.show.documents import document, write_files
 from stickslip.show.formatting import count, number, printable, quantity
@@ -343,10 +343,8 @@ def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]
 
 
 def _number(value: object, known: Quantity, where: str) -> float:
-    try:
+    with concerning(where):
         return read_number(value, known)
-    except ParameterError as error:
-        raise ParameterError(f"{where} {error}") from None
 
 
 def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:

@@ -17,7 +17,7 @@ from typing_extensions import override
 
 from stickslip.cli import CANCELLED, ToldExit
 from stickslip.data import read_number
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, concerning
 from stickslip.quantities import Quantity
 from stickslip.show.documents import check_replaceable, json_text, unwritable
 from stickslip.show.formatting import NO_VALUE, printable
@@ -233,10 +233,8 @@ def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
     low, dots, high = text.partition("..")
     if not (dots and low.strip() and high.strip()):
         raise InputError(f"{option} takes LOW..HIGH such as 40mm..100mm, got {text!r}.")
-    try:
+    with concerning(option):
         return number_of(low.strip(), quantity), number_of(high.strip(), quantity)
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
 
 
 # The page of a command: what was found stands, whether its page can be drawn or not.

@@ -10,7 +10,7 @@ from stickslip.cli.console import print_json, refuse_overwriting, show_table, st
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
 from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data, read_number
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.exports import (
     TARGETS,
     Applied,
@@ -190,10 +190,8 @@ def loads(options: ExportOptions | ApplyOptions) -> tuple[float | None, float | 
 def _number(option: str, text: str | None, quantity: Quantity) -> float | None:
     if text is None:
         return None
-    try:
+    with concerning(option):
         return read_number(text, quantity)
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
 
 
 # ``stickslip apply``.

@@ -39,7 +39,7 @@ from stickslip.data import (
     read_gain,
     read_number,
 )
-from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
 from stickslip.friction import (
     PRINTED_FORMS,
     FrictionLaw,
@@ -182,10 +182,8 @@ def _value_of(kind: type[PrintedForm], name: str, text: str) -> float | bool:
     """Read a value of a printed equation, which may be a switch."""
     quantity = fields_of(kind).get(name)
     if quantity is not None:
-        try:
+        with concerning(f"--set {FRICTION}{name}:"):
             return read_number(text, quantity)
-        except ParameterError as error:
-            raise ParameterError(f"--set {FRICTION}{name}: {error}") from None
     if text.lower() not in ("true", "false"):
         raise ParameterError(f"--set {FRICTION}{name} must be true or false, got {text!r}.")
     return text.lower() == "true"
@@ -456,10 +454,8 @@ def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> 
 def _load(text: str | None) -> float | None:
     if text is None:
         return None
-    try:
+    with concerning("--law-load"):
         return read_number(text, LOAD)
-    except ParameterError as error:
-        raise ParameterError(f"--law-load {error}") from None
 
 
 def _own(rig: Rig, name: str | None) -> ChosenLaw:
@@ -638,10 +634,8 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
         if law is None:
             refuse_of_laws([name.strip()], known)
         path = full_path(name.strip(), known, "parameter in --fixed")
-        try:
+        with concerning(f"--fixed {path}"):
             found[path] = number_of(value.strip(), known[path])
-        except ParameterError as error:
-            raise ParameterError(f"--fixed {path} {error}") from None
     return found
 
 

@@ -43,7 +43,7 @@ from stickslip.cli.inputs import (
 from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.cli.progress import workers
 from stickslip.data import Checks, Rig, check, refusal, refuse_same
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, far_above_dry
@@ -408,10 +408,8 @@ def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | Non
 def _uncertainty(text: str | None) -> float | None:
     if text is None:
         return None
-    try:
+    with concerning("--uncertainty"):
         return number_of(text, Quantity("u_s", "m", above=0))
-    except ParameterError as error:
-        raise ParameterError(f"--uncertainty {error}") from None
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:

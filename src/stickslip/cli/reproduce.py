@@ -26,7 +26,7 @@ from stickslip.cli.console import (
 from stickslip.cli.options import BenchmarkOptions, PaperOptions
 from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
 from stickslip.data import load_rig
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, concerning
 from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
@@ -81,10 +81,8 @@ def _cart(changes: Sequence[str]) -> PendulumCart:
     values = {}
     for given, text in overrides(changes).items():
         path = full_path(given, quantities)
-        try:
+        with concerning(f"--set {given}"):
             values[path] = number_of(text, quantities[path])
-        except ParameterError as error:
-            raise ParameterError(f"--set {given} {error}") from None
     return vary(CART, "cart", values)
 
 

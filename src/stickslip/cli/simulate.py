@@ -40,7 +40,7 @@ from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
 from stickslip.engine.solver import FixedStep, Solver
 from stickslip.engine.trajectory import Event, Status, Trajectory
-from stickslip.errors import InputError, ParameterError, StickslipError
+from stickslip.errors import InputError, StickslipError, concerning
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.candidates import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
@@ -271,10 +271,8 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simu
         named(known, key, f"setting of {name}")
     given_values: dict[str, float | str] = {}
     for key, text in values.items():
-        try:
+        with concerning(f"--as {name}: {key}"):
             given_values[key] = number_of(text, numbers[key]) if key in numbers else text
-        except ParameterError as error:
-            raise ParameterError(f"--as {name}: {key} {error}") from None
     program = kind(**given_values)
     t_end = rig.t_end if options.t_end is None else options.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))

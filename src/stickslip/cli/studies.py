@@ -39,7 +39,7 @@ from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
 from stickslip.engine.executors import Inline
-from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.errors import InputError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
@@ -457,10 +457,8 @@ def _found(
 def _quantile(text: str) -> float | Literal["mean"]:
     if text == "mean":
         return "mean"
-    try:
+    with concerning("--quantile"):
         return read_number(text, Quantity("quantile", low=0, high=1))
-    except ParameterError as error:
-        raise ParameterError(f"--quantile {error}") from None
 
 
 def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
@@ -473,10 +471,8 @@ def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
         if text is None:
             continue
         own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
-        try:
+        with concerning(OPTIONS[name]):
             values[name] = read_number(text, own)
-        except ParameterError as error:
-            raise ParameterError(f"{OPTIONS[name]} {error}") from None
     return Limits(**values)
 
 
@@ -491,10 +487,8 @@ def _position(options: ProfileOptions, quantity: Quantity, unit: str) -> float:
         what = "turns" if of_angle else "moves along a line, from end to end"
         got = "none of the two" if other is None else f"{wrong} {other}"
         raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
-    try:
+    with concerning(option):
         value = read_number(text, Quantity(quantity.symbol, unit, above=0))
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
     return value if of_angle else 0.5 * value
 
 
@@ -642,10 +636,8 @@ def _law(text: str) -> FrictionLaw | str:
 
 def _load(text: str | None, mechanism: Mechanism | None) -> float:
     if text is not None:
-        try:
+        with concerning("--load"):
             return number_of(text, Quantity("N", "N", above=0))
-        except ParameterError as error:
-            raise ParameterError(f"--load {error}") from None
     (contact,) = mechanism.contacts()[:1] if mechanism is not None else (None,)
     prescribed = None if contact is None else contact.load
     return 1.0 if prescribed is None else float(prescribed)

@@ -63,7 +63,7 @@ from stickslip.data.readers.tracks import (
     read_blocks,
     read_capture,
 )
-from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
+from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.formatting import joined
 from stickslip.units import shown
 
@@ -186,10 +186,8 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     text, encoding = _decoded(path, data)
     dialect = dialect_of(text)
     if dialect is not None:
-        try:
+        with concerning(f"{path}:", InputError):
             return dialect.read(text)
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
     lines, start = _head(path, text)
     named = _tracks(lines)
     lines, start = (lines[1:], start + 1) if named else (lines, start)

@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 from stickslip.data.rigs.rig_models import place
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw, curves_beside, is_composition, law_type, laws
 from stickslip.mechanisms import Mechanism
 
@@ -115,10 +115,8 @@ def _law(text: object, where: str, beside: Path | None) -> type[FrictionLaw]:
     """Return the law of a table."""
     if not isinstance(text, str):
         raise InputError(f"{where}.law must be a text such as 'level + viscous', got {text!r}.")
-    try:
+    with concerning(f"{where}:", InputError):
         return law_type(text if beside is None else curves_beside(text, beside))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

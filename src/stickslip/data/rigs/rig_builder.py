@@ -69,7 +69,7 @@ from stickslip.data.rigs.schema import (
 )
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.friction import PARTS, FrictionLaw, Laws
 from stickslip.mechanisms import (
     LINKS,
@@ -239,10 +239,8 @@ def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
         for rotary, words in motion_kinds(owner, given).items():
             kinds.setdefault(rotary, f"{where}.{words}")
     said = table.get("rotary")
-    try:
+    with concerning(f"{file}:"):
         rotary = is_rotary(kinds, said if isinstance(said, bool) else None)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: {error}") from None
     if rotary:
         table["rotary"] = True
     return rotary if kinds or said is not None else None
@@ -293,10 +291,8 @@ def _contacts(
             return ()
         raise complaint(error, raw, file, overrides, {}) from None
     mechanism = _mechanism(table, file, overrides)
-    try:
+    with concerning(f"{file}:", InputError):
         found = checked_contacts(mechanism)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
@@ -511,10 +507,8 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
                 f"quantity in {key}.offset of {file}:", name, QUANTITIES
             ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
-        try:
+        with concerning(f"{file}: {key}.offset.{name}"):
             found = Number(quantity, alternatives=turning).read(value)
-        except ParameterError as error:
-            raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
         offset[name] = found.value if isinstance(found, Given) else found
     try:
         columns = {name: column_of(name, given) for name, given in table.columns.items()}
@@ -566,12 +560,8 @@ def _files(
     paths = [Path(file).parent / name for name in names if name]
     if not paths:
         return None
-    try:
+    with concerning(f"{file}: [data]:", InputError):
         return read_data(paths, reading, mechanism=mechanism)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: [data]: {error}") from None
-    except InputError as error:
-        raise InputError(f"{file}: [data]: {error}") from None
 
 
 def _trials(
@@ -588,10 +578,8 @@ def _trials(
             records.append(_record(trial, mechanism, file, index, table.run.t_end))
     if len(records) == 1:
         return records[0]
-    try:
+    with concerning(f"{file}: trial:", InputError):
         return Measurement(trials=tuple(records), name=table.title)
-    except InputError as error:
-        raise InputError(f"{file}: trial: {error}") from None
 
 
 TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
@@ -662,10 +650,8 @@ def _record(
     if "uncertainty" in given:
         measured = QUANTITIES[names[0]]
         quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
-        try:
+        with concerning(f"{label}.uncertainty"):
             given["uncertainty"] = read_number(given["uncertainty"], quantity)
-        except ParameterError as error:
-            raise ParameterError(f"{label}.uncertainty {error}") from None
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
         raise ParameterError(
@@ -713,10 +699,8 @@ def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict
     for name, value in given.items():
         if name not in units:
             raise UnknownNameError(f"state in {label}:", name, units)
-        try:
+        with concerning(f"{label}: {name}"):
             found[name] = read_number(value, Quantity(name, units[name]))
-        except ParameterError as error:
-            raise ParameterError(f"{label}: {name} {error}") from None
     return found
 
 

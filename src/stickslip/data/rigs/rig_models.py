@@ -31,7 +31,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.data.readers.toml import paths_of
 from stickslip.data.units import check_uncertainty, read_number
-from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
 from stickslip.mechanisms import (
     LOOPS,
     MOTORS,
@@ -469,11 +469,9 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str
     for name in added:
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
-    try:
+    with concerning(f"{file}: mechanism.joints:"):
         joints = tuple(_with(one, added.get(one.joint, {})) for one in robot.joints)
         return replace(robot, joints=joints)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: mechanism.joints: {error}") from None
 
 
 def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
