@@ -8,7 +8,7 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import note, print_json, reading_of, refuse_overwriting, stdout
 from stickslip.cli.options import CheckOptions
 from stickslip.data import (
     SEVERITIES,
@@ -75,8 +75,6 @@ LABELS = {
 
 def run(options: CheckOptions) -> None:
     """Check, print the sentences, draw an overview if asked for one."""
-    from stickslip.cli.inputs import reading_of
-
     output, reading = options.output, reading_of(options)
     if output is not None:
         refuse_overwriting(output, output, force=options.force, files=(DOCUMENT,))

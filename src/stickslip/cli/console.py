@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextvars import ContextVar
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,9 @@ from rich.text import Text
 from typing_extensions import override
 
 from stickslip.cli import CANCELLED, ToldExit
-from stickslip.data import read_number
-from stickslip.errors import InputError, concerning
+from stickslip.cli.options import ColumnOptions, ReadingOptions
+from stickslip.data import Column, Reading, column_of, motor_constants, read_gain, read_number
+from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.quantities import Quantity
 from stickslip.show.documents import check_replaceable, json_text, unwritable
 from stickslip.show.formatting import NO_VALUE, printable
@@ -138,19 +140,6 @@ def plain(text: str) -> str:
     return text.replace("$", "")
 
 
-def overrides(changes: Sequence[str]) -> dict[str, str]:
-    """Split ``path=value`` pairs."""
-    found = {}
-    for change in changes:
-        path, equals, value = change.partition("=")
-        if not equals or not path.strip() or not value.strip():
-            raise InputError(
-                f"--set takes PATH=VALUE such as static_coefficient=0.4, got {change!r}."
-            )
-        found[path.strip()] = value.strip()
-    return found
-
-
 def check_rig_file(output: Path) -> None:
     """Refuse what is no rig file by its ending, before it is written."""
     if output.suffix != ".toml":
@@ -204,7 +193,33 @@ def refuse_overwriting(
                 part.rmdir()
 
 
-# Numbers of options.
+# Values of options: pairs, numbers, and how files are read.
+
+
+def pair_of(text: str, wants: str) -> tuple[str, str]:
+    """Return both sides of ``NAME=VALUE``; an option that has none says what it wants.
+
+    Examples
+    --------
+    >>> pair_of("mass = 2 kg", "--set takes PATH=VALUE")
+    ('mass', '2 kg')
+    """
+    name, _, value = (part.strip() for part in text.partition("="))
+    if not (name and value):
+        raise InputError(f"{wants}, got {text!r}.")
+    return name, value
+
+
+def overrides(changes: Sequence[str]) -> dict[str, str]:
+    """Split ``path=value`` pairs."""
+    wants = "--set takes PATH=VALUE such as static_coefficient=0.4"
+    return dict(pair_of(change, wants) for change in changes)
+
+
+def with_unit(option: str, text: str | None, quantity: Quantity) -> float | None:
+    """Return a number with a unit in SI, if there is one; what is refused names the option."""
+    with concerning(option):
+        return None if text is None else read_number(text, quantity)
 
 
 def number_of(text: str, quantity: Quantity) -> float:
@@ -235,6 +250,58 @@ def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
         raise InputError(f"{option} takes LOW..HIGH such as 40mm..100mm, got {text!r}.")
     with concerning(option):
         return number_of(low.strip(), quantity), number_of(high.strip(), quantity)
+
+
+def columns_of(options: ColumnOptions) -> Reading:
+    """Return what the options of that name say together."""
+    constant = options.motor_constant
+    return Reading(
+        columns=_columns(options.columns),
+        units=_pairs("--unit", "position=mm", options.units),
+        gain=_gains(_pairs("--gain", "force=35.15", options.gain)),
+        motor_constant={} if constant is None else motor_constants(constant),
+        by="options",
+    )
+
+
+def reading_of(options: ReadingOptions) -> Reading:
+    """Return what the options of that name say together."""
+    repair = [part.strip() for given in options.repair for part in given.split(",")]
+    names = [part.strip() for given in options.conditions for part in given.split(",")]
+    return replace(columns_of(options), repair=tuple(repair), conditions=tuple(names))  # type: ignore[arg-type]  # checked by Reading itself
+
+
+def _columns(given: Sequence[str]) -> dict[str, Column]:
+    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for part in (part for text in given for part in text.split(",")):
+        if "=" in part or not name or not part.strip():
+            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
+            found[name] = [column]
+        else:
+            found[name].append(part.strip())
+    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
+
+
+def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
+    """Split ``name=value`` pairs, parted by commas."""
+    wants = f"{option} takes NAME=VALUE such as {example}"
+    return dict(pair_of(part, wants) for text in given for part in text.split(","))
+
+
+def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
+    """Return gains as numbers, or as texts with their unit."""
+    found: dict[str, float | str] = {}
+    for name, value in pairs.items():
+        try:
+            found[name] = read_gain(value)
+        except ParameterError:
+            raise InputError(
+                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
+                f' "position=0.5 um/count", got {name}={value}.'
+            ) from None
+    return found
 
 
 # The page of a command: what was found stands, whether its page can be drawn or not.

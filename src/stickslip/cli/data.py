@@ -110,21 +110,9 @@ def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
 
 def _record(record: Dataset) -> dict[str, Any]:
     return {
-        "name": record.name,
-        "title": record.title,
-        "kind": record.kind,
-        "citation": record.citation,
-        "licence": record.licence,
-        "repository": record.repository,
-        "commit": record.commit,
-        "format": record.format,
-        "sampling": record.sampling,
-        "load": record.load,
+        **vars(record),
         "columns": [_column(column) for column in record.columns],
         "files": {name: _file(record, file) for name, file in record.files.items()},
-        "known": record.known,
-        "published": record.published,
-        "notes": record.notes,
     }
 
 

@@ -6,11 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import print_json, refuse_overwriting, show_table, stdout
+from stickslip.cli.console import (
+    pair_of,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    with_unit,
+)
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
-from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data, read_number
-from stickslip.errors import InputError, ParameterError, concerning
+from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
+from stickslip.errors import InputError, ParameterError
 from stickslip.exports import (
     TARGETS,
     Applied,
@@ -22,7 +29,7 @@ from stickslip.exports import (
     identifier,
 )
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import Given, Quantity, named, turned
+from stickslip.quantities import Given, named, turned
 from stickslip.show.documents import document, regular_bytes
 from stickslip.show.formatting import NO_VALUE, quantity
 
@@ -159,16 +166,13 @@ def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
     for one in given:
-        name, equals, value = one.partition("=")
-        if not equals or not value.strip():
-            raise InputError(
-                f"--at takes a contact input and its value, such as"
-                f' --at "temperature=35 degC", got {one!r}.'
-            )
+        name, value = pair_of(
+            one, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
+        )
         try:
-            found[name.strip()] = float(value)
+            found[name] = float(value)
         except ValueError:
-            found[name.strip()] = value.strip()
+            found[name] = value
     return found
 
 
@@ -184,14 +188,9 @@ def by_option() -> Iterator[None]:
 
 def loads(options: ExportOptions | ApplyOptions) -> tuple[float | None, float | None]:
     """Return the normal forces of the options `--load` and `--law-load`."""
-    return _number("--load", options.load, LOAD), _number("--law-load", options.law_load, LOAD)
-
-
-def _number(option: str, text: str | None, quantity: Quantity) -> float | None:
-    if text is None:
-        return None
-    with concerning(option):
-        return read_number(text, quantity)
+    pairs = (("--load", options.load), ("--law-load", options.law_load))
+    load, law_load = (with_unit(option, text, LOAD) for option, text in pairs)
+    return load, law_load
 
 
 # ``stickslip apply``.

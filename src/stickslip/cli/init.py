@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import check_rig_file, print_json, refuse_overwriting, stdout
-from stickslip.cli.inputs import columns_of
+from stickslip.cli.console import check_rig_file, columns_of, print_json, refuse_overwriting, stdout
 from stickslip.cli.options import InitOptions
 from stickslip.data import (
     Guess,

@@ -9,12 +9,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
+from stickslip.cli.console import (
+    note,
+    number_of,
+    overrides,
+    pair_of,
+    plain,
+    reading_of,
+    show_table,
+    stdout,
+    with_unit,
+)
 from stickslip.cli.options import (
-    ColumnOptions,
     LawOptions,
     MeasuredOptions,
-    ReadingOptions,
     RigOptions,
 )
 from stickslip.cli.progress import Interrupts, Searching, Watching
@@ -23,20 +31,16 @@ from stickslip.data import (
     CarriedLaw,
     CarriedLaws,
     Checks,
-    Column,
     KnownLaws,
     LawEstimates,
     Reading,
     Rig,
     carried,
     carried_by_contact,
-    column_of,
     condition_name,
     estimates_by_contact,
     load_rig,
-    motor_constants,
     read_data,
-    read_gain,
     read_number,
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
@@ -362,7 +366,7 @@ def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
             note(plain(remark))
         return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
-    load = _load(options.law_load)
+    load = with_unit("--law-load", options.law_load, LOAD)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
     if own:
         name = found.law.name
@@ -390,7 +394,8 @@ def laws_drawn(
         laws, error = drawn
         if count > len(laws):
             raise InputError(f"--ensemble takes up to {len(laws)} laws, as {source.path} has.")
-        load, levels = _load(law_load), source.estimates and source.estimates.levels
+        load = with_unit("--law-load", law_load, LOAD)
+        levels = source.estimates and source.estimates.levels
         own = [
             dataclasses.replace(
                 source,
@@ -449,13 +454,6 @@ def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> 
                 f" {run if contact else 'this run'}, which has {', '.join(known)}. Name another law"
                 " with --law, or leave it out."
             )
-
-
-def _load(text: str | None) -> float | None:
-    if text is None:
-        return None
-    with concerning("--law-load"):
-        return read_number(text, LOAD)
 
 
 def _own(rig: Rig, name: str | None) -> ChosenLaw:
@@ -626,16 +624,12 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
     known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
-        name, equals, value = part.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(
-                f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
-            )
+        name, value = pair_of(part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4")
         if law is None:
-            refuse_of_laws([name.strip()], known)
-        path = full_path(name.strip(), known, "parameter in --fixed")
+            refuse_of_laws([name], known)
+        path = full_path(name, known, "parameter in --fixed")
         with concerning(f"--fixed {path}"):
-            found[path] = number_of(value.strip(), known[path])
+            found[path] = number_of(value, known[path])
     return found
 
 
@@ -743,63 +737,3 @@ def show_trials(comparison: TrialComparison | None) -> None:
             row += [significant(one.value, 4), one.range if known else "open"]
         rows.append([plain(cell) for cell in row])
     show_table("", heads, rows, whole=heads)
-
-
-# How options say that the files of a measurement are read.
-
-
-def columns_of(options: ColumnOptions) -> Reading:
-    """Return what the options of that name say together."""
-    constant = options.motor_constant
-    return Reading(
-        columns=_columns(options.columns),
-        units=_pairs("--unit", "position=mm", options.units),
-        gain=_gains(_pairs("--gain", "force=35.15", options.gain)),
-        motor_constant={} if constant is None else motor_constants(constant),
-        by="options",
-    )
-
-
-def reading_of(options: ReadingOptions) -> Reading:
-    """Return what the options of that name say together."""
-    repair = [part.strip() for given in options.repair for part in given.split(",")]
-    names = [part.strip() for given in options.conditions for part in given.split(",")]
-    return replace(columns_of(options), repair=tuple(repair), conditions=tuple(names))  # type: ignore[arg-type]  # checked by Reading itself
-
-
-def _columns(given: Sequence[str]) -> dict[str, Column]:
-    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
-    found: dict[str, list[str]] = {}
-    name = ""
-    for part in (part for text in given for part in text.split(",")):
-        if "=" in part or not name or not part.strip():
-            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
-            found[name] = [column]
-        else:
-            found[name].append(part.strip())
-    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
-
-
-def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
-    """Split ``name=value`` pairs, parted by commas."""
-    found = {}
-    for pair in (part for text in given for part in text.split(",")):
-        name, equals, value = pair.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
-    """Return gains as numbers, or as texts with their unit."""
-    found: dict[str, float | str] = {}
-    for name, value in pairs.items():
-        try:
-            found[name] = read_gain(value)
-        except ParameterError:
-            raise InputError(
-                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
-                f' "position=0.5 um/count", got {name}={value}.'
-            ) from None
-    return found
