@@ -14,6 +14,7 @@ from stickslip.paper.sections.common import (
     back_slip_text,
     fitted_text,
     levels_from,
+    numbers,
     values_of,
 )
 from stickslip.show.formatting import (
@@ -156,10 +157,8 @@ def _animation(study: CartStudy) -> Animation:
 def _run_table(runs: Sequence[CartRun]) -> Table:
     columns = (
         Column(head="run"),
-        Column(
-            head=f"travel in\n{CYCLES} cycles, m", numeric=True, phone="label", label="travel, m"
-        ),
-        Column(head="by cycle\nmm", numeric=True, phone="label", label="travel by cycle, mm"),
+        numbers(f"travel in\n{CYCLES} cycles, m", "travel, m"),
+        numbers("by cycle\nmm", "travel by cycle, mm"),
         LOWEST_VELOCITY,
         BACK_SLIP,
     )
@@ -306,14 +305,9 @@ def _choice_table(study: CartStudy) -> Table:
     columns = (
         Column(head="law"),
         FIRST_CYCLE,
-        Column(head="last cycle\nmm", numeric=True, phone="label"),
+        numbers("last cycle\nmm"),
         BACK_SLIP,
-        Column(
-            head="lowest normal\nforce, N",
-            numeric=True,
-            phone="label",
-            label="lowest normal force, N",
-        ),
+        numbers("lowest normal\nforce, N", "lowest normal force, N"),
     )
     rows = tuple(
         Row(
@@ -402,23 +396,11 @@ def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
     columns = (
         Column(head="rule for rest"),
-        Column(head="block, travel\nm", numeric=True, phone="label"),
-        Column(
-            head="sign changes\nin 1 s", numeric=True, phone="label", label="sign changes in 1 s"
-        ),
+        numbers("block, travel\nm"),
+        numbers("sign changes\nin 1 s", "sign changes in 1 s"),
         Column(head="block\nat the end", phone="label", label="block at the end"),
-        Column(
-            head=f"cart, travel in\n{CYCLES} cycles, m",
-            numeric=True,
-            phone="label",
-            label="cart, travel, m",
-        ),
-        Column(
-            head="cart, back-slip\nmm/cycle",
-            numeric=True,
-            phone="label",
-            label="cart, back-slip, mm per cycle",
-        ),
+        numbers(f"cart, travel in\n{CYCLES} cycles, m", "cart, travel, m"),
+        numbers("cart, back-slip\nmm/cycle", "cart, back-slip, mm per cycle"),
     )
     return Section(
         collapsed=True,
@@ -496,14 +478,9 @@ def break_away_section(found: PaperAudit) -> Section:
     """Show what a break-away level that varies does to the cart."""
     columns = (
         Column(head="break-away level"),
-        Column(
-            head="friction reached\nby cycle, over $N$",
-            numeric=True,
-            phone="label",
-            label="reached",
-        ),
+        numbers("friction reached\nby cycle, over $N$", "reached"),
         FIRST_CYCLE,
-        Column(head="later cycles\nmm", numeric=True, phone="label"),
+        numbers("later cycles\nmm"),
         BACK_SLIP,
     )
     return Section(

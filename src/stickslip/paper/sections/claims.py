@@ -10,7 +10,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
-from stickslip.paper.sections.common import values_of
+from stickslip.paper.sections.common import numbers, values_of
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -32,9 +32,9 @@ def unpublished_section(found: PaperAudit) -> Section:
     reached = {key: _reached(found, key) for key in "AB"}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label"),
-        Column(head="A, push: would need", numeric=True, phone="label", label="A would need"),
-        Column(head="B, spring: would need", numeric=True, phone="label", label="B would need"),
+        numbers("published\nm"),
+        numbers("A, push: would need", "A would need"),
+        numbers("B, spring: would need", "B would need"),
         Column(head="what that means"),
     )
     needs = {(need.law, need.reading): need for need in found.requirements}
@@ -105,9 +105,9 @@ def _step_table(found: PaperAudit) -> Table:
     titles = {row.law.name: row.law.title for row in found.table}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
-        Column(head="sgn 0 = 0\nm", numeric=True, phone="label", label="sgn 0 = 0, m"),
-        Column(head="from break-away\nm", numeric=True, phone="label", label="from break-away, m"),
+        numbers("published\nm"),
+        numbers("sgn 0 = 0\nm"),
+        numbers("from break-away\nm"),
         Column(head="with"),
     )
     rows = tuple(
@@ -156,10 +156,10 @@ def _creep_text(found: PaperAudit) -> str:
 def _creep_table(found: PaperAudit) -> Table:
     columns = (
         Column(head="Stribeck velocity"),
-        Column(head="10 ms, no rule\nmean, m", numeric=True, phone="label", label="mean, m"),
-        Column(head="scatter\nm", numeric=True, phone="label"),
-        Column(head="10 ms, rule\nfor rest, m", numeric=True, phone="label", label="with rule, m"),
-        Column(head="1 ms, no rule\nm", numeric=True, phone="label", label="in 1 ms, m"),
+        numbers("10 ms, no rule\nmean, m", "mean, m"),
+        numbers("scatter\nm"),
+        numbers("10 ms, rule\nfor rest, m", "with rule, m"),
+        numbers("1 ms, no rule\nm", "in 1 ms, m"),
     )
     rows = tuple(
         Row(
@@ -195,14 +195,9 @@ def _bristle_table(found: PaperAudit) -> Table:
     """Show the travel of the bristle laws by their stiffness, in the same push."""
     columns = (
         Column(head="bristles"),
-        Column(head="Dahl, held\nm", numeric=True, phone="label"),
-        Column(head="LuGre, free\nm", numeric=True, phone="label"),
-        Column(
-            head="LuGre, lowest\nvelocity, mm/s",
-            numeric=True,
-            phone="label",
-            label="LuGre, lowest velocity, mm/s",
-        ),
+        numbers("Dahl, held\nm"),
+        numbers("LuGre, free\nm"),
+        numbers("LuGre, lowest\nvelocity, mm/s", "LuGre, lowest velocity, mm/s"),
     )
     dahl = [row for row in found.bristles if row.law == "dahl"]
     lugre = [row for row in found.bristles if row.law == "lugre"]

@@ -17,11 +17,16 @@ PER_LOAD = ("bristle_stiffness", "bristle_damping")
 """Parameters that a law has over the load, and a printed equation as they are."""
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 """Ends of axes, times a power of ten."""
-FIRST_CYCLE = Column(head="first cycle\nmm", numeric=True, phone="label")
-LOWEST_VELOCITY = Column(head="lowest velocity\nmm/s", numeric=True, phone="label")
-BACK_SLIP = Column(
-    head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
-)
+
+
+def numbers(head: str, label: str = "") -> Column:
+    """Return a column of numbers, which on a phone have a label: the head, or a shorter one."""
+    return Column(head=head, numeric=True, phone="label", label=label)
+
+
+FIRST_CYCLE = numbers("first cycle\nmm")
+LOWEST_VELOCITY = numbers("lowest velocity\nmm/s")
+BACK_SLIP = numbers("back-slip\nmm/cycle", "back-slip, mm per cycle")
 """Columns of the tables of the cart."""
 
 

@@ -25,6 +25,7 @@ from stickslip.paper.sections.common import (
     COLOURS,
     fitted_text,
     levels_from,
+    numbers,
     travel_axis,
     values_of,
 )
@@ -168,10 +169,7 @@ def misprint_section(found: PaperAudit) -> Section:
     )
     columns = (
         Column(head="equation"),
-        *(
-            Column(head=f"{what}\nm", numeric=True, phone="label", label=f"{what}, m")
-            for what in TESTS.values()
-        ),
+        *(numbers(f"{what}\nm") for what in TESTS.values()),
     )
     rows = tuple(_row(one) for one in found.consequences)
     return Section(
@@ -397,8 +395,8 @@ def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
                 found, (r.criteria.travel for r in readings), "travel, m; line: measured"
             ),
         ),
-        Column(head="error", numeric=True, phone="label"),
-        Column(head="work put in\nJ", numeric=True, phone="label"),
+        numbers("error"),
+        numbers("work put in\nJ"),
         Column(head="how it ends"),
     )
     rows = tuple(
