@@ -124,13 +124,5 @@ def _column(column: Column) -> dict[str, Any]:
 
 
 def _file(record: Dataset, file: DataFile) -> dict[str, Any]:
-    return {
-        "about": file.about,
-        "rows": file.rows,
-        "part": file.part,
-        "sha256": file.sha256,
-        "source": file.source,
-        "source_sha256": file.source_sha256,
-        "known": file.known,
-        "where": record.place(file.name).value,
-    }
+    own = {key: value for key, value in vars(file).items() if key not in ("name", "ending")}
+    return {**own, "where": record.place(file.name).value}

@@ -240,19 +240,8 @@ class ValidatedTravel(metaclass=Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        return {
-            "name": self.name,
-            "quantity": self.quantity,
-            "unit": self.unit,
-            "measured": self.measured,
-            "uncertainty": self.uncertainty,
-            "predicted": self.predicted,
-            "low": self.low,
-            "high": self.high,
-            "residual": self.residual,
-            "relative_error": self.relative_error,
-            "inside": self.inside,
-        }
+        names = ("residual", "relative_error", "inside")
+        return {**vars(self), **{name: getattr(self, name) for name in names}}
 
     @property
     def relative_error(self) -> float | None:
