@@ -5,7 +5,6 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 from typing_extensions import override
 
-from stickslip.cli import CANCELLED, ToldExit
+from stickslip.cli import CANCELLED, QUIET, ToldExit
 from stickslip.cli.options import ColumnOptions, ReadingOptions
 from stickslip.data import Column, Reading, column_of, motor_constants, read_gain, read_number
 from stickslip.errors import InputError, ParameterError, concerning
@@ -28,8 +27,6 @@ from stickslip.show.formatting import NO_VALUE, printable
 
 GAP = 2
 """Spaces between columns."""
-_QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
-"""Whether the command in work says its result only."""
 FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
@@ -56,19 +53,9 @@ def stderr() -> Console:
     return _Printable(stderr=True, markup=False, highlight=False, emoji=False)
 
 
-def hush(wanted: bool) -> None:
-    """Say whether progress and remarks are left out from now on."""
-    _QUIET.set(wanted)
-
-
-def is_quiet() -> bool:
-    """Whether progress and remarks are left out."""
-    return _QUIET.get()
-
-
 def note(text: str) -> None:
     """Say something beside the result, in whole lines, as the result itself is."""
-    if not is_quiet():
+    if not QUIET.get():
         stderr().print(text, soft_wrap=True)
 
 

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip.cli import QUIET
 from stickslip.errors import InputError
 
 DEMO = Path("demo")
@@ -41,9 +42,7 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
 
 
 def _hush(wanted: bool) -> bool:
-    from stickslip.cli.console import hush
-
-    hush(wanted)
+    QUIET.set(wanted)
     return wanted
 
 
