@@ -39,7 +39,7 @@ from stickslip.identify.fits import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names, slips_by_angle
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned, vary
 from stickslip.show.described import Described
@@ -740,8 +740,7 @@ def _travels(
         seen = np.array([trial.travel for trial in trials])
         as_large = float(np.mean(simulated >= np.sum(((seen - predicted) / spread) ** 2)))
     units = {name: one.unit for name, one in QUANTITIES.items()}
-    slip, _ = slip_names(mechanism)
-    turning = mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+    turning = slips_by_angle(mechanism)
     return Validation(
         travels=tuple(
             ValidatedTravel(
