@@ -15,6 +15,7 @@ from stickslip.paper.sections.common import (
     fitted_text,
     levels_from,
     numbers,
+    table,
     values_of,
 )
 from stickslip.show.formatting import (
@@ -302,27 +303,18 @@ def _label(one: CartRun) -> str:
 
 
 def _choice_table(study: CartStudy) -> Table:
-    columns = (
-        Column(head="law"),
-        FIRST_CYCLE,
-        numbers("last cycle\nmm"),
-        BACK_SLIP,
-        numbers("lowest normal\nforce, N", "lowest normal force, N"),
+    return table(
+        study.choices,
+        ("law", lambda one: Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law))),
+        (FIRST_CYCLE, lambda one: fixed(1e3 * one.travels[0], 2)),
+        (numbers("last cycle\nmm"), lambda one: fixed(1e3 * one.travels[-1], 2)),
+        (BACK_SLIP, lambda one: back_slip_text(one.mean_return)),
+        (
+            numbers("lowest normal\nforce, N", "lowest normal force, N"),
+            lambda one: fixed(one.least_normal_force, 3),
+        ),
+        chosen=lambda one: one.key == "selected",
     )
-    rows = tuple(
-        Row(
-            cells=(
-                Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)),
-                fixed(1e3 * one.travels[0], 2),
-                fixed(1e3 * one.travels[-1], 2),
-                back_slip_text(one.mean_return),
-                fixed(one.least_normal_force, 3),
-            ),
-            chosen=one.key == "selected",
-        )
-        for one in study.choices
-    )
-    return Table(columns=columns, rows=rows)
 
 
 def _choice_figure(study: CartStudy, *, own: bool) -> Figure:
@@ -394,13 +386,29 @@ def _normal_text(study: CartStudy) -> str:
 
 def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
-    columns = (
-        Column(head="rule for rest"),
-        numbers("block, travel\nm"),
-        numbers("sign changes\nin 1 s", "sign changes in 1 s"),
-        Column(head="block\nat the end", phone="label", label="block at the end"),
-        numbers(f"cart, travel in\n{CYCLES} cycles, m", "cart, travel, m"),
-        numbers("cart, back-slip\nmm/cycle", "cart, back-slip, mm per cycle"),
+    rules = table(
+        found.rest_rules,
+        ("rule for rest", _rule_name),
+        (numbers("block, travel\nm"), lambda rule: fixed(rule.block.travel, 4)),
+        (
+            numbers("sign changes\nin 1 s", "sign changes in 1 s"),
+            lambda rule: str(rule.reversals),
+        ),
+        (
+            Column(head="block\nat the end", phone="label", label="block at the end"),
+            lambda rule: (
+                "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves"
+            ),
+        ),
+        (
+            numbers(f"cart, travel in\n{CYCLES} cycles, m", "cart, travel, m"),
+            lambda rule: fixed(rule.cart_travel, 3),
+        ),
+        (
+            numbers("cart, back-slip\nmm/cycle", "cart, back-slip, mm per cycle"),
+            lambda rule: significant(1e3 * rule.cart_back_slip, 2),
+        ),
+        chosen=lambda rule: rule.dt is None,
     )
     return Section(
         collapsed=True,
@@ -409,7 +417,7 @@ def rest_section(found: PaperAudit) -> Section:
         heading="The zero-velocity band of [18] beside the exact switch",
         blocks=(
             Paragraph(text=_rest_text(found)),
-            Table(columns=columns, rows=tuple(map(_rest_row, found.rest_rules))),
+            rules,
             Caption(text=_rest_caption(found)),
         ),
     )
@@ -428,25 +436,13 @@ def _rest_text(found: PaperAudit) -> str:
     )
 
 
-def _rest_row(rule: RestRule) -> Row:
+def _rule_name(rule: RestRule) -> Name:
     if rule.dt is None:
-        name = Name(text="exact switch", aside="events located")
-    else:
-        text = "at a change of sign" if rule.stick_rule else "none"
-        if rule.band > 0.0:
-            text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
-        name = Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
-    return Row(
-        cells=(
-            name,
-            fixed(rule.block.travel, 4),
-            str(rule.reversals),
-            "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves",
-            fixed(rule.cart_travel, 3),
-            significant(1e3 * rule.cart_back_slip, 2),
-        ),
-        chosen=rule.dt is None,
-    )
+        return Name(text="exact switch", aside="events located")
+    text = "at a change of sign" if rule.stick_rule else "none"
+    if rule.band > 0.0:
+        text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
+    return Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
 
 
 def _rest_caption(found: PaperAudit) -> str:
