@@ -10,10 +10,10 @@ from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.inputs import (
     ChosenLaw,
     ChosenLaws,
-    friction_content,
     friction_of,
     friction_title,
     rig_and_friction,
+    rig_content,
 )
 from stickslip.cli.options import AnimateOptions
 from stickslip.cli.progress import Drawing
@@ -62,9 +62,7 @@ def _content(
     rig: Rig, chosen: ChosenLaw | ChosenLaws, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
-        "rig": rig.heading,
-        "digest": rig.digest,
-        **friction_content(chosen, rig.mechanism),
+        **rig_content(rig, chosen),
         "status": seen.status.name,
         "meaning": seen.ending,
         "certified": seen.certificate.certified,

@@ -67,9 +67,9 @@ from stickslip.identify.fits import (
     starting_law,
 )
 from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
-from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
+from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
-from stickslip.show.formatting import joined, number, significant, unit_text, within
+from stickslip.show.formatting import joined, number, printable, significant, unit_text, within
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
@@ -111,10 +111,6 @@ class ChosenLaw(_Chosen[CarriedLaw]):
         """The law, as it is on this mechanism."""
         return self.carried.law
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return its name, and what is to be known of it if it is from another file."""
-        return {"law": self.law.name, **_file_content(self.source, self.remarks)}
-
 
 class ChosenLaws(_Chosen[CarriedLaws]):
     """Laws by contact and how well they are known."""
@@ -139,14 +135,6 @@ class ChosenForm:
     """Nothing carries over."""
     source: None = None
     """It is from no file."""
-
-
-def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
-    """Return what is to be known of a law that is from another file."""
-    if source is None:
-        return {}
-    file = {"file": source.path, "digest": source.digest}
-    return {"law_file": file, "remarks": list(map(plain, remarks))}
 
 
 def rig_and_form(options: LawOptions) -> tuple[Rig, ChosenForm]:
@@ -207,17 +195,27 @@ def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
     return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
 
 
-def friction_content(
-    chosen: ChosenLaw | ChosenLaws | ChosenForm, mechanism: Mechanism
-) -> dict[str, Any]:
-    """Return the name of the law, or those of the contacts, null where nothing rubs."""
-    if isinstance(chosen, ChosenLaw):
-        return chosen.to_dict()
+def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[str, Any]:
+    """Return rig and name of its law, or those of the contacts, null where nothing rubs."""
+    head: dict[str, Any] = {"rig": rig.heading, "digest": rig.digest}
     if isinstance(chosen, ChosenForm):
         values = {path: value for path, _, value in parameters(chosen.form, "friction")}
-        return {"law": chosen.form.name, "values": values}
-    laws = {one.name: chosen.laws.names.get(one.name) for one in mechanism.contacts()}
-    return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
+        return head | {"law": chosen.form.name, "values": values}
+    if isinstance(chosen, ChosenLaw):
+        head["law"] = chosen.law.name
+    else:
+        names = [one.name for one in rig.mechanism.contacts()]
+        head["laws"] = {name: chosen.laws.names.get(name) for name in names}
+    if chosen.source is not None:
+        head["law_file"] = {"file": chosen.source.path, "digest": chosen.source.digest}
+        head["remarks"] = list(map(plain, chosen.remarks))
+    return head
+
+
+def show_heading(rig: Rig, friction: str) -> None:
+    """Print which rig was run, and with what."""
+    stdout().print(printable(rig.heading), style="bold", end="")
+    stdout().print(f", {friction}")
 
 
 def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:

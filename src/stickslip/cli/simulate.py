@@ -28,11 +28,12 @@ from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
     ChosenLaws,
-    friction_content,
     friction_of,
     friction_title,
     rig_and_form,
     rig_and_friction,
+    rig_content,
+    show_heading,
 )
 from stickslip.cli.options import SimulateOptions
 from stickslip.cli.progress import Drawing
@@ -59,7 +60,6 @@ from stickslip.show.formatting import (
     Scale,
     fixed,
     number,
-    printable,
     quantity,
     residue,
     scale_of,
@@ -581,9 +581,7 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
     ends = run.at(run.span)
     unchecked = () if options.exact else EVENT_CHECKS
     content: dict[str, Any] = {
-        "rig": ran.rig.heading,
-        "digest": ran.rig.digest,
-        **friction_content(ran.chosen, ran.rig.mechanism),
+        **rig_content(ran.rig, ran.chosen),
         "status": run.status.name,
         "meaning": run.ending,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -612,9 +610,8 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
 
 def _show(ran: Ran, options: SimulateOptions) -> None:
     console, run = stdout(), ran.run
-    console.print(printable(ran.rig.heading), style="bold", end="")
     form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
-    console.print(f", {friction_title(ran.chosen)}{'' if form else ' friction'}")
+    show_heading(ran.rig, friction_title(ran.chosen) + ("" if form else " friction"))
     console.print(f"{run.ending}{_still_moving(ran)}")
     if run.events:
         contact = ["contact"] if run.contacts else []

@@ -22,11 +22,12 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    friction_content,
     friction_of,
     friction_title,
     laws_drawn,
     rig_and_friction,
+    rig_content,
+    show_heading,
 )
 from stickslip.cli.options import (
     CharacterizeOptions,
@@ -44,7 +45,7 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
-from stickslip.show.formatting import joined, number, printable, quantity
+from stickslip.show.formatting import joined, number, quantity
 from stickslip.study.characterization import TESTS, Characterization, characterize
 from stickslip.study.optimisation import (
     GOALS,
@@ -131,18 +132,15 @@ def run_sweep(options: SweepOptions) -> None:
         content = _map_content(found, turns)
     _write_map(found, measured, output, figure)
     if options.as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        head |= friction_content(chosen, rig.mechanism)
         files = [str(output), str(figure)]
-        print_json(document("sweep", head | content | {"files": files}))
+        print_json(document("sweep", rig_content(rig, chosen) | content | {"files": files}))
         return
-    stdout().print(printable(rig.heading), style="bold", end="")
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        stdout().print(f", laws drawn: {joined(counts)}")
+        show_heading(rig, f"laws drawn: {joined(counts)}")
         _show_band(found, measured)
     else:
-        stdout().print(f", {friction_title(chosen)} friction")
+        show_heading(rig, f"{friction_title(chosen)} friction")
         _show_map(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}")
 
@@ -289,13 +287,10 @@ def run_orbits(options: OrbitOptions) -> None:
         )
     _write_diagram(found, output, figure)
     if options.as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        head |= friction_content(chosen, rig.mechanism)
-        files = [str(output), str(figure)]
-        print_json(document("orbits", head | _diagram_content(found) | {"files": files}))
+        content = rig_content(rig, chosen) | _diagram_content(found)
+        print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
-    stdout().print(printable(rig.heading), style="bold", end="")
-    stdout().print(f", {friction_title(chosen)} friction")
+    show_heading(rig, f"{friction_title(chosen)} friction")
     _show_diagram(found)
     stdout().print(f"\nWritten: {output}, {figure}")
 
@@ -407,9 +402,7 @@ def run_profile(options: ProfileOptions) -> None:
     if options.draws is not None:
         laws, _ = laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
     found = _found(rig, friction_of(chosen), laws, options)
-    head = {"rig": rig.heading, "digest": rig.digest}
-    head |= friction_content(chosen, rig.mechanism)
-    content = document("profile", head | found.to_dict())
+    content = document("profile", rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:
