@@ -1,7 +1,8 @@
 """The exceptions of stickslip: each is ours and also the built-in a caller would expect."""
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 
 from typing_extensions import override
 
@@ -19,6 +20,7 @@ __all__ = [
     "check_columns",
     "check_even_times",
     "check_size",
+    "concerning",
     "nearest",
     "not_whole",
 ]
@@ -132,6 +134,24 @@ def _near(name: str, known: Iterable[str], symbols: Mapping[str, str]) -> list[s
     words = {symbols[one]: one for one in known if one in symbols} | {one: one for one in known}
     near = [word for word in words if len(word) <= COMPARED]
     return [*dict.fromkeys(words[one] for one in difflib.get_close_matches(name, near, n=2))]
+
+
+@contextmanager
+def concerning(what: str, kind: type[InputError] = ParameterError) -> Iterator[None]:
+    """Put what something is of before the message of an error that refuses it.
+
+    Examples
+    --------
+    >>> with concerning("--load"):
+    ...     raise ParameterError("(N) must be above 0 N, got -1.")
+    Traceback (most recent call last):
+    stickslip.errors.ParameterError: --load (N) must be above 0 N, got -1.
+    """
+    try:
+        yield
+    except kind as error:
+        raised = ParameterError if isinstance(error, ParameterError) else InputError
+        raise raised(f"{what} {error}") from None
 
 
 def check_size(

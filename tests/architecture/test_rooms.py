@@ -17,7 +17,7 @@ DOORS = {
     if "__all__" in path.read_text(encoding="utf-8")
 }
 """Packages with a door: rooms, and subpackages that have one of their own."""
-OF_MODULES = {"data.catalogue", "engine", "paper", "paper.sections", "show"}
+OF_MODULES = {"data.catalogue", "engine", "paper", "show"}
 """Those whose modules are doors too: the text of a kernel's module is what is compiled."""
 PUBLIC = {
     f"{room}.{name}"

@@ -8,7 +8,7 @@ from tests.commands import commands
 
 from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli.inputs import measured
-from stickslip.data.readers.columns import Reading
+from stickslip.cli.options import MeasuredOptions
 from stickslip.engine.solver.compile.modules import notice
 from stickslip.mechanisms.drives import Sampled
 
@@ -162,7 +162,7 @@ def pushed(run):
 @pytest.mark.slow
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
-    kind, request, _ = measured(rig, reading=Reading(), given=True, law=lambda _: "coulomb")
+    kind, request, _ = measured(rig, MeasuredOptions(rig=pushed), law=lambda _: "coulomb")
     assert kind.residual_text(1.0, request) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(

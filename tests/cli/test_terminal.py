@@ -55,6 +55,17 @@ def test_each_command_has_short_help_with_an_example_and_can_be_quiet(run, comma
     assert "-q, --quiet" in out
 
 
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_every_option_has_a_long_name_and_the_text_below_its_field_as_help(command):
+    found = typer.main.get_command(app)
+    for name in command:
+        found = found.commands[name]
+    for option in found.params:
+        assert option.help.endswith(".")
+        if option.param_type_name == "option":
+            assert any(name.startswith("--") for name in option.opts)
+
+
 @pytest.mark.parametrize(
     "command",
     [

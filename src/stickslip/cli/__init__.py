@@ -6,6 +6,7 @@ import logging
 import os
 import sys
 from collections.abc import Iterator, Sequence
+from contextvars import ContextVar
 
 from typing_extensions import override
 
@@ -17,6 +18,8 @@ NO_CONVERGENCE = 3
 CANCELLED = 130
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 if not set: matrices are thin, and threads of linear algebra wait for each other."""
+QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
+"""Whether the command in work prints its result only, without progress and remarks."""
 LONGEST_MESSAGE = 4000
 """Characters of a message that are printed: files may hold names of any length."""
 
@@ -66,10 +69,9 @@ class _Stderr(logging.Handler):
 
     @override
     def emit(self, record: logging.LogRecord) -> None:
-        from stickslip.cli.console import is_quiet
         from stickslip.show.formatting import printable
 
-        if not is_quiet():
+        if not QUIET.get():
             print(printable(self.format(record), lines=True), file=sys.stderr, flush=True)
 
 

@@ -1,7 +1,6 @@
 """``stickslip animate``."""
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +10,12 @@ from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.inputs import (
     ChosenLaw,
     ChosenLaws,
-    friction_content,
     friction_of,
     friction_title,
     rig_and_friction,
+    rig_content,
 )
-from stickslip.cli.options import AnimationOptions, LawOptions
+from stickslip.cli.options import AnimateOptions
 from stickslip.cli.progress import Drawing
 from stickslip.data import Rig
 from stickslip.engine.simulation import simulate
@@ -27,43 +26,33 @@ from stickslip.show.documents import document
 SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 
-def run(
-    path: Path | None,
-    changes: Sequence[str],
-    asked: LawOptions,
-    t_end: float | None,
-    look: AnimationOptions,
-    output: Path,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run(options: AnimateOptions) -> None:
     """Simulate, draw, show; a run that ends early is shown up to its end."""
     from stickslip.show.plots import animate, encoder_of, frame_times
 
-    size = _size(look.size)
+    output, fps, speed = options.output, options.fps, options.speed
+    size = _size(options.size)
     encoder_of(output)
-    refuse_overwriting(output, output.parent, force=force)
-    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    refuse_overwriting(output, output.parent, force=options.force)
+    rig, chosen = rig_and_friction(options)
     law = friction_of(chosen)
-    end = rig.t_end if t_end is None else t_end
+    end = rig.t_end if options.t_end is None else options.t_end
     start = rig.start(law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
-    count = frame_times(seen, rig.mechanism, fps=look.fps, speed=look.speed).size
+    count = frame_times(seen, rig.mechanism, fps=fps, speed=speed).size
     output.parent.mkdir(parents=True, exist_ok=True)
     with Drawing() as progress:
         animate(
             seen,
             rig.mechanism,
             output,
-            fps=look.fps,
-            speed=look.speed,
+            fps=fps,
+            speed=speed,
             size=size,
-            dpi=look.dpi,
+            dpi=options.dpi,
             progress=progress,
         )
-    if as_json:
+    if options.as_json:
         print_json(document("animate", _content(rig, chosen, seen, int(count), output)))
     else:
         _show(rig, friction_title(chosen), seen, int(count), output)
@@ -73,9 +62,7 @@ def _content(
     rig: Rig, chosen: ChosenLaw | ChosenLaws, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
-        "rig": rig.heading,
-        "digest": rig.digest,
-        **friction_content(chosen, rig.mechanism),
+        **rig_content(rig, chosen),
         "status": seen.status.name,
         "meaning": seen.ending,
         "certified": seen.certificate.certified,
@@ -87,10 +74,10 @@ def _content(
 def _show(rig: Rig, friction: str, seen: Trajectory, count: int, output: Path) -> None:
     console = stdout()
     console.print(Text.assemble((rig.heading, "bold"), f", {friction} friction"))
-    console.print(seen.ending, markup=False)
+    console.print(seen.ending)
     for problem in seen.certificate.problems:
-        console.print(f"Not certified: {problem}", markup=False)
-    console.print(f"\nAnimation: {output}, {count} frames", markup=False)
+        console.print(f"Not certified: {problem}")
+    console.print(f"\nAnimation: {output}, {count} frames")
 
 
 def _size(text: str) -> tuple[float, float]:

@@ -1,47 +1,34 @@
-"""The commands and their options."""
+"""The commands: what each does, the options it takes, and the function that does it."""
 
-from functools import partial
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from stickslip.cli.help import CONTEXT, Panels, command
 from stickslip.cli.options import (
-    DEMO,
-    AllowImport,
-    AnimationOptions,
+    AnimateOptions,
     ApplyOptions,
-    Columns,
-    Data,
-    Draws,
-    DrawSeed,
-    EndTime,
-    Enforce,
-    EstimationOptions,
-    ExecutorAt,
+    BenchmarkOptions,
+    CharacterizeOptions,
+    CheckOptions,
+    CiteOptions,
+    DemoOptions,
     ExportOptions,
-    FittedLaw,
-    Folder,
-    Force,
-    Gain,
-    Json,
-    LawFile,
-    LawOptions,
-    Laws,
-    MotorConstant,
-    ParameterOptions,
-    PlannedLaws,
+    FitOptions,
+    InitOptions,
+    JsonOption,
+    ModelsOptions,
+    OrbitOptions,
+    PaperOptions,
+    PathOptions,
+    PlanOptions,
     ProfileOptions,
-    ReadingOptions,
-    Record,
-    Rig,
-    RunOptions,
-    Set,
-    Units,
-    Workers,
+    RecordOptions,
+    SelectOptions,
+    SimulateOptions,
+    SweepOptions,
+    WarmupOptions,
 )
-from stickslip.errors import InputError
 
 app = typer.Typer(
     cls=Panels,
@@ -75,23 +62,7 @@ def options(
 
 
 @command(app, "select")
-def select(
-    *,
-    rig: Rig = None,
-    data: Data = None,
-    reading: ReadingOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    laws: Laws = None,
-    parameters: ParameterOptions,
-    estimation: EstimationOptions,
-    count: Workers = None,
-    executor: ExecutorAt = None,
-    output: Folder = None,
-    force: Force = False,
-    as_json: Json = False,
-    enforce: Enforce = False,
-) -> None:
+def select(options: SelectOptions) -> None:
     """Compare friction laws on a measurement; write a report.
 
     The verdict names a law and its parameters, gives a 95 % band that holds whichever law does,
@@ -100,71 +71,25 @@ def select(
     While laws are fitted to records of several joints, press Ctrl-C once to stop with the best fit
     so far, twice to cancel.
     """
-    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_select
 
-    ask = partial(measured, data=data or [], reading=reading_of(reading))
-    ask = partial(ask, parameters=parameters, estimation=estimation)
-    start = partial(
-        run_select, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce
-    )
-    start(rig, ask, changes or [], laws, output, count=count, executor=executor)
+    run_select(options)
 
 
 @command(app, "demo")
-def demo(
-    laws: Laws = None,
-    count: Workers = None,
-    executor: ExecutorAt = None,
-    output: Folder = None,
-    force: Force = False,
-    as_json: Json = False,
-    enforce: Enforce = False,
-) -> None:
+def demo(options: DemoOptions) -> None:
     """Select a law for the rig that comes with the package; write a report.
 
     The rig is that of the source paper, a block that a spring pushes, with one measured travel.
     Other commands take it as `demo`, such as `stickslip simulate demo`.
     """
-    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_select
 
-    reading = reading_of(ReadingOptions())
-    start = partial(run_select, allow_import=False, force=force, as_json=as_json, enforce=enforce)
-    start(
-        None, partial(measured, reading=reading), [], laws, output, count=count, executor=executor
-    )
+    run_select(SelectOptions(**vars(options)))
 
 
 @command(app, "init")
-def init(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="FILE...",
-            help="Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag); or films of one"
-            " body, a run each.",
-        ),
-    ],
-    urdf: Annotated[
-        Path | None,
-        typer.Option(
-            "--urdf", metavar="FILE", help="Description of the robot whose joints were recorded."
-        ),
-    ] = None,
-    columns: Columns = None,
-    units: Units = None,
-    gain: Gain = None,
-    motor_constant: MotorConstant = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o", "--output", help="Rig file to write; default: FILE with the ending .toml."
-        ),
-    ] = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def init(options: InitOptions) -> None:
     """Detect the contents of a data file; write a rig file.
 
     Detects code page, separators, decimal comma, lines above the header, a row of units, time
@@ -178,86 +103,36 @@ def init(
     tracked positions, and nothing else. The rig file has a question mark for what they do not show.
     """
     from stickslip.cli.init import run
-    from stickslip.cli.inputs import reading_of
 
-    asked = ReadingOptions(columns=columns, units=units, gain=gain, motor_constant=motor_constant)
-    run(files, reading_of(asked), output, urdf=urdf, force=force, as_json=as_json)
+    run(options)
 
 
 @command(app, "fit")
-def fit(
-    *,
-    rig: Rig = None,
-    law: FittedLaw = None,
-    data: Data = None,
-    reading: ReadingOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    parameters: ParameterOptions,
-    estimation: EstimationOptions,
-    output: LawFile = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def fit(options: FitOptions) -> None:
     """Fit one friction law to measurements.
 
     The parameters are printed with their confidence intervals.
 
     While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
-    from stickslip.cli.inputs import measured, reading_of
     from stickslip.cli.judge import run_fit
 
-    ask = partial(measured, data=data or [], reading=reading_of(reading))
-    ask = partial(ask, parameters=parameters, estimation=estimation)
-    start = partial(run_fit, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, law, ask, changes or [], output)
+    run_fit(options)
 
 
 @command(app, "check")
-def check(
-    *,
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="FILE",
-            help="Data files (CSV, Parquet, MATLAB, MDF), one per trial, and/or a rig file (TOML)."
-            " The mechanism of the rig file allows more checks; its [data] is read too.",
-        ),
-    ],
-    data: Data = None,
-    reading: ReadingOptions,
-    allow_import: AllowImport = False,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Folder for the findings and an overview figure."),
-    ] = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def check(options: CheckOptions) -> None:
     """Check the quality of a measurement.
 
     Exits with code 2 if the check finds an error.
     """
     from stickslip.cli.check import run
-    from stickslip.cli.inputs import reading_of
 
-    named = [*files, *(data or [])]
-    run(named, reading_of(reading), output, allow_import=allow_import, force=force, as_json=as_json)
+    run(options)
 
 
 @command(app, "simulate")
-def simulate(
-    *,
-    rig: Rig = None,
-    law: LawOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    settings: RunOptions,
-    force: Force = False,
-    as_json: Json = False,
-    enforce: Enforce = False,
-) -> None:
+def simulate(options: SimulateOptions) -> None:
     """Simulate the rig with one friction law, or with an equation of the source paper as printed.
 
     Prints the events and the certificate; writes the run and a report on request.
@@ -269,38 +144,11 @@ def simulate(
     """
     from stickslip.cli.simulate import run
 
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
-    start(rig, changes or [], law, settings)
+    run(options)
 
 
 @command(app, "export")
-def export(
-    *,
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE",
-            help="Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of"
-            " `stickslip fit -o law.toml`.",
-        ),
-    ],
-    to: Annotated[
-        str,
-        typer.Option(
-            "--to",
-            metavar="TARGET",
-            help="c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf,"
-            " csv (lookup table) or json; fmu (the whole rig with its law).",
-        ),
-    ],
-    wanted: ExportOptions,
-    allow_import: AllowImport = False,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")] = Path(
-        "stickslip-export"
-    ),
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def export(options: ExportOptions) -> None:
     """Export a friction law to another program, or a rig with its law as an FMU.
 
     Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
@@ -308,38 +156,11 @@ def export(
     """
     from stickslip.cli.export import run_export
 
-    run_export(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+    run_export(options)
 
 
 @command(app, "apply")
-def apply(
-    *,
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="LAW",
-            help="Rig file (TOML) with laws, such as the law.toml of `stickslip select` or of"
-            " `stickslip fit -o law.toml`; or the verdict.json beside it.",
-        ),
-    ],
-    model: Annotated[
-        Path,
-        typer.Argument(
-            metavar="MODEL",
-            help="File whose joints get the laws: a robot description (URDF), a model for MuJoCo"
-            " (MJCF), a scene in USD as text, parameters of a servo for Rhoban/bam (JSON) or of"
-            " controllers of ROS 2 (YAML).",
-        ),
-    ],
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", help="File to write: MODEL with this joint friction."),
-    ],
-    wanted: ApplyOptions,
-    allow_import: AllowImport = False,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def apply(options: ApplyOptions) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints which parts of the laws the format cannot express, and the resulting error of the
@@ -347,83 +168,22 @@ def apply(
     """
     from stickslip.cli.export import run_apply
 
-    run_apply(file, model, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+    run_apply(options)
 
 
 @command(app, "animate")
-def animate(
-    *,
-    rig: Rig = None,
-    law: LawOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    t_end: EndTime = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="GIF or MP4 file; MP4 needs ffmpeg.")
-    ] = Path("stickslip.gif"),
-    look: AnimationOptions,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def animate(options: AnimateOptions) -> None:
     """Animate the rig, simulated with one law.
 
     The mechanism is drawn to scale beside its time plots.
     """
     from stickslip.cli.animate import run
 
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], law, t_end, look, output)
+    run(options)
 
 
 @command(app, "sweep")
-def sweep(
-    *,
-    rig: Rig = None,
-    law: LawOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--vary",
-            metavar="PATH=LOW:HIGH:N",
-            help="Grid of a parameter, e.g. mechanism.drive.drive.frequency=1:6:50; one or two"
-            " grids.",
-        ),
-    ] = None,
-    cycles: Annotated[
-        int, typer.Option("--cycles", help="Number of drive cycles in the mean; even.")
-    ] = 20,
-    settle: Annotated[
-        int, typer.Option("--settle", help="Number of drive cycles before the mean is taken.")
-    ] = 100,
-    coordinate: Annotated[
-        str | None,
-        typer.Option(
-            "--coordinate",
-            help="Coordinate whose mean rate is taken, where contacts slip along several.",
-        ),
-    ] = None,
-    draws: Draws = None,
-    seed: DrawSeed = 0,
-    count: Workers = None,
-    executor: ExecutorAt = None,
-    dry_run: Annotated[
-        bool,
-        typer.Option("--dry-run", help="Print number, size and time of a campaign; run nothing."),
-    ] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="CSV, Parquet or MATLAB file, with a figure (SVG) beside it; of a campaign, its"
-            " folder. Default: stickslip-sweep.csv, or stickslip-campaign.",
-        ),
-    ] = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def sweep(options: SweepOptions) -> None:
     """Run a campaign, or the mean velocity over a parameter grid.
 
     With --vary: simulates a driven rig at every point of the grid; writes a table and a figure.
@@ -432,68 +192,18 @@ def sweep(
     Without: makes the runs of a campaign file, as Parquet files in a folder. The same command goes
     on where a campaign was ended.
     """
-    if vary:
+    if options.vary:
         from stickslip.cli.studies import run_sweep
 
-        if dry_run:
-            raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
-        start = partial(run_sweep, allow_import=allow_import, force=force, as_json=as_json)
-        start = partial(start, count=count, executor=executor, draws=draws, seed=seed)
-        table = output or Path("stickslip-sweep.csv")
-        start(rig, changes or [], law, vary, cycles, settle, coordinate, table)
-        return
-    from stickslip.cli.campaign import run as run_campaign
+        run_sweep(options)
+    else:
+        from stickslip.cli.campaign import run
 
-    given = {
-        "--law": law.law,
-        "--law-load": law.load,
-        "--set": changes,
-        "--coordinate": coordinate,
-        "--ensemble": draws,
-    }
-    if unused := [option for option, value in given.items() if value]:
-        raise InputError(
-            f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
-            " rigs, laws and factors itself."
-        )
-    folder = output or Path("stickslip-campaign")
-    choice = partial(run_campaign, dry_run=dry_run, force=force, allow_import=allow_import)
-    choice(rig, folder, at_once=count, executor=executor, as_json=as_json)
+        run(options)
 
 
 @command(app, "orbits")
-def orbits(
-    *,
-    rig: Rig = None,
-    law: LawOptions,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    vary: Annotated[
-        str,
-        typer.Option(
-            "--vary",
-            metavar="PATH=LOW:HIGH",
-            help="Range of a parameter in SI units, e.g. drive.frequency=2:20.",
-        ),
-    ],
-    cycles: Annotated[
-        int, typer.Option("--period", help="Largest period that is sought, in drive cycles.")
-    ] = 4,
-    values: Annotated[
-        int, typer.Option("--values", help="Number of values at which settled runs are made.")
-    ] = 61,
-    settle: Annotated[
-        int, typer.Option("--settle", help="Number of drive cycles before a run counts as settled.")
-    ] = 200,
-    output: Annotated[
-        Path,
-        typer.Option(
-            "-o", "--output", help="CSV, Parquet or MATLAB file, with a figure (SVG) beside it."
-        ),
-    ] = Path("stickslip-orbits.csv"),
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def orbits(options: OrbitOptions) -> None:
     """Find periodic orbits over a parameter, stable and unstable.
 
     Branches are followed from settled runs of a driven rig by continuation. Folds, period
@@ -502,154 +212,46 @@ def orbits(
     """
     from stickslip.cli.studies import run_orbits
 
-    start = partial(run_orbits, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], law, vary, cycles, values, settle, output)
+    run_orbits(options)
 
 
 @command(app, "plan")
-def plan(
-    rig: Rig = None,
-    laws: PlannedLaws = None,
-    changes: Set = None,
-    allow_import: AllowImport = False,
-    between: Annotated[
-        str | None,
-        typer.Option(
-            "--between",
-            metavar="LOW..HIGH",
-            help="Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials"
-            " and the rig file, or 0.4 to 1 times the value in the rig file.",
-        ),
-    ] = None,
-    settings: Annotated[int, typer.Option("--settings", help="Number of settings, 2 to 12.")] = 4,
-    uncertainty: Annotated[
-        str | None,
-        typer.Option(
-            "--uncertainty",
-            help="Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm;"
-            " default: that of the rig's trials, or 2 % of the longest travel.",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="Lab sheet to print (HTML); its table is written beside it as CSV, to fill in.",
-        ),
-    ] = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def plan(options: PlanOptions) -> None:
     """Plan travel measurements.
 
     Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
     """
     from stickslip.cli.judge import run_plan
 
-    start = partial(run_plan, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], laws, between, settings, uncertainty, output)
+    run_plan(options)
 
 
 @command(app, "models")
-def models(
-    name: Annotated[str | None, typer.Argument(help="Law or mechanism to show in full.")] = None,
-    published: Annotated[
-        bool, typer.Option("--published", help="Show the equations as printed in the source paper.")
-    ] = False,
-    as_json: Json = False,
-) -> None:
+def models(options: ModelsOptions) -> None:
     """List friction laws and mechanisms, or show one in full.
 
     A single law is shown with its formula, parameters and sources, a mechanism with its parameters.
     """
     from stickslip.cli.models import run
 
-    run(name, published=published, as_json=as_json)
+    run(options)
 
 
 @command(app, "characterize")
-def characterize(
-    laws: Annotated[
-        list[str],
-        typer.Argument(
-            help="Names or compositions of laws, such as lugre or 'dahl(level) + power', or files"
-            " with a fitted law such as law.toml.",
-            metavar="LAW...",
-        ),
-    ],
-    tests: Annotated[
-        str | None,
-        typer.Option(
-            "--tests",
-            metavar="NAMES",
-            help="Tests, joined by commas: steady, presliding, break-away, lag, map, drift, creep,"
-            " limit-cycle, passivity, cost; default: all.",
-        ),
-    ] = None,
-    rig: Annotated[
-        Path | None,
-        typer.Option(
-            "--rig",
-            help="Rig file of an axis or a block, whose mass and stiffness are taken; default: 1 kg"
-            " on 100 N/m.",
-        ),
-    ] = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            "--load", help="Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."
-        ),
-    ] = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="NAME=VALUE,...",
-            help="Values of an input of a law, e.g. temperature=20,40; each is tested.",
-        ),
-    ] = None,
-    match: Annotated[
-        bool,
-        typer.Option(
-            "--match/--no-match",
-            help="Give the other laws the levels, Stribeck velocity and stiffness of the first.",
-        ),
-    ] = True,
-    report: Annotated[
-        Path | None, typer.Option("--report", help="Page with all figures (HTML).")
-    ] = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def characterize(options: CharacterizeOptions) -> None:
     """Test friction laws on a virtual bench.
 
     Steady curve, presliding and memory, break-away, lag, stick-slip map, drift, creep, hunting,
     passivity and cost of one law, or of several side by side. A law without values has typical
     ones.
     """
-    from stickslip.cli.studies import run
+    from stickslip.cli.studies import run_characterize
 
-    start = partial(run, match=match, force=force, as_json=as_json)
-    start(laws, rig, load, tests, inputs or [], report)
+    run_characterize(options)
 
 
 @command(app, "paper")
-def paper(
-    rig: Rig = DEMO,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUE",
-            help="A mass, a length or the swing of the cart, which the paper does not print, e.g."
-            ' cart_mass=0.4, ball_mass="60 g", length=0.25, amplitude="40 deg", fast=100, slow=25.',
-        ),
-    ] = None,
-    output: Folder = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def paper(options: PaperOptions) -> None:
     """Recompute the results of the source paper, or apply its criteria to your own rig.
 
     Every table and figure is shown beside the printed values. With a rig file: the same models,
@@ -657,31 +259,11 @@ def paper(
     """
     from stickslip.cli.reproduce import run_paper
 
-    run_paper(rig, changes or [], output, force=force, as_json=as_json)
+    run_paper(options)
 
 
 @command(app, "benchmark")
-def benchmark(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="[TASK]...", help="Tasks; all if not given.")
-    ] = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder of page, tables and results so far.")
-    ] = Path("stickslip-benchmark"),
-    peers: Annotated[
-        str | None,
-        typer.Option(
-            "--peers",
-            metavar="NAME,...",
-            help="Other libraries to run beside: scipy, lmfit, pysindy, mujoco. Default: those"
-            " that are installed.",
-        ),
-    ] = None,
-    count: Workers = None,
-    executor: ExecutorAt = None,
-    listed: Annotated[bool, typer.Option("--list", help="Only list the tasks.")] = False,
-    as_json: Json = False,
-) -> None:
+def benchmark(options: BenchmarkOptions) -> None:
     """Run the friction benchmark: public records, our laws, other libraries.
 
     Each task fits one part of a record and predicts another. Records are downloaded where they are
@@ -689,26 +271,11 @@ def benchmark(
     """
     from stickslip.cli.reproduce import run_benchmark
 
-    start = partial(run_benchmark, peers=peers, count=count, executor=executor, listed=listed)
-    start(names or [], output, as_json=as_json)
+    run_benchmark(options)
 
 
 @command(app, "warmup")
-def warmup(
-    rig: Annotated[
-        Path | None,
-        typer.Option("--rig", help="Compile only the mechanism and the laws of this rig file."),
-    ] = None,
-    mechanisms: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--mechanism", help="Compile only this mechanism, e.g. spring-block; may be repeated."
-        ),
-    ] = None,
-    laws: Laws = None,
-    allow_import: AllowImport = False,
-    as_json: Json = False,
-) -> None:
+def warmup(options: WarmupOptions) -> None:
     """Compile equations ahead of time.
 
     Intended for container images and continuous integration.
@@ -720,7 +287,7 @@ def warmup(
     """
     from stickslip.cli.warmup import run
 
-    run(rig, mechanisms or [], laws, allow_import=allow_import, as_json=as_json)
+    run(options)
 
 
 @command(app, "schema")
@@ -734,16 +301,11 @@ def schema() -> None:
 
 
 @command(app, "cite")
-def cite(
-    laws: Annotated[
-        list[str] | None, typer.Argument(help="Laws whose sources are printed; default: all.")
-    ] = None,
-    as_json: Json = False,
-) -> None:
+def cite(options: CiteOptions) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
-    from stickslip.cli.models import cite
+    from stickslip.cli.models import run_cite
 
-    cite(laws or [], as_json=as_json)
+    run_cite(options)
 
 
 data_commands = typer.Typer(
@@ -754,33 +316,27 @@ data_commands = typer.Typer(
 
 
 @command(data_commands, "list", group="data")
-def data_list(as_json: Json = False) -> None:
+def data_list(options: JsonOption) -> None:
     """List the records of the catalogue and where their files are."""
     from stickslip.cli.data import run_list
 
-    run_list(as_json=as_json)
+    run_list(as_json=options.as_json)
 
 
 @command(data_commands, "show", group="data")
-def data_show(name: Record, as_json: Json = False) -> None:
+def data_show(options: RecordOptions) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
-    run_show(name, as_json=as_json)
+    run_show(options)
 
 
 @command(data_commands, "path", group="data")
-def data_path(
-    name: Record,
-    file: Annotated[
-        str | None, typer.Option("--file", help="One of its files; default: the first.")
-    ] = None,
-    as_json: Json = False,
-) -> None:
+def data_path(options: PathOptions) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
     from stickslip.cli.data import run_path
 
-    run_path(name, file, as_json=as_json)
+    run_path(options)
 
 
 profile_commands = typer.Typer(
@@ -791,14 +347,7 @@ profile_commands = typer.Typer(
 
 
 @command(profile_commands, "optimise", group="profile")
-def profile_optimise(
-    *,
-    rig: Annotated[Path, typer.Argument(help="Rig file (TOML) with a prescribed motion.")],
-    settings: ProfileOptions,
-    output: Folder = None,
-    force: Force = False,
-    as_json: Json = False,
-) -> None:
+def profile_optimise(options: ProfileOptions) -> None:
     """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 
     Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
@@ -806,7 +355,7 @@ def profile_optimise(
     """
     from stickslip.cli.studies import run_profile
 
-    run_profile(rig, settings, output, force=force, as_json=as_json)
+    run_profile(options)
 
 
 app.add_typer(data_commands, name="data")

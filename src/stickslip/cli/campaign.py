@@ -11,7 +11,7 @@ import typer
 
 from stickslip.cli.console import note, print_json, show_table, stdout
 from stickslip.cli.inputs import FILE, friction_of, friction_title, rig_and_friction
-from stickslip.cli.options import LawOptions
+from stickslip.cli.options import LawOptions, SweepOptions
 from stickslip.cli.progress import Drawing, Interrupts, workers
 from stickslip.data import parse, read_bytes, read_number
 from stickslip.engine.executors import Inline
@@ -28,7 +28,7 @@ from stickslip.engine.solver import (
 )
 from stickslip.engine.solver import Final as Last
 from stickslip.engine.trajectory import Status
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.quantities import Quantity, all_paths, full_path, parameters
 from stickslip.show.documents import document, write_files
 from stickslip.show.formatting import count, number, printable, quantity
@@ -67,30 +67,33 @@ CUT_SHORT: Final = (
 )
 
 
-def run(
-    path: Path | None,
-    folder: Path,
-    *,
-    at_once: int | None,
-    executor: str | None,
-    dry_run: bool,
-    force: bool,
-    allow_import: bool,
-    as_json: bool,
-) -> None:
+def run(options: SweepOptions) -> None:
     """Read the file, make the runs that are missing, show what is there."""
-    if path is None:
+    given = {
+        "--law": options.law,
+        "--law-load": options.law_load,
+        "--set": options.changes,
+        "--coordinate": options.coordinate,
+        "--ensemble": options.draws,
+    }
+    if unused := [option for option, value in given.items() if value]:
+        raise InputError(
+            f"{unused[0]} applies to a rig file with --vary PATH=LOW:HIGH:N; a campaign file says"
+            " rigs, laws and factors itself."
+        )
+    if options.rig is None:
         raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
-    asked, cases = _read(path, allow_import=allow_import)
-    if dry_run:
-        shared = 1 if executor else at_once or os.cpu_count() or 1
-        _show_estimate(asked.estimate(), cases, shared, as_json=as_json)
+    folder, count = options.output or Path("stickslip-campaign"), options.count
+    asked, cases = _read(options.rig, allow_import=options.allow_import)
+    if options.dry_run:
+        shared = 1 if options.executor else count or os.cpu_count() or 1
+        _show_estimate(asked.estimate(), cases, shared, as_json=options.as_json)
         return
     begun = time.perf_counter()
     with (
         Interrupts() as interrupts,
         Drawing("Running", "runs") as bar,
-        workers(at_once or 1, executor) as pool,
+        workers(count or 1, options.executor) as pool,
     ):
         interrupts.promise = "Stopping after the files in work; press Ctrl-C again to cancel."
 
@@ -98,14 +101,14 @@ def run(
             bar(done, total)
             return not interrupts.stopped
 
-        one = Inline() if at_once == 1 else None
-        found = asked.run(folder, executor=pool or one, progress=progress, replace=force)
+        one = Inline() if count == 1 else None
+        found = asked.run(folder, executor=pool or one, progress=progress, replace=options.force)
     took = time.perf_counter() - begun
     if not found.complete:
         note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
         raise typer.Exit(CANCELLED)
     indices = _indices(asked, found, cases)
-    if as_json:
+    if options.as_json:
         rows = {one.output: one.to_dataframe().to_dict("records") for one in indices}
         content = {
             "runs": len(found),
@@ -163,11 +166,10 @@ def _show_estimate(found: Estimate, cases: Sequence[str], shared: int, *, as_jso
         return
     console = stdout()
     for case in cases:
-        console.print(printable(case), markup=False)
+        console.print(printable(case))
     console.print(
         f"{count(found.runs, 'run')} in {count(found.files, 'file')}, about {_size(found.size)};"
-        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these.",
-        markup=False,
+        f" about {quantity(found.seconds / shared, 's', 2)} on {count(shared, 'core')} like these."
     )
 
 
@@ -180,31 +182,29 @@ def _show(
 ) -> None:
     console = stdout()
     for case in cases:
-        console.print(printable(case), markup=False)
+        console.print(printable(case))
     console.print(
         f"{count(len(found), 'run')}, {found.certified:,} certified, in"
         f" {count(len(found.parts), 'file')}"
-        f" ({_size(found.size)}).",
-        markup=False,
+        f" ({_size(found.size)})."
     )
     for name, runs in found.status.items():
-        console.print(f"  {name}: {runs:,}. {Status[name].value}", markup=False)
+        console.print(f"  {name}: {runs:,}. {Status[name].value}")
     if any(not Status[name].complete for name in found.status):
-        console.print(CUT_SHORT, markup=False)
+        console.print(CUT_SHORT)
     if found.made:
         console.print(
             f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
-            " second.",
-            markup=False,
+            " second."
         )
     for one in indices:
-        console.print(f"\n{one.sentence}", markup=False)
+        console.print(f"\n{one.sentence}")
         rows = [
             [path, *(one.text_of(name, place) for name in one.indices)]
             for place, path in enumerate(one.factors)
         ]
         show_table("", ["factor", *one.indices], rows)
-    console.print(f"\nWritten: {found.folder}", markup=False)
+    console.print(f"\nWritten: {found.folder}")
 
 
 def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
@@ -224,8 +224,8 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
         for law_name, law_text in laws.items():
             source = None if rig_text == "demo" else path.parent / rig_text
             law = str(path.parent / law_text) if FILE.fullmatch(law_text) else law_text
-            asked = LawOptions(law=law or None)
-            rig, chosen = rig_and_friction(source, [], asked, allow_import=allow_import)
+            options = LawOptions(rig=source, law=law or None, allow_import=allow_import)
+            rig, chosen = rig_and_friction(options)
             friction = friction_of(chosen)
             labels = {"rig": rig_name} if len(rigs) > 1 else {}
             labels |= {"law": law_name} if len(laws) > 1 else {}
@@ -343,10 +343,8 @@ def _leaves(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]
 
 
 def _number(value: object, known: Quantity, where: str) -> float:
-    try:
+    with concerning(where):
         return read_number(value, known)
-    except ParameterError as error:
-        raise ParameterError(f"{where} {error}") from None
 
 
 def _read_value(raw: Mapping[str, Any], key: str, known: Quantity, file: str) -> float:

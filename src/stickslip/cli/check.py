@@ -8,7 +8,8 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.console import note, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import note, print_json, reading_of, refuse_overwriting, stdout
+from stickslip.cli.options import CheckOptions
 from stickslip.data import (
     SEVERITIES,
     Checks,
@@ -72,19 +73,13 @@ LABELS = {
 """Words of the last line for each kind of finding."""
 
 
-def run(
-    files: Sequence[Path],
-    reading: Reading,
-    output: Path | None,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run(options: CheckOptions) -> None:
     """Check, print the sentences, draw an overview if asked for one."""
+    output, reading = options.output, reading_of(options)
     if output is not None:
-        refuse_overwriting(output, output, force=force, files=(DOCUMENT,))
-    rig, data = _parted(files, allow_import=allow_import)
+        refuse_overwriting(output, output, force=options.force, files=(DOCUMENT,))
+    files = [*options.files, *options.data]
+    rig, data = _parted(files, allow_import=options.allow_import)
     mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
     vary = () if rig is None else rig.vary
@@ -92,17 +87,17 @@ def run(
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})
-    if as_json:
+    if options.as_json:
         print_json(content)
     else:
         _show(measurement, found)
     if output is not None:
         note("Drawing the overview ...")
         write_folder(output, {**_pictures(measurement), DOCUMENT: json_text(content)})
-        if not as_json:
-            stdout().print(f"\nFindings and pictures: {output}", markup=False)
-    if not as_json:
-        stdout().print(f"\n{_summary(found.findings)}", markup=False)
+        if not options.as_json:
+            stdout().print(f"\nFindings and pictures: {output}")
+    if not options.as_json:
+        stdout().print(f"\n{_summary(found.findings)}")
     if found.worst == "error":
         raise typer.Exit(BAD_DATA)
 
@@ -148,13 +143,13 @@ def _show(measurement: Measurement, found: Checks) -> None:
     console = stdout()
     for record in measurement.records():
         if "; " in record.provenance:  # something was repaired
-            console.print(f"  {record.provenance}", markup=False, style="dim")
+            console.print(f"  {record.provenance}", style="dim")
     findings = [*_by_trial(found.findings)] if measurement.trials else found.findings
     for finding in findings:
         mark, style = MARKS[finding.severity]
-        console.print(f"{mark}{finding}", markup=False, style=style)
+        console.print(f"{mark}{finding}", style=style)
     if len(findings) < len(found.findings):
-        console.print("All findings of each trial: --json.", markup=False)
+        console.print("All findings of each trial: --json.")
 
 
 def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:

@@ -5,7 +5,7 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextvars import ContextVar
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,10 @@ from rich.table import Table
 from rich.text import Text
 from typing_extensions import override
 
-from stickslip.cli import CANCELLED, ToldExit
-from stickslip.data import read_number
-from stickslip.errors import InputError, ParameterError
+from stickslip.cli import CANCELLED, QUIET, ToldExit
+from stickslip.cli.options import ColumnOptions, ReadingOptions
+from stickslip.data import Column, Reading, column_of, motor_constants, read_gain, read_number
+from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.quantities import Quantity
 from stickslip.show.documents import check_replaceable, json_text, unwritable
 from stickslip.show.formatting import NO_VALUE, printable
@@ -26,14 +27,12 @@ from stickslip.show.formatting import NO_VALUE, printable
 
 GAP = 2
 """Spaces between columns."""
-_QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
-"""Whether the command in work says its result only."""
 FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
 
 class _Printable(Console):
-    """A console to which no text of a file can give commands."""
+    """A console to which no text of a file can give commands, be it codes or markup."""
 
     @override
     def print(self, *objects: Any, **settings: Any) -> None:
@@ -46,28 +45,18 @@ def _made_printable(item: Any) -> Any:
 
 def stdout() -> Console:
     """Return the console for results."""
-    return _Printable(highlight=False, soft_wrap=True, emoji=False)
+    return _Printable(markup=False, highlight=False, soft_wrap=True, emoji=False)
 
 
 def stderr() -> Console:
     """Return the console for progress and remarks."""
-    return _Printable(stderr=True, highlight=False, emoji=False)
-
-
-def hush(wanted: bool) -> None:
-    """Say whether progress and remarks are left out from now on."""
-    _QUIET.set(wanted)
-
-
-def is_quiet() -> bool:
-    """Whether progress and remarks are left out."""
-    return _QUIET.get()
+    return _Printable(stderr=True, markup=False, highlight=False, emoji=False)
 
 
 def note(text: str) -> None:
     """Say something beside the result, in whole lines, as the result itself is."""
-    if not is_quiet():
-        stderr().print(text, markup=False, soft_wrap=True)
+    if not QUIET.get():
+        stderr().print(text, soft_wrap=True)
 
 
 def show_table(
@@ -116,7 +105,7 @@ def show_table(
     with console.capture() as lines:
         console.print(table)
     for line in lines.get().splitlines():
-        console.print(line.rstrip(), markup=False)
+        console.print(line.rstrip())
 
 
 def _is_number(cell: str) -> bool:
@@ -136,19 +125,6 @@ def command_line() -> str:
 def plain(text: str) -> str:
     """Return a text without the marks that reports typeset."""
     return text.replace("$", "")
-
-
-def overrides(changes: Sequence[str]) -> dict[str, str]:
-    """Split ``path=value`` pairs."""
-    found = {}
-    for change in changes:
-        path, equals, value = change.partition("=")
-        if not equals or not path.strip() or not value.strip():
-            raise InputError(
-                f"--set takes PATH=VALUE such as static_coefficient=0.4, got {change!r}."
-            )
-        found[path.strip()] = value.strip()
-    return found
 
 
 def check_rig_file(output: Path) -> None:
@@ -204,7 +180,33 @@ def refuse_overwriting(
                 part.rmdir()
 
 
-# Numbers of options.
+# Values of options: pairs, numbers, and how files are read.
+
+
+def pair_of(text: str, wants: str) -> tuple[str, str]:
+    """Return both sides of ``NAME=VALUE``; an option that has none says what it wants.
+
+    Examples
+    --------
+    >>> pair_of("mass = 2 kg", "--set takes PATH=VALUE")
+    ('mass', '2 kg')
+    """
+    name, _, value = (part.strip() for part in text.partition("="))
+    if not (name and value):
+        raise InputError(f"{wants}, got {text!r}.")
+    return name, value
+
+
+def overrides(changes: Sequence[str]) -> dict[str, str]:
+    """Split ``path=value`` pairs."""
+    wants = "--set takes PATH=VALUE such as static_coefficient=0.4"
+    return dict(pair_of(change, wants) for change in changes)
+
+
+def with_unit(option: str, text: str | None, quantity: Quantity) -> float | None:
+    """Return a number with a unit in SI, if there is one; what is refused names the option."""
+    with concerning(option):
+        return None if text is None else read_number(text, quantity)
 
 
 def number_of(text: str, quantity: Quantity) -> float:
@@ -233,10 +235,60 @@ def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
     low, dots, high = text.partition("..")
     if not (dots and low.strip() and high.strip()):
         raise InputError(f"{option} takes LOW..HIGH such as 40mm..100mm, got {text!r}.")
-    try:
+    with concerning(option):
         return number_of(low.strip(), quantity), number_of(high.strip(), quantity)
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
+
+
+def columns_of(options: ColumnOptions) -> Reading:
+    """Return what the options of that name say together."""
+    constant = options.motor_constant
+    return Reading(
+        columns=_columns(options.columns),
+        units=_pairs("--unit", "position=mm", options.units),
+        gain=_gains(_pairs("--gain", "force=35.15", options.gain)),
+        motor_constant={} if constant is None else motor_constants(constant),
+        by="options",
+    )
+
+
+def reading_of(options: ReadingOptions) -> Reading:
+    """Return what the options of that name say together."""
+    repair = [part.strip() for given in options.repair for part in given.split(",")]
+    names = [part.strip() for given in options.conditions for part in given.split(",")]
+    return replace(columns_of(options), repair=tuple(repair), conditions=tuple(names))  # type: ignore[arg-type]  # checked by Reading itself
+
+
+def _columns(given: Sequence[str]) -> dict[str, Column]:
+    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for part in (part for text in given for part in text.split(",")):
+        if "=" in part or not name or not part.strip():
+            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
+            found[name] = [column]
+        else:
+            found[name].append(part.strip())
+    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
+
+
+def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:
+    """Split ``name=value`` pairs, parted by commas."""
+    wants = f"{option} takes NAME=VALUE such as {example}"
+    return dict(pair_of(part, wants) for text in given for part in text.split(","))
+
+
+def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
+    """Return gains as numbers, or as texts with their unit."""
+    found: dict[str, float | str] = {}
+    for name, value in pairs.items():
+        try:
+            found[name] = read_gain(value)
+        except ParameterError:
+            raise InputError(
+                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
+                f' "position=0.5 um/count", got {name}={value}.'
+            ) from None
+    return found
 
 
 # The page of a command: what was found stands, whether its page can be drawn or not.
@@ -276,7 +328,7 @@ def draw_page(
     elif not quiet:
         from stickslip.identify.kinds import PAGE
 
-        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
+        stdout().print(f"\nReport: {folder / PAGE}")
     return code
 
 

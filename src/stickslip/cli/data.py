@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from stickslip.cli.console import note, print_json, show_table, stdout
+from stickslip.cli.options import PathOptions, RecordOptions
 from stickslip.data.catalogue import Column, DataFile, Dataset, dataset, names
 from stickslip.show.documents import document
 
@@ -24,17 +25,17 @@ def run_list(*, as_json: bool) -> None:
     )
 
 
-def run_show(name: str, *, as_json: bool) -> None:
+def run_show(options: RecordOptions) -> None:
     """Show a record in full."""
-    record = dataset(name)
-    if as_json:
+    record = dataset(options.name)
+    if options.as_json:
         print_json(document("data", _record(record)))
         return
     console = stdout()
-    console.print(record.title, markup=False, style="bold")
+    console.print(record.title, style="bold")
     for label, text in _head(record).items():
         if text:
-            console.print(f"{label:<11}{text}", markup=False)
+            console.print(f"{label:<11}{text}")
     console.print()
     rows = [[c.name, c.unit, c.quantity, _number(c), c.meaning] for c in record.columns]
     show_table("", ["column", "unit", "quantity", "gain", "meaning"], rows)
@@ -42,23 +43,23 @@ def run_show(name: str, *, as_json: bool) -> None:
         _show_file(console, record, file)
     for title, known in {"known": record.known, **record.published}.items():
         if known:
-            console.print(f"\n{title}", style="bold", markup=False)
+            console.print(f"\n{title}", style="bold")
         for key, value in known.items():
-            console.print(f"  {key} = {value}", markup=False)
+            console.print(f"  {key} = {value}")
     if record.notes:
-        console.print(f"\n{record.notes}", markup=False)
+        console.print(f"\n{record.notes}")
 
 
-def run_path(name: str, file: str | None, *, as_json: bool) -> None:
+def run_path(options: PathOptions) -> None:
     """Print the path of a table; what is downloaded for it is said on stderr."""
-    record = dataset(name)
+    record, file = dataset(options.name), options.file
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", UserWarning)
         path = record.path(file, report=note)
     for warning in warned:
         note(f"stickslip: {warning.message}")
-    if as_json:
-        content = {"name": name, "file": record.file(file).name, "path": str(path)}
+    if options.as_json:
+        content = {"name": options.name, "file": record.file(file).name, "path": str(path)}
         print_json(document("data", content))
     else:
         print(path)
@@ -92,7 +93,7 @@ def _number(column: Column) -> str:
 
 def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
     place = record.place(file.name).value
-    console.print(f"\nfile {file.name} ({place})", style="bold", markup=False)
+    console.print(f"\nfile {file.name} ({place})", style="bold")
     about = {
         "about": file.about,
         "rows": "" if file.rows is None else str(file.rows),
@@ -104,26 +105,14 @@ def _show_file(console: Console, record: Dataset, file: DataFile) -> None:
     for key, value in about.items():
         if value != "":
             text = f"  {key} = {value}" if key in file.known else f"  {key:<11}{value}"
-            console.print(text, markup=False)
+            console.print(text)
 
 
 def _record(record: Dataset) -> dict[str, Any]:
     return {
-        "name": record.name,
-        "title": record.title,
-        "kind": record.kind,
-        "citation": record.citation,
-        "licence": record.licence,
-        "repository": record.repository,
-        "commit": record.commit,
-        "format": record.format,
-        "sampling": record.sampling,
-        "load": record.load,
+        **vars(record),
         "columns": [_column(column) for column in record.columns],
         "files": {name: _file(record, file) for name, file in record.files.items()},
-        "known": record.known,
-        "published": record.published,
-        "notes": record.notes,
     }
 
 
@@ -135,13 +124,5 @@ def _column(column: Column) -> dict[str, Any]:
 
 
 def _file(record: Dataset, file: DataFile) -> dict[str, Any]:
-    return {
-        "about": file.about,
-        "rows": file.rows,
-        "part": file.part,
-        "sha256": file.sha256,
-        "source": file.source,
-        "source_sha256": file.source_sha256,
-        "known": file.known,
-        "where": record.place(file.name).value,
-    }
+    own = {key: value for key, value in vars(file).items() if key not in ("name", "ending")}
+    return {**own, "where": record.place(file.name).value}

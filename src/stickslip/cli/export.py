@@ -6,10 +6,17 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import print_json, refuse_overwriting, show_table, stdout
+from stickslip.cli.console import (
+    pair_of,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    with_unit,
+)
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
-from stickslip.cli.options import ApplyOptions, ExportOptions, LawOptions
-from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data, read_number
+from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
+from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
 from stickslip.errors import InputError, ParameterError
 from stickslip.exports import (
     TARGETS,
@@ -22,7 +29,7 @@ from stickslip.exports import (
     identifier,
 )
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import Given, Quantity, named, turned
+from stickslip.quantities import Given, named, turned
 from stickslip.show.documents import document, regular_bytes
 from stickslip.show.formatting import NO_VALUE, quantity
 
@@ -38,17 +45,9 @@ RESULT_FILES = (".json", ".html", ".csv")
 """Of a report, none of which is a rig file."""
 
 
-def run_export(
-    path: Path,
-    to: str,
-    wanted: ExportOptions,
-    output: Path,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_export(options: ExportOptions) -> None:
     """Export the law of a file, and write what its target takes."""
+    path, to, output = options.file, options.to, options.output
     known = named({**TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in RESULT_FILES:
         raise InputError(
@@ -56,41 +55,44 @@ def run_export(
             f" select` writes beside its report, as {path.with_name('law.toml')}."
         )
     check_named(path)
-    _refuse_foreign(to, wanted)
+    _refuse_foreign(options)
     if known is None:
-        _export_fmu(path, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+        _export_fmu(options)
         return
     target = known
-    refuse_overwriting(output, output, force=force)
-    source = law_source(path, wanted.law, allow_import=allow_import)
-    rig = None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import)
-    load, law_load = loads(wanted.load, wanted.law_load)
+    refuse_overwriting(output, output, force=options.force)
+    source = law_source(options, path)
+    rig = None
+    if options.rig is not None:
+        rig = load_rig(options.rig, allow_import=options.allow_import)
+    load, law_load = loads(options)
     with by_option():
         found = export(
             source,
             to,
-            name=wanted.name,
-            law=wanted.law if isinstance(source, Rig) else None,
-            contact=wanted.contact,
+            name=options.name,
+            law=options.law if isinstance(source, Rig) else None,
+            contact=options.contact,
             load=load,
             law_load=law_load,
-            largest_speed=wanted.largest_speed,
+            largest_speed=options.largest_speed,
             rig=rig,
-            at=stated(wanted.at or ()),
+            at=stated(options.at),
         )
-    files = found.save(output, force=force)
-    if as_json:
+    files = found.save(output, force=options.force)
+    if options.as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
         print_json(document("export", content))
         return
     console = stdout()
-    console.print(f"{target.title}: {', '.join(map(str, files))}", markup=False)
+    console.print(f"{target.title}: {', '.join(map(str, files))}")
     for remark in found.remarks:
-        console.print(f"  {remark}", markup=False)
+        console.print(f"  {remark}")
 
 
-def law_source(path: Path, law: str | None, *, allow_import: bool) -> Rig | FrictionLaw:
+def law_source(options: LawOfFileOptions, path: Path) -> Rig | FrictionLaw:
     """Return the rig of a file, or the law itself of one with laws alone."""
+    law, allow_import = options.law, options.allow_import
     tables: Set[str] = frozenset()
     with contextlib.suppress(OSError, ValueError):  # said with its place when the rig is read
         tables = tomllib.loads(regular_bytes(path).decode("utf-8")).keys()
@@ -105,79 +107,72 @@ def law_source(path: Path, law: str | None, *, allow_import: bool) -> Rig | Fric
     return found
 
 
-def _refuse_foreign(to: str, wanted: ExportOptions) -> None:
+def _refuse_foreign(options: ExportOptions) -> None:
     """Refuse options that the target has no use for."""
-    if to == FMU:
+    if options.to == FMU:
         named_alone: dict[str, object] = {
-            "--contact": wanted.contact,
-            "--load": wanted.load,
-            "--largest-speed": wanted.largest_speed,
-            "--at": wanted.at or None,
+            "--contact": options.contact,
+            "--load": options.load,
+            "--largest-speed": options.largest_speed,
+            "--at": options.at or None,
         }
         cure = "such options are of targets for a law alone."
     else:
         named_alone = {
-            "--input": wanted.inputs or None,
-            "--t-end": wanted.t_end,
-            "--fmi": None if wanted.fmi == ExportOptions.fmi else wanted.fmi,
+            "--input": options.inputs or None,
+            "--t-end": options.t_end,
+            "--fmi": None if options.fmi == ExportOptions.fmi else options.fmi,
         }
         cure = "such options are of --to fmu."
     given = [option for option, value in named_alone.items() if value is not None]
     if given:
-        raise InputError(f"--to {to} does not take {', '.join(given)}: {cure}")
+        raise InputError(f"--to {options.to} does not take {', '.join(given)}: {cure}")
 
 
-def _export_fmu(
-    path: Path,
-    wanted: ExportOptions,
-    output: Path,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def _export_fmu(options: ExportOptions) -> None:
     """Export a rig with its law as an FMU: into a file, or into a folder."""
-    of, law_named = path, wanted.law
-    if wanted.rig is not None:
-        of, law_named = wanted.rig, str(path) if wanted.law is None else f"{path}:{wanted.law}"
-    name = wanted.name if wanted.name is not None else of.stem
+    of, law_named, output = options.file, options.law, options.output
+    if options.rig is not None:
+        of = options.rig
+        law_named = f"{options.file}" + (f":{options.law}" if options.law is not None else "")
+    name = options.name if options.name is not None else of.stem
     file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
-    refuse_overwriting(output, file.parent, force=force)
-    asked = LawOptions(law=law_named, load=wanted.law_load)
-    rig, chosen = rig_and_friction(of, (), asked, allow_import=allow_import)
+    refuse_overwriting(output, file.parent, force=options.force)
+    rig, chosen = rig_and_friction(
+        LawOptions(
+            rig=of, law=law_named, law_load=options.law_load, allow_import=options.allow_import
+        )
+    )
     law = friction_of(chosen)
     export_fmu(
         rig.mechanism,
         law,
         file,
-        t_end=rig.t_end if wanted.t_end is None else wanted.t_end,
+        t_end=rig.t_end if options.t_end is None else options.t_end,
         y0=rig.start(law),
-        inputs=tuple(wanted.inputs or ()),
-        fmi=2 if wanted.fmi == 2 else 3,
+        inputs=tuple(options.inputs),
+        fmi=2 if options.fmi == 2 else 3,
         name=name,
         title=f"{rig.heading}: {friction_title(chosen)}",
-        force=force,
+        force=options.force,
     )
-    if as_json:
+    if options.as_json:
         print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
         return
-    stdout().print(f"FMU for FMI {wanted.fmi}.0: {file}", markup=False)
+    stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
 
 
 def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
     for one in given:
-        name, equals, value = one.partition("=")
-        if not equals or not value.strip():
-            raise InputError(
-                f"--at takes a contact input and its value, such as"
-                f' --at "temperature=35 degC", got {one!r}.'
-            )
+        name, value = pair_of(
+            one, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
+        )
         try:
-            found[name.strip()] = float(value)
+            found[name] = float(value)
         except ValueError:
-            found[name.strip()] = value.strip()
+            found[name] = value
     return found
 
 
@@ -191,18 +186,11 @@ def by_option() -> Iterator[None]:
         raise ParameterError(said.replace("export.at.", "--at ")) from None
 
 
-def loads(load: str | None, law_load: str | None) -> tuple[float | None, float | None]:
+def loads(options: ExportOptions | ApplyOptions) -> tuple[float | None, float | None]:
     """Return the normal forces of the options `--load` and `--law-load`."""
-    return _number("--load", load, LOAD), _number("--law-load", law_load, LOAD)
-
-
-def _number(option: str, text: str | None, quantity: Quantity) -> float | None:
-    if text is None:
-        return None
-    try:
-        return read_number(text, quantity)
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
+    pairs = (("--load", options.load), ("--law-load", options.law_load))
+    load, law_load = (with_unit(option, text, LOAD) for option, text in pairs)
+    return load, law_load
 
 
 # ``stickslip apply``.
@@ -211,40 +199,31 @@ LAW_FILE = "law.toml"
 """What `select` and `fit` write beside a document about a law."""
 
 
-def run_apply(
-    path: Path,
-    model: Path,
-    wanted: ApplyOptions,
-    output: Path,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_apply(options: ApplyOptions) -> None:
     """Write the laws of a file into a model, and print what that leaves of them."""
-    path = _law_file(path)
+    path, model, output = _law_file(options.file), options.model, options.output
     check_named(path)
-    check_output(model, output, force=force)
-    source = law_source(path, wanted.law, allow_import=allow_import)
-    load, law_load = loads(wanted.load, wanted.law_load)
+    check_output(model, output, force=options.force)
+    source = law_source(options, path)
+    load, law_load = loads(options)
     with by_option():
         found = apply(
             source,
             model,
-            joints=_paired(wanted.joints or ()),
-            law=wanted.law if isinstance(source, Rig) else None,
+            joints=_paired(options.joints),
+            law=options.law if isinstance(source, Rig) else None,
             load=load,
-            largest_speed=wanted.largest_speed,
+            largest_speed=options.largest_speed,
             law_load=law_load,
-            at=_by_contact(stated(wanted.at or ())),
-            to=wanted.to,
-            polynomial=wanted.polynomial,
-            holds=wanted.holds,
-            run=wanted.run,
-            record=_record(wanted.record, source, allow_import=allow_import),
+            at=_by_contact(stated(options.at)),
+            to=options.to,
+            polynomial=options.polynomial,
+            holds=options.holds,
+            run=options.run,
+            record=_record(options.record, source, allow_import=options.allow_import),
         )
-    found.save(output, force=force)
-    if as_json:
+    found.save(output, force=options.force)
+    if options.as_json:
         print_json(document("apply", {"file": str(output), **found.to_dict()}))
         return
     _show(found, output)
@@ -308,11 +287,11 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
 def _show(found: Applied, output: Path) -> None:
     console = stdout()
     names = ", ".join(one.joint for one in found.joints)
-    console.print(f"{output}: {found.path.name} with friction in {names}", markup=False)
+    console.print(f"{output}: {found.path.name} with friction in {names}")
     for one in found.joints:
-        console.print(f"{one.joint}: {one.law}", markup=False)
+        console.print(f"{one.joint}: {one.law}")
         for line in one.sentences:
-            console.print(f"  {line}", markup=False)
+            console.print(f"  {line}")
     rows = [row for one in found.joints for row in _rows(one)]
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
@@ -325,7 +304,7 @@ def _show(found: Applied, output: Path) -> None:
         )  # fmt: skip
         show_table("", heads, replays)
     for remark in found.remarks:
-        console.print(remark, markup=False)
+        console.print(remark)
 
 
 def _rows(joint: AppliedJoint) -> list[Sequence[str]]:

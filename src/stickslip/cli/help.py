@@ -2,16 +2,20 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Iterator
-from dataclasses import MISSING, fields, is_dataclass
-from typing import Any, Final, get_type_hints
+from collections.abc import Callable, Iterator, Sequence
+from copy import copy
+from dataclasses import MISSING, fields
+from types import GenericAlias
+from typing import Any, Final, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.models import OptionInfo
 from typing_extensions import override
 
-from stickslip.cli.options import Quiet
+from stickslip.cli.options import QuietOption
 from stickslip.errors import InputError
+from stickslip.show.described import texts_below
 
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
@@ -122,34 +126,49 @@ def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], 
 
 
 def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Return a command with an option for each field of its arguments that are dataclasses.
+    """Return a command with an option for each field of the class of its options.
 
-    It has `--quiet` as well, which nobody else has to heed.
+    It has `--quiet` as well, which none has to heed.
     """
-    own = inspect.signature(function, eval_str=True).parameters.values()
-    groups: dict[str, Any] = {
-        one.name: one.annotation for one in own if is_dataclass(one.annotation)
-    }
-    single = [
-        parameter
-        for one in own
-        for parameter in (_options_of(groups[one.name]) if one.name in groups else [one])
+    kinds = [
+        one.annotation for one in inspect.signature(function, eval_str=True).parameters.values()
     ]
-    single.append(inspect.Parameter("_quiet", KEYWORD, default=False, annotation=Quiet))
+    single = [one for kind in (*kinds, QuietOption) for one in _parameters(kind)]
+    several = [one.name for kind in kinds for one in fields(kind) if one.default == ()]
 
     @functools.wraps(function)
-    def called(*, _quiet: bool, **given: Any) -> None:
-        for name, kind in groups.items():
-            given[name] = kind(**{one.name: given.pop(one.name) for one in fields(kind)})
-        function(**given)
+    def called(*, quiet: bool, **given: Any) -> None:  # noqa: ARG001  # heeded by its callback
+        given |= {name: () for name in several if given[name] is None}
+        function(*(kind(**given) for kind in kinds))
 
-    called.__signature__ = inspect.Signature([one.replace(kind=KEYWORD) for one in single])  # type: ignore[attr-defined]  # what typer reads
+    called.__signature__ = inspect.Signature(single)  # type: ignore[attr-defined]  # what typer reads
     called.__annotations__ = {one.name: one.annotation for one in single}
     return called
 
 
-def _options_of(kind: Any) -> Iterator[inspect.Parameter]:
-    hints = get_type_hints(kind, include_extras=True)
-    for one in fields(kind):
-        default = inspect.Parameter.empty if one.default is MISSING else one.default
-        yield inspect.Parameter(one.name, KEYWORD, default=default, annotation=hints[one.name])
+def _parameters(kind: type) -> Iterator[inspect.Parameter]:
+    """Yield the fields of a class as typer reads parameters: its own, then those of its bases.
+
+    An option is called as its field, unless its mark has a long name, and the text below the field
+    is its help.
+    """
+    hints, texts = get_type_hints(kind, include_extras=True), texts_below(kind)
+    known = {one.name: one for one in fields(kind)}
+    for name in dict.fromkeys(
+        name for base in kind.__mro__ for name in inspect.get_annotations(base)
+    ):
+        default, hint = known[name].default, hints[name]
+        info, plain = typer.Option(), hint
+        if hasattr(hint, "__metadata__"):
+            info, plain = copy(hint.__metadata__[0]), hint.__origin__
+        names = [one for one in (info.default, *(info.param_decls or ())) if isinstance(one, str)]
+        if isinstance(info, OptionInfo) and not any(one.startswith("--") for one in names):
+            names.append(f"--{name.replace('_', '-')}")
+        info.param_decls, info.help = (
+            tuple(names),
+            info.help or " ".join(texts.get(name, "").split()),
+        )
+        info.default = ... if default is MISSING else None if default == () else default
+        if get_origin(plain) is Sequence:
+            plain = GenericAlias(list, get_args(plain))
+        yield inspect.Parameter(name, KEYWORD, default=info, annotation=plain)

@@ -2,12 +2,12 @@
 
 import os
 import shlex
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import check_rig_file, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import check_rig_file, columns_of, print_json, refuse_overwriting, stdout
+from stickslip.cli.options import InitOptions
 from stickslip.data import (
     Guess,
     Reading,
@@ -24,28 +24,20 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.documents import document, write_file
 
 
-def run(
-    files: Sequence[Path],
-    reading: Reading,
-    output: Path | None,
-    *,
-    urdf: Path | None = None,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run(options: InitOptions) -> None:
     """Find out what a file holds, or films do, write a rig file, and print what was found."""
-    file = files[0]
-    if len(files) > 1:
+    file, urdf, reading = options.files[0], options.urdf, columns_of(options)
+    if len(options.files) > 1:
         if urdf is not None:
             raise InputError("--urdf takes one log of a robot, got several files.")
-        _films(files, reading, output, force=force, as_json=as_json)
+        _films(options, reading)
         return
     named = file if file.name else file.absolute()  # "." is the folder that it stands for
     if not named.name:
         raise InputError(f"{str(file)!r} is no data file: give the file, or the folder of a log.")
-    target = named.with_suffix(".toml") if output is None else output
+    target = options.output or named.with_suffix(".toml")
     check_rig_file(target)
-    refuse_overwriting(target, target.parent, force=force)
+    refuse_overwriting(target, target.parent, force=options.force)
     try:
         guess = _guess(file, reading, urdf)
     except UnknownNameError:
@@ -53,8 +45,8 @@ def run(
     except InputError as error:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None
-    if not as_json:  # all of the file is read once more below
-        stdout().print(str(guess), markup=False)
+    if not options.as_json:  # all of the file is read once more below
+        stdout().print(str(guess))
     name = _relative(data_file(file), target)
     if urdf is None:
         inertia = inertia_of(read_data([file], replace(guess.reading, by="options")))
@@ -62,7 +54,7 @@ def run(
     else:
         text = guessed_rig(guess, name, robot=_relative(urdf, target))
     write_file(target, text)
-    if as_json:
+    if options.as_json:
         found: dict[str, Any] = {"file": str(file), "rig": str(target)}
         found |= {"columns": dict(guess.columns)}
         found |= {"units": dict(guess.units), "turning": guess.turning}
@@ -74,21 +66,19 @@ def run(
         return
     typed = shlex.quote(str(target))
     stdout().print(
-        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}",
-        markup=False,
+        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}"
     )
 
 
-def _films(
-    files: Sequence[Path], reading: Reading, output: Path | None, *, force: bool, as_json: bool
-) -> None:
+def _films(options: InitOptions, reading: Reading) -> None:
     """Find out what films of one body show, write its rig file, and print what was found."""
-    target = files[0].with_name("capsule.toml") if output is None else output
+    files = options.files
+    target = options.output or files[0].with_name("capsule.toml")
     check_rig_file(target)
-    refuse_overwriting(target, target.parent, force=force)
+    refuse_overwriting(target, target.parent, force=options.force)
     found = guess_films(files, reading)
     write_file(target, filmed_rig(found, {file: _relative(file, target) for file in files}))
-    if as_json:
+    if options.as_json:
         runs = [
             {"file": str(run.file), "frequency": run.frequency, "travel": run.travel}
             for run in found.runs
@@ -99,13 +89,12 @@ def _films(
         return
     typed = shlex.quote(str(target))
     low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
-    stdout().print(str(found), markup=False)
+    stdout().print(str(found))
     stdout().print(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
         f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"
-        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24",
-        markup=False,
+        f" drive.frequency={low:.3g}:{high:.3g}:45 --ensemble 24"
     )
 
 

@@ -7,33 +7,43 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, TypeVar
 
-from stickslip.cli.console import note, number_of, overrides, plain, show_table, stdout
-from stickslip.cli.options import EstimationOptions, LawOptions, ParameterOptions, ReadingOptions
+from stickslip.cli.console import (
+    note,
+    number_of,
+    overrides,
+    pair_of,
+    plain,
+    reading_of,
+    show_table,
+    stdout,
+    with_unit,
+)
+from stickslip.cli.options import (
+    LawOptions,
+    MeasuredOptions,
+    RigOptions,
+)
 from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.data import (
     LOAD,
     CarriedLaw,
     CarriedLaws,
     Checks,
-    Column,
     KnownLaws,
     LawEstimates,
     Reading,
     Rig,
     carried,
     carried_by_contact,
-    column_of,
     condition_name,
     estimates_by_contact,
     load_rig,
-    motor_constants,
     read_data,
-    read_gain,
     read_number,
 )
-from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
 from stickslip.friction import (
     PRINTED_FORMS,
     FrictionLaw,
@@ -57,9 +67,9 @@ from stickslip.identify.fits import (
     starting_law,
 )
 from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
-from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
+from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
-from stickslip.show.formatting import joined, number, significant, unit_text, within
+from stickslip.show.formatting import joined, number, printable, significant, unit_text, within
 
 # Which law a command takes, where a rig file and an option may name one, or a file of its own.
 
@@ -101,10 +111,6 @@ class ChosenLaw(_Chosen[CarriedLaw]):
         """The law, as it is on this mechanism."""
         return self.carried.law
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return its name, and what is to be known of it if it is from another file."""
-        return {"law": self.law.name, **_file_content(self.source, self.remarks)}
-
 
 class ChosenLaws(_Chosen[CarriedLaws]):
     """Laws by contact and how well they are known."""
@@ -131,26 +137,16 @@ class ChosenForm:
     """It is from no file."""
 
 
-def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
-    """Return what is to be known of a law that is from another file."""
-    if source is None:
-        return {}
-    file = {"file": source.path, "digest": source.digest}
-    return {"law_file": file, "remarks": list(map(plain, remarks))}
-
-
-def rig_and_form(
-    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
-) -> tuple[Rig, ChosenForm]:
+def rig_and_form(options: LawOptions) -> tuple[Rig, ChosenForm]:
     """Return the rig and an equation as printed, with the values that the rig has for its law."""
-    assert asked.law is not None
-    if asked.load is not None:
+    assert options.law is not None
+    if options.law_load is not None:
         raise InputError("--law-load applies to a law from a file: leave it out.")
-    kind = PRINTED_FORMS[asked.law]
-    given = overrides(changes)
+    kind = PRINTED_FORMS[options.law]
+    given = overrides(options.changes)
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = rig_with(path, others, law=kind.corrected.name, allow_import=allow_import)
+    rig = rig_with(options, others, law=kind.corrected.name)
     slip_of(rig.mechanism)
     law = _own(rig, kind.corrected.name).law
     load = static_normal_force(rig.mechanism) or 1.0
@@ -178,10 +174,8 @@ def _value_of(kind: type[PrintedForm], name: str, text: str) -> float | bool:
     """Read a value of a printed equation, which may be a switch."""
     quantity = fields_of(kind).get(name)
     if quantity is not None:
-        try:
+        with concerning(f"--set {FRICTION}{name}:"):
             return read_number(text, quantity)
-        except ParameterError as error:
-            raise ParameterError(f"--set {FRICTION}{name}: {error}") from None
     if text.lower() not in ("true", "false"):
         raise ParameterError(f"--set {FRICTION}{name} must be true or false, got {text!r}.")
     return text.lower() == "true"
@@ -201,17 +195,27 @@ def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
     return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
 
 
-def friction_content(
-    chosen: ChosenLaw | ChosenLaws | ChosenForm, mechanism: Mechanism
-) -> dict[str, Any]:
-    """Return the name of the law, or those of the contacts, null where nothing rubs."""
-    if isinstance(chosen, ChosenLaw):
-        return chosen.to_dict()
+def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[str, Any]:
+    """Return rig and name of its law, or those of the contacts, null where nothing rubs."""
+    head: dict[str, Any] = {"rig": rig.heading, "digest": rig.digest}
     if isinstance(chosen, ChosenForm):
         values = {path: value for path, _, value in parameters(chosen.form, "friction")}
-        return {"law": chosen.form.name, "values": values}
-    laws = {one.name: chosen.laws.names.get(one.name) for one in mechanism.contacts()}
-    return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
+        return head | {"law": chosen.form.name, "values": values}
+    if isinstance(chosen, ChosenLaw):
+        head["law"] = chosen.law.name
+    else:
+        names = [one.name for one in rig.mechanism.contacts()]
+        head["laws"] = {name: chosen.laws.names.get(name) for name in names}
+    if chosen.source is not None:
+        head["law_file"] = {"file": chosen.source.path, "digest": chosen.source.digest}
+        head["remarks"] = list(map(plain, chosen.remarks))
+    return head
+
+
+def show_heading(rig: Rig, friction: str) -> None:
+    """Print which rig was run, and with what."""
+    stdout().print(printable(rig.heading), style="bold", end="")
+    stdout().print(f", {friction}")
 
 
 def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
@@ -264,10 +268,9 @@ def names_by_contact(text: str) -> dict[str, str]:
     return found
 
 
-def rig_with(
-    path: Path | None, given: Mapping[str, str], *, law: str | None = None, allow_import: bool
-) -> Rig:
+def rig_with(options: RigOptions, given: Mapping[str, str], *, law: str | None = None) -> Rig:
     """Return the rig of a file under overrides; an unknown one is told what the law at hand has."""
+    path, allow_import = options.rig, options.allow_import
     try:
         return load_rig(path, overrides=given, allow_import=allow_import)
     except UnknownNameError as error:
@@ -288,30 +291,27 @@ def rig_with(
         raise own from None
 
 
-def rig_and_friction(
-    path: Path | None, changes: Sequence[str], asked: LawOptions, *, allow_import: bool = False
-) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def rig_and_friction(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: laws of its contacts, or one."""
-    given = overrides(changes)
-    if asked.law is None or not FILE.fullmatch(asked.law):
-        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
+    if options.law is None or not FILE.fullmatch(options.law):
+        rig = rig_with(options, overrides(options.changes), law=options.law)
         if rig.contacts:
-            laws = _by_contact(rig, asked)
+            laws = _by_contact(rig, options)
             known = estimates_by_contact(rig, laws)
             own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
             return rig, ChosenLaws(carried=own)
-        if asked.law is not None and "=" in asked.law:
+        if options.law is not None and "=" in options.law:
             raise InputError(
-                f"--law {asked.law} names laws by contact, but {rig.path} has no tables of"
+                f"--law {options.law} names laws by contact, but {rig.path} has no tables of"
                 " contacts: give one name."
             )
-    return _rig_and_law(path, changes, asked, allow_import=allow_import)
+    return _rig_and_law(options)
 
 
-def _by_contact(rig: Rig, asked: LawOptions) -> Laws:
+def _by_contact(rig: Rig, options: LawOptions) -> Laws:
     """Return the laws of a rig whose contacts have tables of their own."""
-    text = asked.law
-    if asked.load is not None:
+    text = options.law
+    if options.law_load is not None:
         raise InputError("--law-load applies only to a law from a file, such as --law law.toml.")
     names: str | dict[str, str] | None = text
     if text is not None and "=" in text:
@@ -330,47 +330,41 @@ def _check_all_used(given: Collection[str], laws: Laws) -> None:
         _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
 
 
-def _rig_and_law(
-    path: Path | None,
-    changes: Sequence[str],
-    asked: LawOptions,
-    *,
-    allow_import: bool,
-) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its law; where that is from another file, so are overrides of friction."""
-    given = overrides(changes)
-    file = None if asked.law is None else FILE.fullmatch(asked.law)
-    if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
-        beside = Path(asked.law).with_name("law.toml")
+    given, law, allow_import = overrides(options.changes), options.law, options.allow_import
+    file = None if law is None else FILE.fullmatch(law)
+    if file is None and law is not None and law.lower().endswith(OTHER_FILES):
+        beside = Path(law).with_name("law.toml")
         raise InputError(
-            f"--law takes the name of a law or a .toml file with a law, got {asked.law}: give the"
+            f"--law takes the name of a law or a .toml file with a law, got {law}: give the"
             f" law.toml that `stickslip select` writes beside its verdict.json, as --law {beside}."
         )
     if file is None:
-        if asked.load is not None:
+        if options.law_load is not None:
             raise InputError(
                 "--law-load applies only to a law from a file, such as --law law.toml, whose"
                 " levels are forces: leave it out."
             )
-        rig = rig_with(path, given, law=asked.law, allow_import=allow_import)
-        chosen = _own(rig, asked.law)
+        rig = rig_with(options, given, law=law)
+        chosen = _own(rig, law)
         _check_used(rig.overridden, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
-    rig = rig_with(path, others, allow_import=allow_import)
+    rig = rig_with(options, others)
     check_named(Path(file["path"]))
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)
         laws = carried_by_contact(source, rig.mechanism, names=file["law"])
         _check_all_used(source.overridden, laws.laws)
-        if asked.load is not None:
+        if options.law_load is not None:
             raise InputError("--law-load applies to the law of one contact: leave it out.")
         for remark in laws.remarks:
             note(plain(remark))
         return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
-    load = _load(asked.load)
+    load = with_unit("--law-load", options.law_load, LOAD)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
     if own:
         name = found.law.name
@@ -383,7 +377,7 @@ def _rig_and_law(
 
 
 def laws_drawn(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, asked: LawOptions, count: int, seed: int
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, law_load: str | None, count: int, seed: int
 ) -> tuple[list[FrictionLaw], float]:
     """Return laws for an ensemble, and by how much mean velocities are off beside them [m/s].
 
@@ -398,7 +392,8 @@ def laws_drawn(
         laws, error = drawn
         if count > len(laws):
             raise InputError(f"--ensemble takes up to {len(laws)} laws, as {source.path} has.")
-        load, levels = _load(asked.load), source.estimates and source.estimates.levels
+        load = with_unit("--law-load", law_load, LOAD)
+        levels = source.estimates and source.estimates.levels
         own = [
             dataclasses.replace(
                 source,
@@ -457,15 +452,6 @@ def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> 
                 f" {run if contact else 'this run'}, which has {', '.join(known)}. Name another law"
                 " with --law, or leave it out."
             )
-
-
-def _load(text: str | None) -> float | None:
-    if text is None:
-        return None
-    try:
-        return read_number(text, LOAD)
-    except ParameterError as error:
-        raise ParameterError(f"--law-load {error}") from None
 
 
 def _own(rig: Rig, name: str | None) -> ChosenLaw:
@@ -531,30 +517,16 @@ def _name(rig: Rig) -> str:
 
 # What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it.
 
-ALL_PARAMETERS: Final = ParameterOptions()
-"""Without a word of options."""
-USUAL_OPTIONS: Final = EstimationOptions()
-Ask: TypeAlias = Callable[..., tuple[AnyKind, Request, list[Path]]]
-"""`measured` with what the options say."""
-
 
 def measured(
-    rig: Rig,
-    *,
-    reading: Reading,
-    data: Sequence[Path] = (),
-    parameters: ParameterOptions = ALL_PARAMETERS,
-    estimation: EstimationOptions = USUAL_OPTIONS,
-    given: bool,
-    law: Callable[[AnyKind], Law] | None = None,
+    rig: Rig, options: MeasuredOptions, *, law: Callable[[AnyKind], Law] | None = None
 ) -> tuple[AnyKind, Request, list[Path]]:
     """Return what fits such a measurement, what it is asked, and the data files of the options.
 
-    Options for files add to what the rig says of its own; None says nothing. `given` is
-    whether a rig file was, `law` the law of a kind.
+    Options for files add to what the rig says of its own. `law` returns the law of a kind.
     """
-    said, horizon, validate = estimation.settings, estimation.horizon, parameters.validate
-    route = estimation.route
+    said, horizon, validate = options.settings, options.horizon, options.validate
+    data, route, reading = options.data, options.route, reading_of(options)
     for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
@@ -582,7 +554,7 @@ def measured(
     kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
-    varied, held = _parameters(rig, parameters.vary or (), parameters.fixed or (), owner)
+    varied, held = _parameters(rig, options.vary, options.fixed, owner)
     numerics = RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
@@ -597,13 +569,10 @@ def measured(
         assumed=rig.assumed or None,
         t_end=rig.t_end,
     ).only(kind.uses)
-    options = {"horizon": horizon, "route": route, **said}
-    options["validate"] = validate
-    typed = {
-        name: f"--{name.replace('_', '-')}" for name, one in options.items() if one is not None
-    }
+    given = {"horizon": horizon, "route": route, **said, "validate": validate}
+    typed = {name: f"--{name.replace('_', '-')}" for name, one in given.items() if one is not None}
     refuse_unused(kind, typed, request)
-    if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
+    if options.rig is None and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(
             "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
             ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
@@ -653,18 +622,12 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
     known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
-        name, equals, value = part.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(
-                f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
-            )
+        name, value = pair_of(part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4")
         if law is None:
-            refuse_of_laws([name.strip()], known)
-        path = full_path(name.strip(), known, "parameter in --fixed")
-        try:
-            found[path] = number_of(value.strip(), known[path])
-        except ParameterError as error:
-            raise ParameterError(f"--fixed {path} {error}") from None
+            refuse_of_laws([name], known)
+        path = full_path(name, known, "parameter in --fixed")
+        with concerning(f"--fixed {path}"):
+            found[path] = number_of(value, known[path])
     return found
 
 
@@ -710,7 +673,7 @@ def show_warnings(checks: Checks) -> None:
     """Print what is doubtful about a record."""
     doubts = [finding for finding in checks.findings if finding.severity == "warning"]
     for finding in doubts:
-        stdout().print(f"! {finding}", markup=False, style="yellow")
+        stdout().print(f"! {finding}", style="yellow")
 
 
 def show_estimates(estimates: Sequence[Estimate]) -> None:
@@ -730,7 +693,7 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
     show_table("", heads, rows, whole=heads[1:])
     for one in estimates:
         if one.reason:
-            stdout().print(f"  {one.path}: {plain(one.reason)}", markup=False)
+            stdout().print(f"  {one.path}: {plain(one.reason)}")
 
 
 def show_open(words: Wording) -> None:
@@ -738,9 +701,9 @@ def show_open(words: Wording) -> None:
     console = stdout()
     for title, lines in (("Limitations", words.cannot_tell), ("Measure next", words.measure_next)):
         if lines:
-            console.print(f"\n{title}", markup=False, style="bold")
+            console.print(f"\n{title}", style="bold")
         for line in lines:
-            console.print(f"  {plain(line)}", markup=False)
+            console.print(f"  {plain(line)}")
 
 
 def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
@@ -753,9 +716,9 @@ def show_trials(comparison: TrialComparison | None) -> None:
     if comparison is None:
         return
     console = stdout()
-    console.print("\nTrials", markup=False, style="bold")
+    console.print("\nTrials", style="bold")
     for line in comparison.sentences:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     if not comparison.trials or (comparison.shared and not comparison.conditions):
         return
     symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
@@ -772,60 +735,3 @@ def show_trials(comparison: TrialComparison | None) -> None:
             row += [significant(one.value, 4), one.range if known else "open"]
         rows.append([plain(cell) for cell in row])
     show_table("", heads, rows, whole=heads)
-
-
-# How options say that the files of a measurement are read.
-
-
-def reading_of(asked: ReadingOptions) -> Reading:
-    """Return what the options of that name say together."""
-    texts = [part.strip() for given in asked.repair or () for part in given.split(",")]
-    names = [part.strip() for given in asked.conditions or () for part in given.split(",")]
-    constant = asked.motor_constant
-    return Reading(
-        columns=_columns(asked.columns),
-        units=_pairs("--unit", "position=mm", asked.units),
-        gain=_gains(_pairs("--gain", "force=35.15", asked.gain)),
-        repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
-        conditions=tuple(names),
-        motor_constant={} if constant is None else motor_constants(constant),
-        by="options",
-    )
-
-
-def _columns(given: Sequence[str] | None) -> dict[str, Column]:
-    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
-    found: dict[str, list[str]] = {}
-    name = ""
-    for part in (part for text in given or () for part in text.split(",")):
-        if "=" in part or not name or not part.strip():
-            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
-            found[name] = [column]
-        else:
-            found[name].append(part.strip())
-    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
-
-
-def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
-    """Split ``name=value`` pairs, parted by commas."""
-    found = {}
-    for pair in (part for text in given or () for part in text.split(",")):
-        name, equals, value = pair.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
-    """Return gains as numbers, or as texts with their unit."""
-    found: dict[str, float | str] = {}
-    for name, value in pairs.items():
-        try:
-            found[name] = read_gain(value)
-        except ParameterError:
-            raise InputError(
-                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
-                f' "position=0.5 um/count", got {name}={value}.'
-            ) from None
-    return found

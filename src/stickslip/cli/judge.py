@@ -30,9 +30,9 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    Ask,
     content_of,
     law_to_fit,
+    measured,
     rig_with,
     show_estimates,
     show_open,
@@ -40,9 +40,10 @@ from stickslip.cli.inputs import (
     show_warnings,
     watching,
 )
+from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.cli.progress import workers
 from stickslip.data import Checks, Rig, check, refusal, refuse_same
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, far_above_dry
@@ -92,52 +93,40 @@ NO_LAW = 3
 CRITERIA_FAILED = 4
 
 
-def run_select(
-    path: Path | None,
-    ask: Ask,
-    changes: Sequence[str],
-    laws: str | None,
-    output: Path | None,
-    *,
-    count: int | None,
-    executor: str | None,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-    enforce: bool,
-) -> None:
+def run_select(options: SelectOptions) -> None:
     """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
-    folder = folder_of(output, "stickslip-report", as_json=as_json)
+    folder = folder_of(options.output, "stickslip-report", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=force, files=VERDICT_FILES)
-    rig = rig_with(path, overrides(changes), allow_import=allow_import)
-    kind, request, files = ask(rig, given=path is not None)
+        refuse_overwriting(folder, folder, force=options.force, files=VERDICT_FILES)
+    rig = rig_with(options, overrides(options.changes))
+    kind, request, files = measured(rig, options)
     rig = replace(rig, digest=with_files(rig.digest, files))
-    for option, value in (("--workers", count), ("--executor", executor)):
+    for option, value in (("--workers", options.count), ("--executor", options.executor)):
         if value is not None:
             refuse_unused(kind, {"executor": option}, request)
-    if enforce and not kind.has_criteria:
+    if options.enforce and not kind.has_criteria:
         users = [one for one in kinds() if one.has_criteria]
         raise InputError(f"--enforce {unused_text(kind, users)}")
-    verdict = _selected(kind, replace(request, laws=laws_of(rig, laws)), count or 1, executor)
+    request = replace(request, laws=laws_of(rig, options.laws))
+    verdict = _selected(kind, request, options.count or 1, options.executor)
     content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
     page_code = 0
     # an earlier report stays until all of this is there
     if folder is not None and not (folder / DOCUMENT).exists():
         write_verdict(folder, verdict, content)
     with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
-        if as_json:
+        if options.as_json:
             print_json(content)
         else:
             show_verdict(verdict)
     if folder is not None:
-        own = path is None  # the bundled rig
+        own = options.rig is None  # the bundled rig
         page_code = draw_page(
             folder,
             lambda: render(_page(verdict, rig, files, of_paper=own)),
             lambda text: write_verdict(folder, verdict, content, page=text),
             kept=f"The verdict is in {folder / DOCUMENT}.",
-            quiet=as_json,
+            quiet=options.as_json,
         )
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:
@@ -145,7 +134,7 @@ def run_select(
     if verdict.best is None or verdict.best.dropped:
         note("No law is recommended; the verdict states the reason.")
         raise typer.Exit(NO_LAW)
-    if enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
+    if options.enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
         note("The recommended law fails a criterion of the paper; the report names the criterion.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
@@ -188,20 +177,20 @@ def show_verdict(verdict: Verdict) -> None:
     table = kind_of_route(verdict.route).comparison(verdict)
     if table.checks:
         show_warnings(table.checks)
-    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
-    console.print(plain(words.lede), markup=False)
+    console.print(f"\n{plain(words.verdict)}", style="bold")
+    console.print(plain(words.lede))
     if words.no_score:
-        console.print(words.no_score, markup=False, style="dim")
+        console.print(words.no_score, style="dim")
     console.print()
     rows = [[plain(cell) for cell in row] for row in table.rows]
     show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
     if table.notes:
         console.print()
     for line in table.notes:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     if table.fitted:
         title, estimates = table.fitted
-        console.print(f"\n{title}", markup=False, style="bold")
+        console.print(f"\n{title}", style="bold")
         show_estimates(estimates)
     show_trials(table.trials)
     show_open(words)
@@ -234,26 +223,16 @@ def _criteria_hold(best: "TravelCandidate | None") -> bool:
 # ``stickslip fit``.
 
 
-def run_fit(
-    path: Path | None,
-    name: str | None,
-    ask: Ask,
-    changes: Sequence[str],
-    output: Path | None,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_fit(options: FitOptions) -> None:
     """Fit, write the rig file of the fitted law, print its parameters."""
+    output = options.output
     if output is not None:
         check_rig_file(output)
-        refuse_overwriting(output, output.parent, force=force)
-    rig = rig_with(path, overrides(changes), law=name, allow_import=allow_import)
+        refuse_overwriting(output, output.parent, force=options.force)
+    rig = rig_with(options, overrides(options.changes), law=options.law)
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
-    law = partial(law_to_fit, rig, name)
-    kind, request, files = ask(rig, given=path is not None, law=law)
+    kind, request, files = measured(rig, options, law=partial(law_to_fit, rig, options.law))
     if output is not None and not kind.simulated:
         raise InputError(
             f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
@@ -264,7 +243,7 @@ def run_fit(
     shown = kind.summary(result, request.validate, request.horizon)
     if output is not None:
         write_file(output, result.to_toml())
-    if as_json:
+    if options.as_json:
         content = {
             "rig": rig.heading,
             "digest": with_files(rig.digest, files),
@@ -279,7 +258,7 @@ def run_fit(
     _show_fit(result, shown)
     show_trials(shown.trials)
     if output is not None:
-        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
+        stdout().print(f"\nRig file of the fitted law: {output}")
 
 
 def _checked(request: Request) -> Checks:
@@ -329,75 +308,64 @@ def _name(law: Law) -> str:
 
 def _show_fit(result: Fit, shown: FitSummary) -> None:
     console = stdout()
-    console.print(f"\n{result.law.title} friction", markup=False, style="bold")
+    console.print(f"\n{result.law.title} friction", style="bold")
     show_estimates(result.shown)
     for line in shown.limits:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
     console.print()
     for line in far_above_dry(result):
-        console.print(f"! {plain(line)}\n", markup=False, style="yellow")
+        console.print(f"! {plain(line)}\n", style="yellow")
     if shown.rows:
         show_table("", shown.heads, [[plain(cell) for cell in row] for row in shown.rows])
     for line in shown.lines:
-        console.print(plain(line), markup=False)
+        console.print(plain(line))
     if result.cancelled:
         note("The search was stopped early; this is the best fit so far.")
     for line in shown.findings:
-        console.print(f"\n{plain(line)}", markup=False)
+        console.print(f"\n{plain(line)}")
     heading, lines = shown.open
     if lines:
-        console.print(f"\n{heading}", markup=False, style="bold")
+        console.print(f"\n{heading}", style="bold")
     for line in lines:
-        console.print(f"  {plain(line)}", markup=False)
+        console.print(f"  {plain(line)}")
 
 
 # ``stickslip plan``.
 
 
-def run_plan(
-    path: Path | None,
-    changes: Sequence[str],
-    laws: str | None,
-    between: str | None,
-    settings: int,
-    uncertainty: str | None,
-    output: Path | None,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_plan(options: PlanOptions) -> None:
     """Plan, write the sheet, show."""
-    files = _files(output)
+    files = _files(options.output)
     for file in files:
-        refuse_overwriting(file, file.parent, force=force)
+        refuse_overwriting(file, file.parent, force=options.force)
     _refuse_filled_in(files[1:])
-    rig = rig_with(path, overrides(changes), allow_import=allow_import)
-    measured = rig.measurement
-    if measured is not None and not measured.travelled:
-        measured = None
-    range_asked = _between(setting_of(rig.mechanism, measured, rig.t_end), rig, between)
-    if not as_json:
+    rig = rig_with(options, overrides(options.changes))
+    travels = rig.measurement
+    if travels is not None and not travels.travelled:
+        travels = None
+    setting = setting_of(rig.mechanism, travels, rig.t_end)
+    between = _between(setting, rig, options.between)
+    if not options.as_json:
         note("Simulating the predictions of the laws ...")
     found = plan(
         rig.mechanism,
-        laws_of(rig, laws),
-        measurement=measured,
+        laws_of(rig, options.laws),
+        measurement=travels,
         parameter_uncertainties=rig.parameter_uncertainties,
-        between=range_asked,
-        settings=settings,
-        uncertainty=_uncertainty(uncertainty),
+        between=between,
+        settings=options.settings,
+        uncertainty=_uncertainty(options.uncertainty),
         t_end=rig.t_end,
     )
     if files:
-        _write(found, rig, path, files)
-    if as_json:
+        _write(found, rig, options.rig, files)
+    if options.as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
         print_json(document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]}))
         return
     _show_plan(found)
     if files:
-        stdout().print(f"\nWritten: {', '.join(map(str, files))}", markup=False)
+        stdout().print(f"\nWritten: {', '.join(map(str, files))}")
 
 
 def _files(output: Path | None) -> list[Path]:
@@ -440,10 +408,8 @@ def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | Non
 def _uncertainty(text: str | None) -> float | None:
     if text is None:
         return None
-    try:
+    with concerning("--uncertainty"):
         return number_of(text, Quantity("u_s", "m", above=0))
-    except ParameterError as error:
-        raise ParameterError(f"--uncertainty {error}") from None
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
@@ -466,30 +432,29 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
 
 def _show_plan(found: Plan) -> None:
     console = stdout()
-    console.print(found.sentence, markup=False, style="bold")
+    console.print(found.sentence, style="bold")
     if found.assumed:
         console.print(
             "The uncertainty of 2 % of the longest travel is an assumption: repeat one setting and"
-            " give the scatter as --uncertainty.",
-            markup=False,
+            " give the scatter as --uncertainty."
         )
     if found.repeated:
-        console.print(f"The uncertainty is {known_by(found)}.", markup=False)
+        console.print(f"The uncertainty is {known_by(found)}.")
     for line in filter(None, (found.range_source, found.band_sentence)):
-        console.print(plain(line), markup=False)
+        console.print(plain(line))
     for line in found.remarks:
-        console.print(f"! {plain(line)}", markup=False, style="yellow")
+        console.print(f"! {plain(line)}", style="yellow")
     title = ""
     for table in tables_of(found):
         console.print()
         if table.title != title:
             title = table.title
-            console.print(plain(title), markup=False, style="bold")
+            console.print(plain(title), style="bold")
         if table.rows:
             rows = [[plain(cell) for cell in row.cells] for row in table.rows]
             show_table("", table.heads, rows, whole=table.heads)
         for head, text in table.lines.items():
-            console.print(f"  {plain(head)}: {plain(text)}", markup=False)
+            console.print(f"  {plain(head)}: {plain(text)}")
     head, *_ = found.csv().splitlines()
-    console.print("\nSave the travels as a CSV file with these columns", markup=False, style="bold")
-    console.print(f"  {head}", markup=False)
+    console.print("\nSave the travels as a CSV file with these columns", style="bold")
+    console.print(f"  {head}")

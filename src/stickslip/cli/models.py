@@ -1,6 +1,5 @@
 """``stickslip models`` and ``stickslip cite``: the laws and their sources."""
 
-from collections.abc import Sequence
 from dataclasses import fields
 from textwrap import fill, indent
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import plain, print_json, show_table, stdout
+from stickslip.cli.options import CiteOptions, ModelsOptions
 from stickslip.errors import UnknownNameError
 from stickslip.friction import (
     PRINTED_EQUATIONS,
@@ -36,14 +36,14 @@ INDENT = "    "
 """Before a formula and its notes."""
 
 
-def run(name: str | None, *, published: bool, as_json: bool) -> None:
+def run(options: ModelsOptions) -> None:
     """List laws and mechanisms, or show one."""
-    if name is not None:
-        _one(name, as_json=as_json)
-    elif published:
-        _printed(as_json=as_json)
+    if options.name is not None:
+        _one(options.name, as_json=options.as_json)
+    elif options.published:
+        _printed(as_json=options.as_json)
     else:
-        _all(as_json=as_json)
+        _all(as_json=options.as_json)
 
 
 def _all(*, as_json: bool) -> None:
@@ -73,7 +73,7 @@ def _show_form(form: type[PrintedForm] | RightEquation) -> None:
     console = stdout()
     name = f" ({form.name})" if form.name else ""
     console.print(Text.assemble((f"{form.equation} {form.title}", "bold"), name))
-    console.print(indent(formula_text(form.formula), INDENT), markup=False, soft_wrap=True)
+    console.print(indent(formula_text(form.formula), INDENT), soft_wrap=True)
     notes = {
         "defect": form.defect,
         "correct" if form.defect else "correct as printed": form.right,
@@ -81,7 +81,7 @@ def _show_form(form: type[PrintedForm] | RightEquation) -> None:
     }
     for key, text in notes.items():
         if text:
-            console.print(_note(f"{key}: {plain_text(text)}", console.width), markup=False)
+            console.print(_note(f"{key}: {plain_text(text)}", console.width))
     console.print()
 
 
@@ -108,20 +108,20 @@ def _one(name: str, *, as_json: bool) -> None:
         print_json(document("models", _law(law)))
         return
     console = stdout()
-    console.print(law.title, markup=False, style="bold")
-    console.print(f"{_first_line(law)}\n", markup=False)
-    console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
+    console.print(law.title, style="bold")
+    console.print(f"{_first_line(law)}\n")
+    console.print(f"{formula_text(law.formula)}\n", soft_wrap=True)
     _show_parameters(law)
     console.print()
     for asked in law.inputs:
         told = CONTACT_INPUTS[asked]
         text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
-        console.print(text, markup=False, soft_wrap=True)
+        console.print(text, soft_wrap=True)
     for heading, text in said_of(law):
-        console.print(f"{heading}: {text}", markup=False)
+        console.print(f"{heading}: {text}")
     console.print()
     for key in law.sources:
-        console.print(plain(SOURCES[key]), markup=False)
+        console.print(plain(SOURCES[key]))
 
 
 def _mechanism(kind: type[Mechanism], *, as_json: bool) -> None:
@@ -142,14 +142,14 @@ def _mechanism(kind: type[Mechanism], *, as_json: bool) -> None:
         print_json(document("models", about))
         return
     console = stdout()
-    console.print(capital(kind.name.replace("-", " ")), markup=False, style="bold")
-    console.print(f"{_first_line(kind)}\n", markup=False)
+    console.print(capital(kind.name.replace("-", " ")), style="bold")
+    console.print(f"{_first_line(kind)}\n")
     _show_parameters(kind)
     if others:
         console.print()
     for field, text in others.items():
-        console.print(f"{field}: {text}", markup=False, soft_wrap=True)
-    console.print(f"\nContacts: {kind.contact_names or 'one'}", markup=False)
+        console.print(f"{field}: {text}", soft_wrap=True)
+    console.print(f"\nContacts: {kind.contact_names or 'one'}")
 
 
 def _first_line(kind: type) -> str:
@@ -208,21 +208,23 @@ def _typical(found: Typical) -> dict[str, Any]:
     return {"values": dict(found.values), "source": source}
 
 
-def cite(names: Sequence[str], *, as_json: bool) -> None:
+def run_cite(options: CiteOptions) -> None:
     """Print citations."""
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
-    chosen: Any = [law_type(name) for name in names] if names else list(listed().values())
+    chosen: Any = (
+        [law_type(name) for name in options.laws] if options.laws else list(listed().values())
+    )
     found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
-    if as_json:
+    if options.as_json:
         content = {"software": own, "rig": SOURCES["paper"], "laws": found}
         print_json(document("cite", content))
         return
     console = stdout()
-    console.print(f"Software\n  {own}", markup=False)
-    console.print(f"Bundled rig\n  {SOURCES['paper']}", markup=False)
+    console.print(f"Software\n  {own}")
+    console.print(f"Bundled rig\n  {SOURCES['paper']}")
     for law in chosen:
-        console.print(law.title, markup=False)
+        console.print(law.title)
         for source in found[law.name]:
-            console.print(f"  {source}", markup=False)
+            console.print(f"  {source}")

@@ -1,12 +1,19 @@
-"""Arguments and options of commands, and groups of them that are handed on together."""
+"""Arguments and options of commands: a class for each, whose fields are declared once.
+
+A field `t_end` is the option `--t-end` unless its type is annotated with another name or as an
+argument; the text below it is its help, and a sequence may be given several times (see
+`stickslip.cli.help`). What commands share stands in base classes.
+"""
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from stickslip.cli import QUIET
 from stickslip.errors import InputError
 
 DEMO = Path("demo")
@@ -34,6 +41,11 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
     return given
 
 
+def _hush(wanted: bool) -> bool:
+    QUIET.set(wanted)
+    return wanted
+
+
 Rig = Annotated[
     Path | None,
     typer.Argument(
@@ -42,502 +54,322 @@ Rig = Annotated[
         help="Rig file (TOML), or `demo` for the rig that comes with the package.",
     ),
 ]
+Output = Annotated[Path | None, typer.Option("-o")]
+Names = Annotated[Sequence[str], typer.Option(metavar="NAME,...")]
+Force = Annotated[str | None, typer.Option(metavar="FORCE")]
+Speed = Annotated[str | None, typer.Option(metavar="SPEED")]
+Ensemble = Annotated[int | None, typer.Option("--ensemble", metavar="N", min=2)]
+Seed = Annotated[int, typer.Option(min=0)]
+At = Annotated[Sequence[str], typer.Option(metavar="INPUT=VALUE")]
 
 
-def _hush(wanted: bool) -> bool:
-    from stickslip.cli.console import hush
-
-    hush(wanted)
-    return wanted
-
-
-Quiet = Annotated[
-    bool,
-    typer.Option(
-        "-q", "--quiet", callback=_hush, is_eager=True, help="Print no progress and no remarks."
-    ),
-]
-MotorConstant = Annotated[
-    str | None,
-    typer.Option(
-        "--motor-constant",
-        metavar="VALUE",
-        help='Force or torque per current of the motor with its gears, e.g. "0.12 N m/A": the'
-        " column `current` is then read as the force.",
-    ),
-]
-Set = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="PATH=VALUE",
-        help="Override a value of the rig file, e.g. mechanism.attached=true or mass=2; the last"
-        " name is enough where it is the only one.",
-    ),
-]
-AllowImport = Annotated[
-    bool,
-    typer.Option(
-        "--allow-import",
-        help="Allow the rig file to import classes (type = 'module:Class'); this runs their code.",
-    ),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document to stdout.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
-EndTime = Annotated[
-    float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
-]
-Folder = Annotated[
-    Path | None,
-    typer.Option(
-        "-o",
-        "--output",
-        help="Folder for the report. Default: stickslip- and the name of what is written, such as"
-        " stickslip-report; with --json, nothing is written unless a folder is given.",
-    ),
-]
-Record = Annotated[str, typer.Argument(metavar="NAME", help="Name of a record, see `data list`.")]
-Enforce = Annotated[
-    bool, typer.Option("--enforce", help="Exit with code 4 if a criterion of the paper fails.")
-]
-Law = Annotated[
-    str | None,
-    typer.Option(
-        "--law",
-        metavar="NAME|FILE",
-        help="Friction law (see `stickslip models`), or a file with one, such as the law.toml of"
-        " `stickslip select`. Default: the only law with values in the rig file, else"
-        " coulomb.",
-    ),
-]
-LawOfFile = Annotated[str | None, typer.Option("--law", help="Which law, if the file has several.")]
-LawLoad = Annotated[
-    str | None,
-    typer.Option(
-        "--law-load",
-        metavar="FORCE",
-        help='Normal force at which the law of a file was fitted, e.g. "50 N", if its levels are'
-        " forces: they are divided by it.",
-    ),
-]
-FittedLaw = Annotated[
-    str | None,
-    typer.Option(
-        "--law",
-        help="Friction law (see `stickslip models`); for records of several joints, laws by contact"
-        " as in shoulder=coulomb,elbow=dahl. Default: the only law with a table in the rig file,"
-        " or below a contact, else coulomb-viscous.",
-    ),
-]
-LawFile = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Write the fitted law to this rig file (TOML)."),
-]
-Laws = Annotated[
-    str | None,
-    typer.Option(
-        "--laws", help="Friction laws to use, e.g. coulomb,viscous. Default: all that apply."
-    ),
-]
-PlannedLaws = Annotated[
-    str | None,
-    typer.Option(
-        "--law",
-        "--laws",
-        help="Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file.",
-    ),
-]
-
-Data = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--data",
-        metavar="FILE",
-        help="Table of travels, or time record (CSV, Parquet, MATLAB, MDF), instead of the rig's"
-        " own data. Repeat the option for several trials.",
-    ),
-]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--columns",
-        metavar="NAME=COLUMN,...",
-        help="Column of each quantity, e.g. position=q,force=u; for a video track position=x,y.",
-    ),
-]
-Units = Annotated[
-    list[str] | None,
-    typer.Option("--unit", metavar="NAME=UNIT,...", help="Unit of a column, e.g. position=mm."),
-]
-Gain = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--gain",
-        metavar="NAME=FACTOR,...",
-        help="Scale factor per quantity, e.g. friction=-1 to flip a sign, force=35.15 to convert"
-        ' volts to newtons, or "position=4096 counts/rev".',
-    ),
-]
-Repair = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--repair",
-        metavar="sort,gaps",
-        help="Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells.",
-    ),
-]
-Conditions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--conditions",
-        metavar="NAME,...",
-        help="Columns with a condition of each trial, such as temperature or direction.",
-    ),
-]
-Validate = Annotated[
-    Path | None,
-    typer.Option(
-        "--validate",
-        metavar="FILE",
-        help="Second record for validation; it is not used in any fit.",
-    ),
-]
-Vary = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--vary",
-        metavar="NAME,...",
-        help="Parameters to fit, in addition to those that the rig file marks, e.g."
-        " 'friction.*,inertia'; all others are held fixed. Default: 'friction.*', all"
-        " parameters of the law.",
-    ),
-]
-Fixed = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--fixed",
-        metavar="NAME=VALUE,...",
-        help="Values of fixed parameters, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'.",
-    ),
-]
-
-
-Horizon = Annotated[
-    float | None,
-    typer.Option("--horizon", help="Prediction length on the second record [s]."),
-]
-Route = Annotated[
-    str | None,
-    typer.Option(
-        "--route",
-        help="Estimation method for records: shooting, force-map,"
-        " inverse-dynamics, features or rate-state; balance to select by the band of all laws;"
-        " travel for films of a capsule or a cart."
-        " Default: chosen from the data.",
-    ),
-]
-Segment = Annotated[
-    float | None,
-    typer.Option(
-        "--segment",
-        help="Length of the simulated segments of a record [s]; default: 1, or 20 samples if that"
-        " is longer.",
-    ),
-]
-Hold = Annotated[
-    str | None,
-    typer.Option(
-        "--hold",
-        metavar="zero|first",
-        help="Interpolation of the force: zero-order hold (a command) or first-order, linear (a"
-        " sensor). Default: estimated from the record.",
-    ),
-]
-Starts = Annotated[
-    int | None,
-    typer.Option(
-        "--starts", min=1, help="Number of starting points per search, for records (default 1)."
-    ),
-]
-Seed = Annotated[
-    int | None,
-    typer.Option("--seed", min=0, help="Random seed for the extra starting points (default 0)."),
-]
-PositionZeros = Annotated[
-    bool | None,
-    typer.Option(
-        "--position-zeros/--no-position-zeros",
-        help="Whether positions of each record count from an unknown place, as where encoders were"
-        " set to 0 at rest. Default: yes for a body that swings or slides freely, no for records of"
-        " several joints.",
-        show_default=False,
-    ),
-]
-FrictionDelay = Annotated[
-    float | None,
-    typer.Option(
-        "--friction-delay",
-        help="For measured friction: how long after the motion it is recorded [s] (default 0).",
-    ),
-]
-FrictionLag = Annotated[
-    float | None,
-    typer.Option(
-        "--friction-lag",
-        help="For measured friction: time constant of a first-order filter of it [s] (default 0).",
-    ),
-]
-Workers = Annotated[
-    int | None,
-    typer.Option("--workers", min=1, help="Number of processes that share the work."),
-]
-ExecutorAt = Annotated[
-    str | None,
-    typer.Option(
-        "--executor",
-        metavar="dask://HOST:PORT",
-        help="Dask cluster that does the work, by the address of its scheduler.",
-    ),
-]
-
-Draws = Annotated[
-    int | None,
-    typer.Option(
-        "--ensemble",
-        metavar="N",
-        min=2,
-        help="Take N laws: those drawn beside the law.toml of a selection that --law names, or"
-        " draws from the estimates of the law.",
-    ),
-]
-DrawSeed = Annotated[
-    int, typer.Option("--seed", min=0, help="Random seed where --ensemble draws from estimates.")
-]
-Quantile = Annotated[
-    str,
-    typer.Option(
-        "--quantile",
-        help="Statistic over the laws of --ensemble: a quantile of the objective, 0 for the worst"
-        " case, or mean.",
-    ),
-]
-Goal = Annotated[
-    str,
-    typer.Option(
-        "--goal", help="Objective: travel (per cycle), speed, or economy (travel per joule)."
-    ),
-]
-Kind = Annotated[
-    str,
-    typer.Option(
-        "--kind", help="three-phase, three-accelerations, seven-step, sine(-swing), spline(-swing)."
-    ),
-]
-Angle = Annotated[
-    str | None,
-    typer.Option("--angle", help='Largest angle of a pendulum from its middle, e.g. "60 deg".'),
-]
-Stroke = Annotated[
-    str | None,
-    typer.Option(
-        "--stroke", help='Largest stroke of an inner mass, from end to end, e.g. "20 mm".'
-    ),
-]
-Rate = Annotated[
-    str,
-    typer.Option("--rate", help='Largest angular velocity or speed, e.g. "12 rad/s" or "0.5 m/s".'),
-]
-Acceleration = Annotated[
-    str | None,
-    typer.Option("--acceleration", help='Largest acceleration of the inner body, e.g. "50 m/s^2".'),
-]
-Effort = Annotated[
-    str | None,
-    typer.Option("--torque", "--force-limit", help='Largest torque or force, e.g. "0.6 N m".'),
-]
-LoadShare = Annotated[
-    str,
-    typer.Option(
-        "--load-share", help='Smallest normal force, relative to the weight, e.g. "10 %".'
-    ),
-]
-BackSlip = Annotated[
-    str | None, typer.Option("--back-slip", help='Largest back-slip per cycle, e.g. "1 mm".')
-]
-Energy = Annotated[
-    str | None,
-    typer.Option("--energy", help='Largest work of the motor per travel, e.g. "2 J/m".'),
-]
-Interval = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--interval",
-        metavar="PATH=LOW..HIGH",
-        help="Range of an uncertain parameter, e.g. kinetic_coefficient=0.15..0.25; the worst case"
-        " is optimised. May be repeated.",
-    ),
-]
-Evaluations = Annotated[
-    int,
-    typer.Option(
-        "--evaluations",
-        min=1,
-        help="Evaluation budget per search. Local refinement may use up to six times as many, or"
-        " 80 (n + 1) for n parameters of the motion, whichever is larger.",
-    ),
-]
-Knots = Annotated[int, typer.Option("--knots", help="Number of knots of a spline.")]
-Resume = Annotated[
-    Path | None,
-    typer.Option(
-        "--resume",
-        metavar="FILE",
-        help="Save the state of the search to this file, and resume from it if it exists.",
-    ),
-]
+# What several commands take.
 
 
 @dataclass(frozen=True, kw_only=True)
-class LawOptions:
-    """Which law, and the load that its levels refer to."""
+class QuietOption:
+    """What every command takes, and none has to heed."""
 
-    law: Law = None
-    load: LawLoad = None
+    quiet: Annotated[bool, typer.Option("-q", callback=_hush, is_eager=True)] = False
+    """Print no progress and no remarks."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReadingOptions:
+class JsonOption:
+    """How the result is printed."""
+
+    as_json: Annotated[bool, typer.Option("--json")] = False
+    """Print one JSON document to stdout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WriteOptions(JsonOption):
+    """How the result is printed and written."""
+
+    force: bool = False
+    """Replace existing files."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions(WriteOptions):
+    """How the result is printed and written into a folder."""
+
+    output: Output = None
+    """Folder for the report. Default: stickslip- and the name of what is written, such as
+    stickslip-report; with --json, nothing is written unless a folder is given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnforceOption:
+    """Whether criteria of the paper decide on the exit code."""
+
+    enforce: bool = False
+    """Exit with code 4 if a criterion of the paper fails."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkerOptions:
+    """Who does the work."""
+
+    count: Annotated[int | None, typer.Option("--workers", min=1)] = None
+    """Number of processes that share the work."""
+    executor: Annotated[str | None, typer.Option(metavar="dask://HOST:PORT")] = None
+    """Dask cluster that does the work, by the address of its scheduler."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportOption:
+    """What a rig file may do."""
+
+    allow_import: bool = False
+    """Allow the rig file to import classes (type = 'module:Class'); this runs their code."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChangeOption:
+    """What is changed of a rig file."""
+
+    changes: Annotated[Sequence[str], typer.Option("--set", metavar="PATH=VALUE")] = ()
+    """Override a value of the rig file, e.g. mechanism.attached=true or mass=2; the last name is
+    enough where it is the only one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigOptions(ChangeOption, ImportOption):
+    """A rig file and what is changed of it."""
+
+    rig: Rig = None
+    """The rig file; None for the bundled rig."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawLoadOption:
+    """The load that the levels of a law from a file refer to."""
+
+    law_load: Force = None
+    """Normal force at which the law of a file was fitted, e.g. "50 N", if its levels are forces:
+    they are divided by it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionOptions(LawLoadOption):
+    """A law, by name or from a file."""
+
+    law: Annotated[str | None, typer.Option(metavar="NAME|FILE")] = None
+    """Friction law (see `stickslip models`), or a file with one, such as the law.toml of `stickslip
+    select`. Default: the only law with values in the rig file, else coulomb."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawOptions(RigOptions, FrictionOptions):
+    """A rig and its law."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawOfFileOptions(ImportOption, LawLoadOption):
+    """A law of a file that is handed over."""
+
+    law: str | None = None
+    """Which law, if the file has several."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawsOption:
+    """Laws by name."""
+
+    laws: str | None = None
+    """Friction laws to use, e.g. coulomb,viscous. Default: all that apply."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawOptions:
+    """An ensemble of laws."""
+
+    draws: Ensemble = None
+    """Take N laws: those drawn beside the law.toml of a selection that --law names, or draws from
+    the estimates of the law."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawSeedOption:
+    """Where an ensemble begins."""
+
+    seed: Seed = 0
+    """Random seed where --ensemble draws from estimates."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnOptions:
+    """How the columns of a file are read."""
+
+    columns: Annotated[Sequence[str], typer.Option(metavar="NAME=COLUMN,...")] = ()
+    """Column of each quantity, e.g. position=q,force=u; for a video track position=x,y."""
+    units: Annotated[Sequence[str], typer.Option("--unit", metavar="NAME=UNIT,...")] = ()
+    """Unit of a column, e.g. position=mm."""
+    gain: Annotated[Sequence[str], typer.Option(metavar="NAME=FACTOR,...")] = ()
+    """Scale factor per quantity, e.g. friction=-1 to flip a sign, force=35.15 to convert volts to
+    newtons, or "position=4096 counts/rev"."""
+    motor_constant: Annotated[str | None, typer.Option(metavar="VALUE")] = None
+    """Force or torque per current of the motor with its gears, e.g. "0.12 N m/A": the column
+    `current` is then read as the force."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadingOptions(ColumnOptions):
     """How the files of a measurement are read."""
 
-    columns: Columns = None
-    units: Units = None
-    gain: Gain = None
-    repair: Repair = None
-    conditions: Conditions = None
-    motor_constant: MotorConstant = None
+    repair: Annotated[Sequence[str], typer.Option(metavar="sort,gaps")] = ()
+    """Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells."""
+    conditions: Names = ()
+    """Columns with a condition of each trial, such as temperature or direction."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ParameterOptions:
-    """What is fitted, and on what it is tried."""
+class DataOptions(ReadingOptions):
+    """Files of a measurement, and how they are read."""
 
-    validate: Validate = None
-    vary: Vary = None
-    fixed: Fixed = None
+    data: Annotated[Sequence[Path], typer.Option(metavar="FILE")] = ()
+    """Table of travels, or time record (CSV, Parquet, MATLAB, MDF), instead of the rig's own data.
+    Repeat the option for several trials."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EstimationOptions:
     """How parameters are estimated."""
 
-    horizon: Horizon = None
-    route: Route = None
-    segment: Segment = None
-    hold: Hold = None
-    starts: Starts = None
-    seed: Seed = None
-    position_zeros: PositionZeros = None
-    friction_delay: FrictionDelay = None
-    friction_lag: FrictionLag = None
+    horizon: float | None = None
+    """Prediction length on the second record [s]."""
+    route: str | None = None
+    """Estimation method for records: shooting, force-map, inverse-dynamics, features or rate-state;
+    balance to select by the band of all laws; travel for films of a capsule or a cart. Default:
+    chosen from the data."""
+    segment: float | None = None
+    """Length of the simulated segments of a record [s]; default: 1, or 20 samples if that is
+    longer."""
+    hold: Annotated[str | None, typer.Option(metavar="zero|first")] = None
+    """Interpolation of the force: zero-order hold (a command) or first-order, linear (a sensor).
+    Default: estimated from the record."""
+    starts: Annotated[int | None, typer.Option(min=1)] = None
+    """Number of starting points per search, for records (default 1)."""
+    seed: Annotated[int | None, typer.Option(min=0)] = None
+    """Random seed for the extra starting points (default 0)."""
+    position_zeros: Annotated[
+        bool | None,
+        typer.Option("--position-zeros/--no-position-zeros", show_default=False),
+    ] = None
+    """Whether positions of each record count from an unknown place, as where encoders were set to 0
+    at rest. Default: yes for a body that swings or slides freely, no for records of several
+    joints."""
+    friction_delay: float | None = None
+    """For measured friction: how long after the motion it is recorded [s] (default 0)."""
+    friction_lag: float | None = None
+    """For measured friction: time constant of a first-order filter of it [s] (default 0)."""
 
     @property
     def settings(self) -> dict[str, Any]:
         """What is said of the settings of estimates, by their fields."""
-        apart = ("horizon", "route")
-        given = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in apart}
+        names = [one.name for one in fields(EstimationOptions)]
+        given = {name: getattr(self, name) for name in names if name not in ("horizon", "route")}
         return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunOptions:
-    """What to run and how."""
+class MeasuredOptions(RigOptions, DataOptions, EstimationOptions):
+    """What was measured, what is fitted to it and how."""
 
-    t_end: EndTime = None
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Write the run to this CSV, Parquet or MATLAB file."),
-    ] = None
-    samples: Annotated[
-        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows of the run.")
-    ] = 1001
-    fixed_step: Annotated[
-        float | None,
-        typer.Option(
-            "--fixed-step",
-            help="Simulate with a fixed step of this size [s], as a block diagram does.",
-        ),
-    ] = None
-    method: Annotated[
-        str | None,
-        typer.Option(
-            "--method",
-            help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
-        ),
-    ] = None
-    stick_rule: Annotated[
-        bool | None,
-        typer.Option(
-            "--stick-rule/--no-stick-rule",
-            help="With --fixed-step: hold the body where its velocity changes sign. By default with"
-            " friction laws, not with equations as printed.",
-        ),
-    ] = None
-    break_away: Annotated[
-        str | None,
-        typer.Option(
-            "--break-away",
-            metavar="RULE",
-            help="With --fixed-step: friction in the first step out of rest: static, kinetic or"
-            " zero.",
-        ),
-    ] = None
-    zero_velocity_band: Annotated[
-        float,
-        typer.Option(
-            "--zero-velocity-band",
-            metavar="SPEED",
-            help="With --fixed-step: hold the body where a step ends within this speed [m/s], as"
-            " Karnopp (1985) does.",
-        ),
-    ] = 0.0
-    program: Annotated[
-        str | None,
-        typer.Option(
-            "--as",
-            metavar="PROGRAM",
-            help="Simulate as another program does, and compare that with the exact run: mujoco,"
-            " mujoco-dcmotor, drake, simscape or karnopp, with settings such as"
-            " mujoco:timestep=0.001,impedance=0.99.",
-        ),
-    ] = None
-    ensemble: Annotated[
-        int | None,
-        typer.Option(
-            "--ensemble",
-            metavar="N",
-            min=2,
-            help="Also simulate N samples of the uncertain parameters: of the law, drawn from the"
-            " estimates in its file, and of the mechanism.",
-        ),
-    ] = None
-    seed: DrawSeed = 0
-    refit: Annotated[
-        bool,
-        typer.Option(
-            "--refit",
-            help="Also fit the law to what was measured on this rig, and compare the intervals.",
-        ),
-    ] = False
-    report_asked: Annotated[
-        bool,
-        typer.Option("--report", help="Write a report of the run to stickslip-run/index.html."),
-    ] = False
-    report_to: Annotated[
-        Path | None,
-        typer.Option(
-            "--report-to", metavar="FOLDER", help="Write the report to this folder instead."
-        ),
-    ] = None
+    validate: Annotated[Path | None, typer.Option(metavar="FILE")] = None
+    """Second record for validation; it is not used in any fit."""
+    vary: Names = ()
+    """Parameters to fit, in addition to those that the rig file marks, e.g. 'friction.*,inertia';
+    all others are held fixed. Default: 'friction.*', all parameters of the law."""
+    fixed: Annotated[Sequence[str], typer.Option(metavar="NAME=VALUE,...")] = ()
+    """Values of fixed parameters, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'."""
+
+
+# What single commands take.
+
+
+@dataclass(frozen=True, kw_only=True)
+class DemoOptions(LawsOption, WorkerOptions, ReportOptions, EnforceOption):
+    """Options of `stickslip demo`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SelectOptions(MeasuredOptions, DemoOptions):
+    """Options of `stickslip select`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions(MeasuredOptions, WriteOptions):
+    """Options of `stickslip fit`."""
+
+    law: str | None = None
+    """Friction law (see `stickslip models`); for records of several joints, laws by contact as in
+    shoulder=coulomb,elbow=dahl. Default: the only law with a table in the rig file, or below a
+    contact, else coulomb-viscous."""
+    output: Output = None
+    """Write the fitted law to this rig file (TOML)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitOptions(ColumnOptions, WriteOptions):
+    """Options of `stickslip init`."""
+
+    files: Annotated[Sequence[Path], typer.Argument(metavar="FILE...")]
+    """Record (CSV, Excel, Parquet, MATLAB, MDF, TDMS, MCAP, ROS bag); or films of one body, a run
+    each."""
+    urdf: Annotated[Path | None, typer.Option(metavar="FILE")] = None
+    """Description of the robot whose joints were recorded."""
+    output: Output = None
+    """Rig file to write; default: FILE with the ending .toml."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOptions(DataOptions, ImportOption, WriteOptions):
+    """Options of `stickslip check`."""
+
+    files: Annotated[Sequence[Path], typer.Argument(metavar="FILE")]
+    """Data files (CSV, Parquet, MATLAB, MDF), one per trial, and/or a rig file (TOML). The
+    mechanism of the rig file allows more checks; its [data] is read too."""
+    output: Output = None
+    """Folder for the findings and an overview figure."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateOptions(LawOptions, DrawSeedOption, WriteOptions, EnforceOption):
+    """Options of `stickslip simulate`."""
+
+    t_end: float | None = None
+    """End time [s]; default: that of the rig file."""
+    output: Output = None
+    """Write the run to this CSV, Parquet or MATLAB file."""
+    samples: Annotated[int, typer.Option(min=2)] = 1001
+    """Number of evenly spaced rows of the run."""
+    fixed_step: float | None = None
+    """Simulate with a fixed step of this size [s], as a block diagram does."""
+    method: str | None = None
+    """Integration method for --fixed-step: euler, semi-implicit, heun or rk4."""
+    stick_rule: Annotated[bool | None, typer.Option("--stick-rule/--no-stick-rule")] = None
+    """With --fixed-step: hold the body where its velocity changes sign. By default with friction
+    laws, not with equations as printed."""
+    break_away: Annotated[str | None, typer.Option(metavar="RULE")] = None
+    """With --fixed-step: friction in the first step out of rest: static, kinetic or zero."""
+    zero_velocity_band: Annotated[float, typer.Option(metavar="SPEED")] = 0.0
+    """With --fixed-step: hold the body where a step ends within this speed [m/s], as Karnopp (1985)
+    does."""
+    program: Annotated[str | None, typer.Option("--as", metavar="PROGRAM")] = None
+    """Simulate as another program does, and compare that with the exact run: mujoco,
+    mujoco-dcmotor, drake, simscape or karnopp, with settings such as
+    mujoco:timestep=0.001,impedance=0.99."""
+    ensemble: Ensemble = None
+    """Also simulate N samples of the uncertain parameters: of the law, drawn from the estimates in
+    its file, and of the mechanism."""
+    refit: bool = False
+    """Also fit the law to what was measured on this rig, and compare the intervals."""
+    report_asked: Annotated[bool, typer.Option("--report")] = False
+    """Write a report of the run to stickslip-run/index.html."""
+    report_to: Annotated[Path | None, typer.Option(metavar="FOLDER")] = None
+    """Write the report to this folder instead."""
 
     @property
     def report(self) -> Path | None:
@@ -552,193 +384,282 @@ class RunOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportOptions:
-    """The law to export, and its use."""
+class ExportOptions(LawOfFileOptions, WriteOptions):
+    """Options of `stickslip export`."""
 
-    law: LawOfFile = None
-    contact: Annotated[
-        str | None,
-        typer.Option("--contact", help="Contact whose law is exported, if laws differ."),
-    ] = None
-    name: Annotated[
-        str | None,
-        typer.Option("--name", help="Name of the program. Default: that of the law."),
-    ] = None
-    rig: Annotated[
-        Path | None,
-        typer.Option(
-            "--rig",
-            metavar="FILE",
-            help="Rig file (TOML) on which the law is used: an fmu is of that rig with the law;"
-            " mjcf and urdf say what their simplified friction changes of its motion.",
-        ),
-    ] = None
-    load: Annotated[
-        str | None,
-        typer.Option(
-            "--load",
-            metavar="FORCE",
-            help="Normal force for mjcf, urdf and csv. Default: that of the mechanism at rest.",
-        ),
-    ] = None
-    law_load: LawLoad = None
-    largest_speed: Annotated[
-        str | None,
-        typer.Option(
-            "--largest-speed",
-            metavar="SPEED",
-            help="End of the range of speeds for mjcf, urdf and csv. Default: that of the motion of"
-            " --rig, or of the fit.",
-        ),
-    ] = None
-    fmi: Annotated[
-        int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
-    ] = 3
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="INPUT=VALUE",
-            help="Contact input of the law at which tables and joints have their friction, such"
-            ' as "temperature=35 degC"; may be repeated.',
-        ),
-    ] = None
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="DRIVE",
-            help="Drive of the rig that becomes an input of the fmu (repeatable).",
-        ),
-    ] = None
-    t_end: EndTime = None
+    file: Annotated[Path, typer.Argument(metavar="FILE")]
+    """Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of `stickslip fit
+    -o law.toml`."""
+    to: Annotated[str, typer.Option(metavar="TARGET")]
+    """c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf, csv (lookup table)
+    or json; fmu (the whole rig with its law)."""
+    contact: str | None = None
+    """Contact whose law is exported, if laws differ."""
+    name: str | None = None
+    """Name of the program. Default: that of the law."""
+    rig: Annotated[Path | None, typer.Option(metavar="FILE")] = None
+    """Rig file (TOML) on which the law is used: an fmu is of that rig with the law; mjcf and urdf
+    say what their simplified friction changes of its motion."""
+    load: Force = None
+    """Normal force for mjcf, urdf and csv. Default: that of the mechanism at rest."""
+    largest_speed: Speed = None
+    """End of the range of speeds for mjcf, urdf and csv. Default: that of the motion of --rig, or
+    of the fit."""
+    fmi: Annotated[int, typer.Option(min=2, max=3)] = 3
+    """Version of FMI of an fmu, 2 or 3."""
+    at: At = ()
+    """Contact input of the law at which tables and joints have their friction, such as
+    "temperature=35 degC"; may be repeated."""
+    inputs: Annotated[Sequence[str], typer.Option("--input", metavar="DRIVE")] = ()
+    """Drive of the rig that becomes an input of the fmu (repeatable)."""
+    t_end: float | None = None
+    """End time [s]; default: that of the rig file."""
+    output: Annotated[Path, typer.Option("-o")] = Path("stickslip-export")
+    """Folder for the files."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ApplyOptions:
-    """The laws to apply, and their joints."""
+class ApplyOptions(LawOfFileOptions, WriteOptions):
+    """Options of `stickslip apply`."""
 
-    joints: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--joint",
-            metavar="[CONTACT=]JOINT",
-            help="Joint that gets the law, or the law of a contact; may be repeated. Default:"
-            " joints with the names of the contacts, or the only joint.",
-        ),
-    ] = None
-    law: LawOfFile = None
-    load: Annotated[
-        str | None,
-        typer.Option(
-            "--load",
-            metavar="FORCE",
-            help="Normal force at which joints have their friction. Default: that of the mechanism"
-            " at rest.",
-        ),
-    ] = None
-    law_load: LawLoad = None
-    largest_speed: Annotated[
-        str | None,
-        typer.Option(
-            "--largest-speed",
-            metavar="SPEED",
-            help="End of the range of speeds over which level and damping come closest to the law."
-            " Default: that of the fit.",
-        ),
-    ] = None
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="INPUT=VALUE",
-            help="Contact input of the laws at which joints have their friction, such as"
-            ' "temperature=35 degC", or "elbow.temperature=35 degC" for one; may be repeated.',
-        ),
-    ] = None
-    to: Annotated[
-        str | None,
-        typer.Option(
-            "--to",
-            metavar="PROGRAM",
-            help="What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which"
-            " PhysX (Isaac Sim) and Newton read.",
-        ),
-    ] = None
-    polynomial: Annotated[
-        bool,
-        typer.Option(
-            "--polynomial",
-            help="Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later).",
-        ),
-    ] = False
-    holds: Annotated[
-        bool,
-        typer.Option(
-            "--holds",
-            help="Give joints the level of break-away, so that they hold what the law holds."
-            " Default: the level that comes closest to the law while sliding.",
-        ),
-    ] = False
-    run: Annotated[
-        bool,
-        typer.Option(
-            "--run/--no-run",
-            help="Run the joints in MuJoCo, if it is installed, and compare that with the laws.",
-        ),
-    ] = True
-    record: Annotated[
-        Path | None,
-        typer.Option(
-            "--record",
-            metavar="FILE",
-            help="Record of the joints, positions and forces in time, on which the law, its"
-            " simplification and the file in MuJoCo are compared: a data file or log, or the rig"
-            " file (TOML) that says how it is read.",
-        ),
-    ] = None
+    file: Annotated[Path, typer.Argument(metavar="LAW")]
+    """Rig file (TOML) with laws, such as the law.toml of `stickslip select` or of `stickslip fit -o
+    law.toml`; or the verdict.json beside it."""
+    model: Annotated[Path, typer.Argument(metavar="MODEL")]
+    """File whose joints get the laws: a robot description (URDF), a model for MuJoCo (MJCF), a
+    scene in USD as text, parameters of a servo for Rhoban/bam (JSON) or of controllers of ROS 2
+    (YAML)."""
+    output: Annotated[Path, typer.Option("-o")]
+    """File to write: MODEL with this joint friction."""
+    joints: Annotated[Sequence[str], typer.Option("--joint", metavar="[CONTACT=]JOINT")] = ()
+    """Joint that gets the law, or the law of a contact; may be repeated. Default: joints with the
+    names of the contacts, or the only joint."""
+    load: Force = None
+    """Normal force at which joints have their friction. Default: that of the mechanism at rest."""
+    largest_speed: Speed = None
+    """End of the range of speeds over which level and damping come closest to the law. Default:
+    that of the fit."""
+    at: At = ()
+    """Contact input of the laws at which joints have their friction, such as "temperature=35 degC",
+    or "elbow.temperature=35 degC" for one; may be repeated."""
+    to: Annotated[str | None, typer.Option(metavar="PROGRAM")] = None
+    """What reads MODEL: urdf, mjcf, physx, newton, bam or ros2. Needed for USD, which PhysX (Isaac
+    Sim) and Newton read."""
+    polynomial: bool = False
+    """Of MJCF, a damping that changes with the speed (MuJoCo 3.7 and later)."""
+    holds: bool = False
+    """Give joints the level of break-away, so that they hold what the law holds. Default: the level
+    that comes closest to the law while sliding."""
+    run: Annotated[bool, typer.Option("--run/--no-run")] = True
+    """Run the joints in MuJoCo, if it is installed, and compare that with the laws."""
+    record: Annotated[Path | None, typer.Option(metavar="FILE")] = None
+    """Record of the joints, positions and forces in time, on which the law, its simplification and
+    the file in MuJoCo are compared: a data file or log, or the rig file (TOML) that says how it is
+    read."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class AnimationOptions:
-    """What the animation looks like."""
+class AnimateOptions(LawOptions, WriteOptions):
+    """Options of `stickslip animate`."""
 
-    fps: Annotated[float, typer.Option("--fps", help="Frames per second.")] = 25.0
-    speed: Annotated[
-        float, typer.Option("--speed", help="Playback speed; 1 is real time, 0.1 is slow motion.")
-    ] = 1.0
-    size: Annotated[
-        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="Size in CSS pixels.")
-    ] = "880x400"
-    dpi: Annotated[
-        float,
-        typer.Option("--dpi", help="Resolution in dots per inch; 72 is one pixel per CSS pixel."),
-    ] = 72.0
+    t_end: float | None = None
+    """End time [s]; default: that of the rig file."""
+    output: Annotated[Path, typer.Option("-o")] = Path("stickslip.gif")
+    """GIF or MP4 file; MP4 needs ffmpeg."""
+    fps: float = 25.0
+    """Frames per second."""
+    speed: float = 1.0
+    """Playback speed; 1 is real time, 0.1 is slow motion."""
+    size: Annotated[str, typer.Option(metavar="WIDTHxHEIGHT")] = "880x400"
+    """Size in CSS pixels."""
+    dpi: float = 72.0
+    """Resolution in dots per inch; 72 is one pixel per CSS pixel."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ProfileOptions:
-    """What motion to look for and how."""
+class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, WriteOptions):
+    """Options of `stickslip sweep`."""
 
-    rate: Rate
-    angle: Angle = None
-    stroke: Stroke = None
-    acceleration: Acceleration = None
-    effort: Effort = None
-    load_share: LoadShare = "0 %"
-    back_slip: BackSlip = None
-    energy: Energy = None
-    goal: Goal = "travel"
-    kind: Kind = "spline"
-    law: Law = None
-    load: LawLoad = None
-    interval: Interval = None
-    draws: Draws = None
-    quantile: Quantile = "0.05"
-    changes: Set = None
-    knots: Knots = 12
-    evaluations: Evaluations = 2000
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed.")] = 0
-    resume: Resume = None
-    count: Workers = None
-    executor: ExecutorAt = None
+    vary: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW:HIGH:N")] = ()
+    """Grid of a parameter, e.g. mechanism.drive.drive.frequency=1:6:50; one or two grids."""
+    cycles: int = 20
+    """Number of drive cycles in the mean; even."""
+    settle: int = 100
+    """Number of drive cycles before the mean is taken."""
+    coordinate: str | None = None
+    """Coordinate whose mean rate is taken, where contacts slip along several."""
+    dry_run: bool = False
+    """Print number, size and time of a campaign; run nothing."""
+    output: Output = None
+    """CSV, Parquet or MATLAB file, with a figure (SVG) beside it; of a campaign, its folder.
+    Default: stickslip-sweep.csv, or stickslip-campaign."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrbitOptions(LawOptions, WriteOptions):
+    """Options of `stickslip orbits`."""
+
+    vary: Annotated[str, typer.Option(metavar="PATH=LOW:HIGH")]
+    """Range of a parameter in SI units, e.g. drive.frequency=2:20."""
+    cycles: Annotated[int, typer.Option("--period")] = 4
+    """Largest period that is sought, in drive cycles."""
+    values: int = 61
+    """Number of values at which settled runs are made."""
+    settle: int = 200
+    """Number of drive cycles before a run counts as settled."""
+    output: Annotated[Path, typer.Option("-o")] = Path("stickslip-orbits.csv")
+    """CSV, Parquet or MATLAB file, with a figure (SVG) beside it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanOptions(RigOptions, WriteOptions):
+    """Options of `stickslip plan`."""
+
+    laws: Annotated[str | None, typer.Option("--law", "--laws")] = None
+    """Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file."""
+    between: Annotated[str | None, typer.Option(metavar="LOW..HIGH")] = None
+    """Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials and the rig
+    file, or 0.4 to 1 times the value in the rig file."""
+    settings: int = 4
+    """Number of settings, 2 to 12."""
+    uncertainty: str | None = None
+    """Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm; default: that of
+    the rig's trials, or 2 % of the longest travel."""
+    output: Output = None
+    """Lab sheet to print (HTML); its table is written beside it as CSV, to fill in."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelsOptions(JsonOption):
+    """Options of `stickslip models`."""
+
+    name: Annotated[str | None, typer.Argument()] = None
+    """Law or mechanism to show in full."""
+    published: bool = False
+    """Show the equations as printed in the source paper."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CharacterizeOptions(WriteOptions):
+    """Options of `stickslip characterize`."""
+
+    laws: Annotated[Sequence[str], typer.Argument(metavar="LAW...")]
+    """Names or compositions of laws, such as lugre or 'dahl(level) + power', or files with a fitted
+    law such as law.toml."""
+    tests: Annotated[str | None, typer.Option(metavar="NAMES")] = None
+    """Tests, joined by commas: steady, presliding, break-away, lag, map, drift, creep, limit-cycle,
+    passivity, cost; default: all."""
+    rig: Path | None = None
+    """Rig file of an axis or a block, whose mass and stiffness are taken; default: 1 kg on 100
+    N/m."""
+    load: str | None = None
+    """Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."""
+    inputs: Annotated[Sequence[str], typer.Option("--input", metavar="NAME=VALUE,...")] = ()
+    """Values of an input of a law, e.g. temperature=20,40; each is tested."""
+    match: Annotated[bool, typer.Option("--match/--no-match")] = True
+    """Give the other laws the levels, Stribeck velocity and stiffness of the first."""
+    report: Path | None = None
+    """Page with all figures (HTML)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperOptions(ReportOptions):
+    """Options of `stickslip paper`."""
+
+    rig: Rig = DEMO
+    """The rig file; None for the bundled rig."""
+    changes: Annotated[Sequence[str], typer.Option("--set", metavar="NAME=VALUE")] = ()
+    """A mass, a length or the swing of the cart, which the paper does not print, e.g.
+    cart_mass=0.4, ball_mass="60 g", length=0.25, amplitude="40 deg", fast=100, slow=25."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchmarkOptions(WorkerOptions, JsonOption):
+    """Options of `stickslip benchmark`."""
+
+    names: Annotated[Sequence[str], typer.Argument(metavar="[TASK]...")] = ()
+    """Tasks; all if not given."""
+    output: Annotated[Path, typer.Option("-o")] = Path("stickslip-benchmark")
+    """Folder of page, tables and results so far."""
+    peers: Annotated[str | None, typer.Option(metavar="NAME,...")] = None
+    """Other libraries to run beside: scipy, lmfit, pysindy, mujoco. Default: those that are
+    installed."""
+    listed: Annotated[bool, typer.Option("--list")] = False
+    """Only list the tasks."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WarmupOptions(LawsOption, ImportOption, JsonOption):
+    """Options of `stickslip warmup`."""
+
+    rig: Path | None = None
+    """Compile only the mechanism and the laws of this rig file."""
+    mechanisms: Annotated[Sequence[str], typer.Option("--mechanism")] = ()
+    """Compile only this mechanism, e.g. spring-block; may be repeated."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CiteOptions(JsonOption):
+    """Options of `stickslip cite`."""
+
+    laws: Annotated[Sequence[str], typer.Argument()] = ()
+    """Laws whose sources are printed; default: all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordOptions(JsonOption):
+    """Options of `stickslip data show`."""
+
+    name: Annotated[str, typer.Argument(metavar="NAME")]
+    """Name of a record, see `data list`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathOptions(RecordOptions):
+    """Options of `stickslip data path`."""
+
+    file: str | None = None
+    """One of its files; default: the first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProfileOptions(FrictionOptions, ChangeOption, DrawOptions, WorkerOptions, ReportOptions):
+    """Options of `stickslip profile optimise`."""
+
+    rig: Annotated[Path, typer.Argument()]
+    """Rig file (TOML) with a prescribed motion."""
+    rate: str
+    """Largest angular velocity or speed, e.g. "12 rad/s" or "0.5 m/s"."""
+    angle: str | None = None
+    """Largest angle of a pendulum from its middle, e.g. "60 deg"."""
+    stroke: str | None = None
+    """Largest stroke of an inner mass, from end to end, e.g. "20 mm"."""
+    acceleration: str | None = None
+    """Largest acceleration of the inner body, e.g. "50 m/s^2"."""
+    effort: Annotated[str | None, typer.Option("--torque", "--force-limit")] = None
+    """Largest torque or force, e.g. "0.6 N m"."""
+    load_share: str = "0 %"
+    """Smallest normal force, relative to the weight, e.g. "10 %"."""
+    back_slip: str | None = None
+    """Largest back-slip per cycle, e.g. "1 mm"."""
+    energy: str | None = None
+    """Largest work of the motor per travel, e.g. "2 J/m"."""
+    goal: str = "travel"
+    """Objective: travel (per cycle), speed, or economy (travel per joule)."""
+    kind: str = "spline"
+    """three-phase, three-accelerations, seven-step, sine(-swing), spline(-swing)."""
+    interval: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW..HIGH")] = ()
+    """Range of an uncertain parameter, e.g. kinetic_coefficient=0.15..0.25; the worst case is
+    optimised. May be repeated."""
+    quantile: str = "0.05"
+    """Statistic over the laws of --ensemble: a quantile of the objective, 0 for the worst case, or
+    mean."""
+    knots: int = 12
+    """Number of knots of a spline."""
+    evaluations: Annotated[int, typer.Option(min=1)] = 2000
+    """Evaluation budget per search. Local refinement may use up to six times as many, or 80 (n + 1)
+    for n parameters of the motion, whichever is larger."""
+    seed: Seed = 0
+    """Random seed."""
+    resume: Annotated[Path | None, typer.Option(metavar="FILE")] = None
+    """Save the state of the search to this file, and resume from it if it exists."""

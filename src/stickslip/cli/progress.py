@@ -26,7 +26,8 @@ from rich.progress import (
 )
 from typing_extensions import override
 
-from stickslip.cli.console import is_quiet, note, stderr
+from stickslip.cli import QUIET
+from stickslip.cli.console import note, stderr
 from stickslip.errors import InputError, SimulationError
 from stickslip.show.display import require_library
 
@@ -118,7 +119,7 @@ class _Shown:
         self._said: set[str] = set()
         # FORCE_COLOR, as notebooks set it, makes a file a terminal, but draws nothing over there
         self._seen = bars.console.is_terminal and bars.console.file.isatty()
-        self._quiet = is_quiet()
+        self._quiet = QUIET.get()
         self._start = self._last = time.monotonic()
 
     def _say(self, step: str, done: float = 0.0, total: float = 0.0) -> None:
@@ -132,7 +133,7 @@ class _Shown:
             return
         self._last = now
         far = self._far(now - self._start, done, total)
-        self._bars.console.print(f"{step}{far} ...", markup=False, soft_wrap=True)
+        self._bars.console.print(f"{step}{far} ...", soft_wrap=True)
 
     def _far(self, elapsed: float, done: float, total: float) -> str:
         """Return how far work is, once it takes long."""

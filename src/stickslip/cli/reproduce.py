@@ -4,7 +4,6 @@ import csv
 import io
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import Final
 
 import typer
@@ -24,9 +23,10 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
+from stickslip.cli.options import BenchmarkOptions, PaperOptions
 from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
 from stickslip.data import load_rig
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, concerning
 from stickslip.identify.kinds import PAGE
 from stickslip.mechanisms import PendulumCart
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
@@ -45,23 +45,21 @@ from stickslip.study.benchmark import PEERS, Task, benchmark_page, run, summary_
 DOCUMENT = "paper.json"
 
 
-def run_paper(
-    path: Path | None, changes: Sequence[str], output: Path | None, *, force: bool, as_json: bool
-) -> None:
+def run_paper(options: PaperOptions) -> None:
     """Recompute the paper, write the page, print Table II."""
-    folder = folder_of(output, "stickslip-paper", as_json=as_json)
+    folder = folder_of(options.output, "stickslip-paper", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=force, files=(PAGE, DOCUMENT))
-    rig = load_rig(path)
+        refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
+    rig = load_rig(options.rig)
     if folder is not None:
         refuse_inputs(folder / PAGE, rig.files)
     check_form(rig)
-    cart = _cart(changes)
-    doing = "Recomputing the paper:" if path is None else "Recomputing:"
+    cart = _cart(options.changes)
+    doing = "Recomputing the paper:" if options.rig is None else "Recomputing:"
     with Watching(list(rig.laws or load_rig().laws), doing) as watch:
         found = audit(rig, cart=cart, progress=watch)
     content = document("paper", found.to_dict())
-    if as_json:
+    if options.as_json:
         print_json(content)
     else:
         _show(found)
@@ -74,7 +72,7 @@ def run_paper(
     def write(text: str | None) -> None:
         write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
 
-    leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=as_json))
+    leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=options.as_json))
 
 
 def _cart(changes: Sequence[str]) -> PendulumCart:
@@ -83,10 +81,8 @@ def _cart(changes: Sequence[str]) -> PendulumCart:
     values = {}
     for given, text in overrides(changes).items():
         path = full_path(given, quantities)
-        try:
+        with concerning(f"--set {given}"):
             values[path] = number_of(text, quantities[path])
-        except ParameterError as error:
-            raise ParameterError(f"--set {given} {error}") from None
     return vary(CART, "cart", values)
 
 
@@ -117,8 +113,8 @@ def _show(found: PaperAudit) -> None:
     _show_ranks(found)
     if found.own:
         stdout().print()
-        stdout().print(plain(found.verdict.words.verdict), markup=False)
-        stdout().print(plain(found.verdict.words.lede), markup=False)
+        stdout().print(plain(found.verdict.words.verdict))
+        stdout().print(plain(found.verdict.words.lede))
     else:
         _show_needs(found)
     stdout().print()
@@ -254,31 +250,22 @@ SUMMARY: Final = "summary.csv"
 CANCELLED: Final = 130
 
 
-def run_benchmark(
-    names: Sequence[str],
-    folder: Path,
-    *,
-    peers: str | None,
-    count: int | None,
-    executor: str | None,
-    listed: bool,
-    as_json: bool,
-) -> None:
+def run_benchmark(options: BenchmarkOptions) -> None:
     """Run the tasks that are missing, write page and tables, show the overview."""
-    known = tasks()
+    names, folder, peers, known = options.names, options.output, options.peers, tasks()
     for name in names:
         if name not in known:
             raise UnknownNameError("task of the benchmark", name, known)
     chosen = [known[name] for name in names] or list(known.values())
-    if listed:
-        _list(chosen, as_json=as_json)
+    if options.listed:
+        _list(chosen, as_json=options.as_json)
         return
     chosen = _with_data(chosen)
     asked = None if peers is None else [one.strip() for one in peers.split(",") if one.strip()]
     with (
         Interrupts() as interrupts,
         Drawing("Running", "fits") as bar,
-        workers(count or 1, executor) as pool,
+        workers(options.count or 1, options.executor) as pool,
     ):
         interrupts.promise = "Stopping after the fits in work; press Ctrl-C again to cancel."
 
@@ -297,12 +284,12 @@ def run_benchmark(
     csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
     page = render(benchmark_page(found, reproduce=[command_line()]))
     write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
-    if as_json:
+    if options.as_json:
         content = {"folder": str(folder), "made": found.made, "complete": found.complete}
         print_json(document("benchmark-run", content))
     else:
         show_table("", heads, cells, whole=["task"])
-        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}", markup=False)
+        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
     if not found.complete:
         note("Not all fits are there: the same command goes on.")
         raise typer.Exit(CANCELLED)

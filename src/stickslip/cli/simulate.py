@@ -28,19 +28,20 @@ from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
     ChosenLaws,
-    friction_content,
     friction_of,
     friction_title,
     rig_and_form,
     rig_and_friction,
+    rig_content,
+    show_heading,
 )
-from stickslip.cli.options import LawOptions, RunOptions
+from stickslip.cli.options import SimulateOptions
 from stickslip.cli.progress import Drawing
 from stickslip.data import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.engine.simulation import refuse, simulate
 from stickslip.engine.solver import FixedStep, Solver
 from stickslip.engine.trajectory import Event, Status, Trajectory
-from stickslip.errors import InputError, ParameterError, StickslipError
+from stickslip.errors import InputError, StickslipError, concerning
 from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.candidates import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
@@ -59,7 +60,6 @@ from stickslip.show.formatting import (
     Scale,
     fixed,
     number,
-    printable,
     quantity,
     residue,
     scale_of,
@@ -125,56 +125,46 @@ class Ran:
     """The run as that of another program, with what it makes of the friction."""
 
 
-def run(
-    path: Path | None,
-    changes: Sequence[str],
-    law: LawOptions,
-    settings: RunOptions,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-    enforce: bool,
-) -> None:
+def run(options: SimulateOptions) -> None:
     """Simulate, write the run, show; then draw the page."""
-    output = settings.output
+    output = options.output
     if output is not None:
         check_table(output)
-        refuse_overwriting(output, output.parent, force=force)
-    if settings.report is not None:
-        page = settings.report / PAGE
+        refuse_overwriting(output, output.parent, force=options.force)
+    if options.report is not None:
+        page = options.report / PAGE
         option = "--report-to FOLDER"
-        refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
-    choose = rig_and_form if law.law in PRINTED_FORMS else rig_and_friction
-    rig, chosen = choose(path, changes, law, allow_import=allow_import)
+        refuse_overwriting(page, options.report, force=options.force, option=option, files=(PAGE,))
+    choose = rig_and_form if options.law in PRINTED_FORMS else rig_and_friction
+    rig, chosen = choose(options)
     if output is not None:
         refuse_inputs(output, rig.files)
-    ran = _ran(rig, chosen, settings, enforce=enforce)
+    ran = _ran(rig, chosen, options)
     criteria = criteria_of(ran.run, rig.mechanism) if _has_criteria(ran) else None
     if output is not None:
-        table = _table(ran, settings.samples)
+        table = _table(ran, options.samples)
         write_file(output, table_bytes(table, output, _units(ran, table)))
-    if not as_json:
-        _show(ran, settings)
+    if not options.as_json:
+        _show(ran, options)
         if output is not None:
-            stdout().print(f"\nWritten: {output}", markup=False)
+            stdout().print(f"\nWritten: {output}")
     page_code = 0
-    if settings.report is not None:
+    if options.report is not None:
         kept = "The result of the run is not affected."
-        drawn = partial(_page, ran, settings)
-        write = partial(_write_page, settings.report)
-        page_code = draw_page(settings.report, drawn, write, kept=kept, quiet=as_json)
-    if as_json:
-        content = _content(ran, settings)
+        drawn = partial(_page, ran, options)
+        write = partial(_write_page, options.report)
+        page_code = draw_page(options.report, drawn, write, kept=kept, quiet=options.as_json)
+    if options.as_json:
+        content = _content(ran, options)
         content |= {} if criteria is None else {"criteria": asdict(criteria)}
-        if settings.report is not None:
-            content["report"] = None if page_code else str(settings.report / PAGE)
+        if options.report is not None:
+            content["report"] = None if page_code else str(options.report / PAGE)
         print_json(document("simulate", content))
-    refuse(ran.run, certified=settings.exact)
+    refuse(ran.run, certified=options.exact)
     advances = criteria is None or (
         criteria.velocity_never_negative and criteria.displacement_never_decreases
     )
-    if enforce and not advances:
+    if options.enforce and not advances:
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
@@ -184,17 +174,15 @@ def _write_page(folder: Path, text: str | None) -> None:
     write_folder(folder, {} if text is None else {PAGE: text}, stale=[PAGE])
 
 
-def _ran(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: RunOptions, *, enforce: bool
-) -> Ran:
+def _ran(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: SimulateOptions) -> Ran:
     """Make the run, in the way of what was chosen."""
-    if settings.program is not None:
-        return _ran_as(rig, chosen, settings)
+    if options.program is not None:
+        return _ran_as(rig, chosen, options)
     if isinstance(chosen, ChosenForm):
-        return _ran_form(rig, chosen, settings)
+        return _ran_form(rig, chosen, options)
     if has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
-        return _ran_law(rig, chosen, settings)
-    return _ran_by_contact(rig, chosen, settings, enforce=enforce)
+        return _ran_law(rig, chosen, options)
+    return _ran_by_contact(rig, chosen, options)
 
 
 def _has_criteria(ran: Ran) -> bool:
@@ -202,22 +190,22 @@ def _has_criteria(ran: Ran) -> bool:
     return has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
 
 
-def _ran_law(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Ran:
+def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
     """Make the run, the ensemble if one was asked for, and what was measured beside it."""
-    _refuse_impossible(rig, chosen, settings)
+    _refuse_impossible(rig, chosen, options)
     rig = _told(rig, chosen.law)
-    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    t_end = rig.t_end if options.t_end is None else options.t_end
     start = rig.start(chosen.law)
-    wanted = settings.report is None and settings.ensemble is None
+    wanted = options.report is None and options.ensemble is None
     run = simulate(
         rig.mechanism,
         chosen.law,
         t_end=t_end,
         y0=start,
-        solver=_solver(settings),
+        solver=_solver(options),
         throw=wanted,  # a page is drawn of a run that ended early, too
     )
-    band = _band(rig, chosen, settings, run, t_end=t_end)
+    band = _band(rig, chosen, options, run, t_end=t_end)
     lengths = _lengths(rig.mechanism, run)
     resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
@@ -229,8 +217,8 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Ran:
         run=run,
         band=band,
         remarks=(*chosen.remarks, *beyond),
-        validation=_validated(rig, chosen, settings),
-        refit=_refitted(rig, chosen) if settings.refit else None,
+        validation=_validated(rig, chosen, options),
+        refit=_refitted(rig, chosen) if options.refit else None,
     )
 
 
@@ -260,12 +248,12 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     return replace(rig, mechanism=informed)
 
 
-def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: RunOptions) -> Ran:
+def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: SimulateOptions) -> Ran:
     """Make the run as another program does."""
     from stickslip.exports import PROGRAMS, Program, twin
 
-    given = settings.fixed_step is not None or settings.report is not None
-    if given or settings.ensemble is not None or settings.refit:
+    given = options.fixed_step is not None or options.report is not None
+    if given or options.ensemble is not None or options.refit:
         raise InputError(
             "--as runs in the way of another program, and takes none of --fixed-step, --report,"
             " --ensemble and --refit: leave them out, or --as."
@@ -274,8 +262,8 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Run
         raise InputError(
             "--as takes one friction law, not an equation as printed nor laws by contact."
         )
-    assert settings.program is not None
-    name, _, changes = settings.program.partition(":")
+    assert options.program is not None
+    name, _, changes = options.program.partition(":")
     kind: type[Program] = named(PROGRAMS, name, "program")
     values = dict(one.partition("=")[::2] for one in changes.split(",") if one)
     known, numbers = {field.name: field for field in fields(kind)}, fields_of(kind)
@@ -283,25 +271,23 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Run
         named(known, key, f"setting of {name}")
     given_values: dict[str, float | str] = {}
     for key, text in values.items():
-        try:
+        with concerning(f"--as {name}: {key}"):
             given_values[key] = number_of(text, numbers[key]) if key in numbers else text
-        except ParameterError as error:
-            raise ParameterError(f"--as {name}: {key} {error}") from None
     program = kind(**given_values)
-    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    t_end = rig.t_end if options.t_end is None else options.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
     return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)
 
 
-def _ran_form(rig: Rig, chosen: ChosenForm, settings: RunOptions) -> Ran:
+def _ran_form(rig: Rig, chosen: ChosenForm, options: SimulateOptions) -> Ran:
     """Make the run of an equation as printed, which only fixed steps do."""
-    if settings.fixed_step is None:
+    if options.fixed_step is None:
         raise InputError(
             f"{chosen.form.name} is an equation as printed, which has no exact solution: give a"
             f" step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
             f" {chosen.corrected.name}."
         )
-    if settings.report is not None or settings.ensemble is not None or settings.refit:
+    if options.report is not None or options.ensemble is not None or options.refit:
         raise InputError(
             "--report, --ensemble and --refit take a friction law: with an equation as printed,"
             " leave them out, or write the run with -o run.csv."
@@ -309,22 +295,22 @@ def _ran_form(rig: Rig, chosen: ChosenForm, settings: RunOptions) -> Ran:
     run = simulate(
         rig.mechanism,
         chosen.form,
-        t_end=rig.t_end if settings.t_end is None else settings.t_end,
+        t_end=rig.t_end if options.t_end is None else options.t_end,
         y0=rig.start(chosen.corrected),
-        solver=_solver(settings),
+        solver=_solver(options),
     )
     return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=())
 
 
-def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions) -> None:
-    if settings.ensemble is not None and settings.fixed_step is not None:
+def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> None:
+    if options.ensemble is not None and options.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
-    if settings.refit and settings.fixed_step is not None:
+    if options.refit and options.fixed_step is not None:
         raise InputError("--refit requires exact events: leave --fixed-step out.")
     known = chosen.estimates is not None or rig.parameter_uncertainties
-    if settings.ensemble is not None and not known:
+    if options.ensemble is not None and not known:
         raise InputError(NO_ESTIMATES)
-    if settings.refit and (rig.measurement is None or isinstance(chosen, ChosenLaws)):
+    if options.refit and (rig.measurement is None or isinstance(chosen, ChosenLaws)):
         lacks = "nothing was measured" if rig.measurement is None else "it has several contacts"
         raise InputError(
             f"--refit fits the law to what was measured on {rig.path or rig.heading}, but {lacks}:"
@@ -332,12 +318,12 @@ def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOp
         )
 
 
-def _validated(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Validation | None:
+def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Validation | None:
     """Return what was measured beside the prediction; None, with a note, if that cannot be."""
     if rig.measurement is None:
         return None
     try:
-        if settings.fixed_step is not None:
+        if options.fixed_step is not None:
             raise InputError("that requires exact events, and --fixed-step locates none.")
         return validate(
             rig.mechanism,
@@ -345,8 +331,8 @@ def _validated(rig: Rig, chosen: ChosenLaw, settings: RunOptions) -> Validation 
             rig.measurement,
             chosen.estimates,
             t_end=rig.t_end,
-            count=settings.ensemble or DRAWS,
-            seed=settings.seed,
+            count=options.ensemble or DRAWS,
+            seed=options.seed,
         )
     except StickslipError as error:
         note(plain(f"The prediction was not compared with what was measured: {error}"))
@@ -373,11 +359,16 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
 
 
 def _band(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions, run: Trajectory, *, t_end: float
+    rig: Rig,
+    chosen: ChosenLaw | ChosenLaws,
+    options: SimulateOptions,
+    run: Trajectory,
+    *,
+    t_end: float,
 ) -> Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
-    if settings.ensemble is None:
+    if options.ensemble is None:
         return None
     if not run.status.complete:
         note("The ensemble was not simulated: the run with the best-fit values ended early.")
@@ -390,39 +381,37 @@ def _band(
             known,
             t_end=t_end,
             parameter_uncertainties=rig.parameter_uncertainties,
-            count=settings.ensemble,
-            seed=settings.seed,
-            times=run.sampled(settings.samples).t,
+            count=options.ensemble,
+            seed=options.seed,
+            times=run.sampled(options.samples).t,
             y0=rig.start(friction),
             progress=progress,
         )
 
 
-def _ran_by_contact(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: RunOptions, *, enforce: bool
-) -> Ran:
+def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
     names = ", ".join(one.name for one in rig.mechanism.contacts())
-    if enforce:
+    if options.enforce:
         raise InputError(
             "--enforce takes a mechanism with one contact that slips along a coordinate, but"
             f" {rig.mechanism.name} has {names}: leave it out."
         )
-    _refuse_impossible(rig, chosen, settings)
+    _refuse_impossible(rig, chosen, options)
     if rig.measurement is not None:
         note("The prediction was not compared with what was measured: that takes one contact.")
     friction = friction_of(chosen)
     rig = _told(rig, friction)
-    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    t_end = rig.t_end if options.t_end is None else options.t_end
     run = simulate(
         rig.mechanism,
         friction,
         t_end=t_end,
         y0=rig.start(friction),
-        solver=_solver(settings),
-        throw=settings.report is None and settings.ensemble is None,
+        solver=_solver(options),
+        throw=options.report is None and options.ensemble is None,
     )
-    band = _band(rig, chosen, settings, run, t_end=t_end)
+    band = _band(rig, chosen, options, run, t_end=t_end)
     return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=chosen.remarks)
 
 
@@ -471,7 +460,7 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
     return frame
 
 
-def _page(ran: Ran, settings: RunOptions) -> str:
+def _page(ran: Ran, options: SimulateOptions) -> str:
     """Return the page of a run."""
     from stickslip.show.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
@@ -503,7 +492,7 @@ def _page(ran: Ran, settings: RunOptions) -> str:
             band=ran.band,
             validation=ran.validation,
             refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
-            fixed_step=settings.fixed_step,
+            fixed_step=options.fixed_step,
             commands=(command_line(),),
             versions=versions(),
             digests=digests,
@@ -511,14 +500,14 @@ def _page(ran: Ran, settings: RunOptions) -> str:
     )
 
 
-def _solver(settings: RunOptions) -> Solver | None:
-    if settings.fixed_step is None:
+def _solver(options: SimulateOptions) -> Solver | None:
+    if options.fixed_step is None:
         given = {
-            "--method": settings.method is not None,
-            "--stick-rule": settings.stick_rule is True,
-            "--no-stick-rule": settings.stick_rule is False,
-            "--break-away": settings.break_away is not None,
-            "--zero-velocity-band": settings.zero_velocity_band != 0.0,
+            "--method": options.method is not None,
+            "--stick-rule": options.stick_rule is True,
+            "--no-stick-rule": options.stick_rule is False,
+            "--break-away": options.break_away is not None,
+            "--zero-velocity-band": options.zero_velocity_band != 0.0,
         }
         for option in (option for option, is_given in given.items() if is_given):
             raise InputError(
@@ -526,11 +515,11 @@ def _solver(settings: RunOptions) -> Solver | None:
             )
         return None
     return FixedStep(
-        dt=settings.fixed_step,
-        method=settings.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
-        stick_rule=settings.stick_rule,
-        break_away=settings.break_away,  # type: ignore[arg-type]
-        zero_velocity_band=settings.zero_velocity_band,
+        dt=options.fixed_step,
+        method=options.method or "euler",  # type: ignore[arg-type]  # checked by FixedStep itself
+        stick_rule=options.stick_rule,
+        break_away=options.break_away,  # type: ignore[arg-type]
+        zero_velocity_band=options.zero_velocity_band,
     )
 
 
@@ -587,14 +576,12 @@ def _mat_bytes(frame: "pd.DataFrame", units: Mapping[str, str]) -> bytes:
     return MATLAB_HEADER + buffer.getvalue()[len(MATLAB_HEADER) :]
 
 
-def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
+def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
     run = ran.run
     ends = run.at(run.span)
-    unchecked = () if settings.exact else EVENT_CHECKS
+    unchecked = () if options.exact else EVENT_CHECKS
     content: dict[str, Any] = {
-        "rig": ran.rig.heading,
-        "digest": ran.rig.digest,
-        **friction_content(ran.chosen, ran.rig.mechanism),
+        **rig_content(ran.rig, ran.chosen),
         "status": run.status.name,
         "meaning": run.ending,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -621,12 +608,11 @@ def _content(ran: Ran, settings: RunOptions) -> dict[str, Any]:
     return content
 
 
-def _show(ran: Ran, settings: RunOptions) -> None:
+def _show(ran: Ran, options: SimulateOptions) -> None:
     console, run = stdout(), ran.run
-    console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
     form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
-    console.print(f", {friction_title(ran.chosen)}{'' if form else ' friction'}", markup=False)
-    console.print(f"{run.ending}{_still_moving(ran)}", markup=False)
+    show_heading(ran.rig, friction_title(ran.chosen) + ("" if form else " friction"))
+    console.print(f"{run.ending}{_still_moving(ran)}")
     if run.events:
         contact = ["contact"] if run.contacts else []
         show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
@@ -638,27 +624,26 @@ def _show(ran: Ran, settings: RunOptions) -> None:
         for name in shown[:MOST_STATES]
     )
     final += f", and {left} further states; --json lists all" if left > 0 else ""
-    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}", markup=False)
+    console.print(f"At {number(run.span[1], 6)} s: {final}{_cycles_lines(ran)}")
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
         held = run.contact(name).stick_time()
         console.print(
-            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
-            markup=False,
+            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction"
         )
     if len(work_by_contact) > MOST_STATES:
         more = len(work_by_contact) - MOST_STATES
-        console.print(f"{more} further contacts; --json lists all", markup=False)
+        console.print(f"{more} further contacts; --json lists all")
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
-    if settings.exact:
+    if options.exact:
         checked += f"guard violation {residue(trust.guard_violation)}, "
         checked += f"stick drift {residue(trust.stick_drift)}, "
-    console.print(f"{checked}{trust.steps} steps", markup=False)
+    console.print(f"{checked}{trust.steps} steps")
     for warning in trust.warnings:
-        console.print(f"Warning: {warning}", markup=False)
+        console.print(f"Warning: {warning}")
     for problem in trust.problems:
-        console.print(f"Not certified: {problem}", markup=False)
+        console.print(f"Not certified: {problem}")
     if ran.twin is not None:
         _show_twin(ran.twin)
     if ran.band is not None:
@@ -666,9 +651,9 @@ def _show(ran: Ran, settings: RunOptions) -> None:
     if ran.validation is not None:
         _show_validation(ran.validation)
     if ran.refit is not None:
-        console.print("\nRefitted to this measurement", markup=False, style="bold")
+        console.print("\nRefitted to this measurement", style="bold")
         for line in ran.refit.sentences(ran.validation):
-            console.print(f"  {line}", markup=False)
+            console.print(f"  {line}")
 
 
 def _still_moving(ran: Ran) -> str:
@@ -713,25 +698,25 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
 def _show_twin(found: "Twin") -> None:
     """Print what another program makes of the friction, and settings that come closer."""
     console = stdout()
-    console.print("\nBeside the exact run", markup=False, style="bold")
+    console.print("\nBeside the exact run", style="bold")
     for line in found.sentences:
-        console.print(line, markup=False)
+        console.print(line)
     cured = found.cured()
     if cured.peak_error < found.peak_error:
-        console.print("\nWith settings that come closer", markup=False, style="bold")
+        console.print("\nWith settings that come closer", style="bold")
         for line in cured.sentences[:3]:
-            console.print(line, markup=False)
+            console.print(line)
 
 
 def _show_validation(seen: Validation) -> None:
     """Print what was measured beside the prediction, and what to think of it."""
     console = stdout()
-    console.print("\nPrediction and measurement", markup=False, style="bold")
+    console.print("\nPrediction and measurement", style="bold")
     if seen.travels:
         rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
         show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
     for line in seen.sentences():
-        console.print(line, markup=False)
+        console.print(line)
 
 
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
@@ -770,7 +755,7 @@ def _show_band(band: Band) -> None:
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
     show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
     for reason in band.reasons:
-        stdout().print(reason, markup=False)
+        stdout().print(reason)
 
 
 def _cells(spread: Spread, unit: str) -> list[str]:

@@ -22,23 +22,30 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    friction_content,
     friction_of,
     friction_title,
     laws_drawn,
     rig_and_friction,
+    rig_content,
+    show_heading,
 )
-from stickslip.cli.options import LawOptions, ProfileOptions
+from stickslip.cli.options import (
+    CharacterizeOptions,
+    LawOptions,
+    OrbitOptions,
+    ProfileOptions,
+    SweepOptions,
+)
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
 from stickslip.engine.executors import Inline
-from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.errors import InputError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
-from stickslip.show.formatting import joined, number, printable, quantity
+from stickslip.show.formatting import joined, number, quantity
 from stickslip.study.characterization import TESTS, Characterization, characterize
 from stickslip.study.optimisation import (
     GOALS,
@@ -69,50 +76,46 @@ MAP_SIZE = (800, 360)
 MOST_AXES = 2
 
 
-def run_sweep(
-    path: Path | None,
-    changes: Sequence[str],
-    asked: LawOptions,
-    vary: Sequence[str],
-    cycles: int,
-    settle: int,
-    coordinate: str | None,
-    output: Path,
-    *,
-    draws: int | None,
-    seed: int,
-    count: int | None,
-    executor: str | None,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
-    """Run the grid, write table and figure, show."""
+def _figure_beside(output: Path, *, force: bool) -> Path:
+    """Return the figure beside a table; refuse what neither could be written to."""
     check_table(output)
     figure = output.with_suffix(".svg")
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
-    axes = _axes(vary)
-    if draws is not None and (coordinate is not None or len(axes) > 1):
+    return figure
+
+
+def run_sweep(options: SweepOptions) -> None:
+    """Run the grid, write table and figure, show."""
+    if options.dry_run:
+        raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
+    output = options.output or Path("stickslip-sweep.csv")
+    figure = _figure_beside(output, force=options.force)
+    axes = _axes(options.vary)
+    draws, count, executor = options.draws, options.count, options.executor
+    if draws is not None and (options.coordinate is not None or len(axes) > 1):
         raise InputError("--ensemble takes one --vary, and no --coordinate.")
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
-    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    rig, chosen = rig_and_friction(options)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
-    options: dict[str, Any] = {"cycles": cycles, "settle": settle, "y0": rig.start(law)}
+    settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
+    settings["y0"] = rig.start(law)
     turns: Sequence[float] = []
     measured: list[tuple[float, float]] = []
     found: VelocityMap | VelocityBand
     if draws is not None:
-        laws, options["error"] = laws_drawn(rig, chosen, asked, draws, seed)
+        laws, settings["error"] = laws_drawn(rig, chosen, options.law_load, draws, options.seed)
         ((name, values),) = axes.items()
         measured = _filmed(rig, name, values)
         values = np.union1d(
             values, [at for at, _ in measured]
         )  # a curve with jumps tells nothing in between
         with Drawing("Running", "laws") as progress:
-            found = velocity_band(rig.mechanism, laws, {name: values}, progress=progress, **options)
+            found = velocity_band(
+                rig.mechanism, laws, {name: values}, progress=progress, **settings
+            )
         content = _band_content(found, laws, measured)
     else:
         with Drawing("Running", "runs") as progress, workers(count or 1, executor) as pool:
@@ -120,29 +123,26 @@ def run_sweep(
                 rig.mechanism,
                 law,
                 axes,
-                coordinate=coordinate,
+                coordinate=options.coordinate,
                 executor=pool or (Inline() if count == 1 else None),
                 progress=progress,
-                **options,
+                **settings,
             )
         turns = found.reversals().tolist() if len(found.axes) == 1 else []
         content = _map_content(found, turns)
     _write_map(found, measured, output, figure)
-    if as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        head |= friction_content(chosen, rig.mechanism)
+    if options.as_json:
         files = [str(output), str(figure)]
-        print_json(document("sweep", head | content | {"files": files}))
+        print_json(document("sweep", rig_content(rig, chosen) | content | {"files": files}))
         return
-    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        stdout().print(f", laws drawn: {joined(counts)}", markup=False)
+        show_heading(rig, f"laws drawn: {joined(counts)}")
         _show_band(found, measured)
     else:
-        stdout().print(f", {friction_title(chosen)} friction", markup=False)
+        show_heading(rig, f"{friction_title(chosen)} friction")
         _show_map(found, turns)
-    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
@@ -206,7 +206,7 @@ def _write_map(
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
-    stdout().print(str(found), markup=False)
+    stdout().print(str(found))
     ends = zip(found.low, found.high, strict=True)
     band = dict(zip(found.values.tolist(), ends, strict=True))
     seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
@@ -231,9 +231,9 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
     if rows:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
-        console.print(f"The mean velocity changes sign at {number(turn, 6)}.", markup=False)
+        console.print(f"The mean velocity changes sign at {number(turn, 6)}.")
     for reason in found.early_ends():
-        console.print(reason, markup=False)
+        console.print(reason)
 
 
 def _axes(vary: Sequence[str]) -> dict[str, Array]:
@@ -265,27 +265,12 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
 DIAGRAM_SIZE = (880, 400)
 
 
-def run_orbits(
-    path: Path | None,
-    changes: Sequence[str],
-    asked: LawOptions,
-    vary: str,
-    cycles: int,
-    values: int,
-    settle: int,
-    output: Path,
-    *,
-    allow_import: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_orbits(options: OrbitOptions) -> None:
     """Find the branches, write table and figure, show."""
-    check_table(output)
-    figure = output.with_suffix(".svg")
-    for file in (output, figure):
-        refuse_overwriting(file, output.parent, force=force)
-    name, between = _range(vary)
-    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    output = options.output
+    figure = _figure_beside(output, force=options.force)
+    name, between = _range(options.vary)
+    rig, chosen = rig_and_friction(options)
     refuse_inputs(output, rig.files)
     law = friction_of(chosen)
     with Drawing("Running", "values") as progress:
@@ -294,23 +279,20 @@ def run_orbits(
             law,
             name,
             between,
-            cycles=cycles,
-            values=values,
-            settle=settle,
+            cycles=options.cycles,
+            values=options.values,
+            settle=options.settle,
             y0=rig.start(law),
             progress=progress,
         )
     _write_diagram(found, output, figure)
-    if as_json:
-        head = {"rig": rig.heading, "digest": rig.digest}
-        head |= friction_content(chosen, rig.mechanism)
-        files = [str(output), str(figure)]
-        print_json(document("orbits", head | _diagram_content(found) | {"files": files}))
+    if options.as_json:
+        content = rig_content(rig, chosen) | _diagram_content(found)
+        print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
-    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
-    stdout().print(f", {friction_title(chosen)} friction", markup=False)
+    show_heading(rig, f"{friction_title(chosen)} friction")
     _show_diagram(found)
-    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+    stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
@@ -371,7 +353,7 @@ def _show_diagram(found: OrbitDiagram) -> None:
         if not end.startswith("It reaches")
     ]
     for sentence in (*ends, *found.costs()):
-        stdout().print(sentence, markup=False)
+        stdout().print(sentence)
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
@@ -403,34 +385,31 @@ OPTIONS = {
 FILES = {"rig.toml", "profile.svg", "optimum.json"}
 
 
-def run_profile(
-    path: Path,
-    settings: ProfileOptions,
-    output: Path | None,
-    *,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_profile(options: ProfileOptions) -> None:
     """Search, write rig file, figure and numbers, print what was found."""
-    folder = folder_of(output, "stickslip-profile", as_json=as_json)
+    folder = folder_of(options.output, "stickslip-profile", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=force, files=FILES)
-    asked = LawOptions(law=settings.law, load=settings.load)
-    rig, chosen = rig_and_friction(path, settings.changes or [], asked)
+        refuse_overwriting(folder, folder, force=options.force, files=FILES)
+    rig, chosen = rig_and_friction(
+        LawOptions(
+            rig=options.rig,
+            changes=options.changes,
+            law=options.law,
+            law_load=options.law_load,
+        )
+    )
     laws = None
-    if settings.draws is not None:
-        laws, _ = laws_drawn(rig, chosen, asked, settings.draws, settings.seed)
-    found = _found(rig, friction_of(chosen), laws, settings)
-    head = {"rig": rig.heading, "digest": rig.digest}
-    head |= friction_content(chosen, rig.mechanism)
-    content = document("profile", head | found.to_dict())
+    if options.draws is not None:
+        laws, _ = laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
+    found = _found(rig, friction_of(chosen), laws, options)
+    content = document("profile", rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
-    if as_json:
+    if options.as_json:
         print_json(content)
     else:
         _show_optimum(found)
-        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})", markup=False)
+        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
     if found.cancelled:
         note("The search was stopped early; this is the best motion so far.")
 
@@ -439,30 +418,30 @@ def _found(
     rig: Rig,
     law: FrictionLaw | Laws,
     laws: Sequence[FrictionLaw] | None,
-    settings: ProfileOptions,
+    options: ProfileOptions,
 ) -> Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
-    goal = named(GOALS, settings.goal, "goal")
-    limits = _limits(rig.mechanism, settings)
-    interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval or ())
+    goal = named(GOALS, options.goal, "goal")
+    limits = _limits(rig.mechanism, options)
+    interval = dict(_interval(rig.mechanism, law, text) for text in options.interval)
     with (
         Interrupts() as interrupts,
         Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
-        workers(settings.count or 1, settings.executor) as executor,
+        workers(options.count or 1, options.executor) as executor,
     ):
         return optimise_profile(
             rig.mechanism,
             law,
             limits=limits,
-            goal=cast("GoalName", settings.goal),  # names are checked where they are used
-            kind=cast("KindName", settings.kind),
+            goal=cast("GoalName", options.goal),  # names are checked where they are used
+            kind=cast("KindName", options.kind),
             interval=interval,
             scenarios=laws,
-            quantile=_quantile(settings.quantile),
-            knots=settings.knots,
-            evaluations=settings.evaluations,
-            seed=settings.seed,
-            state=settings.resume,
+            quantile=_quantile(options.quantile),
+            knots=options.knots,
+            evaluations=options.evaluations,
+            seed=options.seed,
+            state=options.resume,
             executor=executor,
             progress=watch,
         )
@@ -471,44 +450,38 @@ def _found(
 def _quantile(text: str) -> float | Literal["mean"]:
     if text == "mean":
         return "mean"
-    try:
+    with concerning("--quantile"):
         return read_number(text, Quantity("quantile", low=0, high=1))
-    except ParameterError as error:
-        raise ParameterError(f"--quantile {error}") from None
 
 
-def _limits(mechanism: Mechanism, settings: ProfileOptions) -> Limits:
+def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
     """Read the limits, each in its unit."""
     units, values = units_of_limits(mechanism), {}
     quantities = dict(fields_of(Limits))
-    values["position"] = _position(settings, quantities.pop("position"), units["position"])
+    values["position"] = _position(options, quantities.pop("position"), units["position"])
     for name, limit in quantities.items():
-        text: str | None = getattr(settings, name)
+        text: str | None = getattr(options, name)
         if text is None:
             continue
         own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
-        try:
+        with concerning(OPTIONS[name]):
             values[name] = read_number(text, own)
-        except ParameterError as error:
-            raise ParameterError(f"{OPTIONS[name]} {error}") from None
     return Limits(**values)
 
 
-def _position(settings: ProfileOptions, quantity: Quantity, unit: str) -> float:
+def _position(options: ProfileOptions, quantity: Quantity, unit: str) -> float:
     """Return the largest distance from the middle, by the option of its kind of motion."""
     of_angle = unit == "rad"
     option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
-    text, other = settings.angle, settings.stroke
+    text, other = options.angle, options.stroke
     if not of_angle:
         text, other = other, text
     if text is None or other is not None:
         what = "turns" if of_angle else "moves along a line, from end to end"
         got = "none of the two" if other is None else f"{wrong} {other}"
         raise InputError(f"give {option}: the inner body of this rig {what}; got {got}.")
-    try:
+    with concerning(option):
         value = read_number(text, Quantity(quantity.symbol, unit, above=0))
-    except ParameterError as error:
-        raise ParameterError(f"{option} {error}") from None
     return value if of_angle else 0.5 * value
 
 
@@ -545,10 +518,10 @@ def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]
 def _show_optimum(found: Optimum) -> None:
     console, goal = stdout(), found.goal
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
-    console.print(title, markup=False, style="bold")
+    console.print(title, style="bold")
     if len(found.scenarios) > 1:
-        console.print(f"Objective value: {found.scenarios.words}", markup=False)
-    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))), markup=False)
+        console.print(f"Objective value: {found.scenarios.words}")
+    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))))
     console.print()
     rows = [
         [
@@ -571,8 +544,7 @@ def _show_optimum(found: Optimum) -> None:
     else:
         how = "refined locally" if found.polished else "from the evolution strategy"
     console.print(
-        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified.",
-        markup=False,
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified."
     )
 
 
@@ -608,46 +580,36 @@ def _limit_word(margin: Margin) -> str:
 # ``stickslip characterize``.
 
 
-def run(
-    laws: Sequence[str],
-    rig: Path | None,
-    load: str | None,
-    tests: str | None,
-    inputs: Sequence[str],
-    report: Path | None,
-    *,
-    match: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
+def run_characterize(options: CharacterizeOptions) -> None:
     """Try the laws, write the page, show."""
+    report, tests = options.report, options.tests
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--report must be an .html file, got {report}.")
-        refuse_overwriting(report, report.parent, force=force)
-    mechanism = None if rig is None else load_rig(rig).mechanism
-    given = [_law(text) for text in laws]
+        refuse_overwriting(report, report.parent, force=options.force)
+    mechanism = None if options.rig is None else load_rig(options.rig).mechanism
+    given = [_law(text) for text in options.laws]
     chosen = None if tests is None else [name.strip() for name in tests.split(",")]
     with Drawing("Testing") as progress:
         found = characterize(
             given[0],
             *given[1:],
-            load=_load(load, mechanism),
+            load=_load(options.load, mechanism),
             rig=mechanism,
             tests=chosen,
-            match=match,
-            inputs=_inputs(inputs),
+            match=options.match,
+            inputs=_inputs(options.inputs),
             progress=progress,
         )
     if report is not None:
         _write(found, report)
-    if as_json:
+    if options.as_json:
         files = [] if report is None else [str(report)]
         print_json(document("characterize", {**found.to_dict(), "files": files}))
         return
     _show(found)
     if report is not None:
-        stdout().print(f"\nReport: {report}", markup=False)
+        stdout().print(f"\nReport: {report}")
 
 
 def _law(text: str) -> FrictionLaw | str:
@@ -667,10 +629,8 @@ def _law(text: str) -> FrictionLaw | str:
 
 def _load(text: str | None, mechanism: Mechanism | None) -> float:
     if text is not None:
-        try:
+        with concerning("--load"):
             return number_of(text, Quantity("N", "N", above=0))
-        except ParameterError as error:
-            raise ParameterError(f"--load {error}") from None
     (contact,) = mechanism.contacts()[:1] if mechanism is not None else (None,)
     prescribed = None if contact is None else contact.load
     return 1.0 if prescribed is None else float(prescribed)
@@ -703,11 +663,11 @@ def _show(found: Characterization) -> None:
     for i, one in enumerate(found.all):
         if i:
             stdout().print()
-        stdout().print(one.title, markup=False, style="bold")
-        stdout().print(f"{one.law}", markup=False)
+        stdout().print(one.title, style="bold")
+        stdout().print(f"{one.law}")
         if one.matched:
-            stdout().print(one.matched, markup=False)
+            stdout().print(one.matched)
         names = [name for name in TESTS if name in one.results or name in one.failed]
         show_table("", ["test", "result"], [[name, plain(one.told(name))] for name in names])
         for name, why in one.failed.items():
-            stdout().print(f"{name}: {why}", markup=False)
+            stdout().print(f"{name}: {why}")

@@ -3,10 +3,10 @@
 import dataclasses
 import typing
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import note, print_json, stdout
+from stickslip.cli.options import WarmupOptions
 from stickslip.cli.progress import Compiling
 from stickslip.data import Rig, load_rig
 from stickslip.engine.solver import WarmUp, warm_up
@@ -26,31 +26,24 @@ MOTORS = (Torque(drive=PULSE), Prescribed(profile=SWING))
 """A pulse for all drives: the equations of another one are compiled when it is first run."""
 
 
-def run(
-    path: Path | None,
-    mechanisms: Sequence[str],
-    laws: str | None,
-    *,
-    allow_import: bool,
-    as_json: bool,
-) -> None:
+def run(options: WarmupOptions) -> None:
     """Compile, and say what was done."""
-    if path is not None and mechanisms:
+    if options.rig is not None and options.mechanisms:
         raise InputError("give --rig or --mechanism, not both: a rig file names its own mechanism.")
-    if path is not None:
-        pairs = _of_rig(load_rig(path, allow_import=allow_import), laws)
+    if options.rig is not None:
+        pairs = _of_rig(load_rig(options.rig, allow_import=options.allow_import), options.laws)
     else:
-        pairs = _of_registry(mechanisms, laws)
+        pairs = _of_registry(options.mechanisms, options.laws)
     with Compiling() as progress:
         try:
             done = warm_up(pairs, progress=progress)
         except KeyboardInterrupt:
             note("Equations compiled so far stay in the cache.")
             raise
-    if as_json:
+    if options.as_json:
         print_json(document("warmup", _content(pairs, done)))
     else:
-        stdout().print(_sentence(done), markup=False)
+        stdout().print(_sentence(done))
 
 
 def _names(laws: str | None) -> list[str]:

@@ -12,14 +12,13 @@ from stickslip.data.estimates import (
     Levels,
     equated,
     levels_at,
-    slips_in_angle,
     unit_on,
 )
 from stickslip.data.rig import Rig
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw, Laws, anywhere, assigned
-from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
+from stickslip.mechanisms import Mechanism, slip_names, slips_by_angle, static_normal_force
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.show.formatting import joined, number, quantity, span
 
@@ -173,9 +172,9 @@ def carried(
         raise InputError(_refusal(rig, name, levels))
     elif divided and here != "per load":
         remarks += _about_unit_load(mechanism, levels, here)
-    remarks += _about_viscosity(found, known, slips_in_angle(rig.mechanism))
+    remarks += _about_viscosity(found, known, slips_by_angle(rig.mechanism))
     if here == "per load":
-        remarks += _about_bristles(found, slips_in_angle(mechanism))
+        remarks += _about_bristles(found, slips_by_angle(mechanism))
     remarks += _about_rest(found)
     remarks += _about_doubt(found, known)
     return CarriedLaw(
@@ -286,7 +285,7 @@ def bristle_remark(
     >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
     'The back-slip of 50 µm depends on bristle parameters that were not measured: ...
     """
-    unit = turned("m", slips_in_angle(mechanism))
+    unit = turned("m", slips_by_angle(mechanism))
     found = {
         f"{name} of {quantity(size, unit)}": symbols
         for name, size in distances.items()

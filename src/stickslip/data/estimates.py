@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 from stickslip.show.formatting import number
 
@@ -69,20 +69,7 @@ def levels_at(mechanism: Mechanism) -> Levels:
     )
     if not unit:
         return "per load"
-    return "torques" if slips_in_angle(mechanism) else "forces"
-
-
-def slips_in_angle(mechanism: Mechanism) -> bool:
-    """Whether the contact slips by an angle [rad], about a pivot.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Pendulum
-    >>> slips_in_angle(Axis(inertia=1.0)), slips_in_angle(Pendulum(mass=1.0, length=0.5))
-    (False, True)
-    """
-    slip = slip_of(mechanism)
-    return mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+    return "torques" if slips_by_angle(mechanism) else "forces"
 
 
 def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
@@ -101,7 +88,7 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     'N m s/rad'
     """
     unit = quantity.unit if levels_at(mechanism) == "per load" else quantity.force_unit
-    return turned(unit, slips_in_angle(mechanism))
+    return turned(unit, slips_by_angle(mechanism))
 
 
 def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.data.units import LARGEST, size_wanted
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.quantities import Converted, Given, Numbers, Quantity, turned
 from stickslip.show.described import Described
@@ -854,12 +854,10 @@ def _joints(record: Measurement) -> Mapping[str, Measurement]:
             for name, value in offsets.items()
             if str(name).partition(".")[2] == joint
         }
-        try:
+        with concerning(f"joint {joint!r}:", InputError):
             found[joint] = Measurement(
                 time=record.time, **own, offset=offset, turning=record.turning, name=joint
             )
-        except InputError as error:
-            raise type(error)(f"joint {joint!r}: {error}") from None
     return found
 
 

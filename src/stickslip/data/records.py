@@ -37,7 +37,7 @@ from stickslip.data.readers.columns import (
 )
 from stickslip.data.readers.layout import Layout, Repair, repaired, repairs
 from stickslip.data.units import gain_factor, read_gain, read_number
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.mechanisms import Mechanism, load_stated, motor_of
 from stickslip.quantities import Numbers, Quantity
 from stickslip.show.formatting import number
@@ -84,10 +84,8 @@ def _gain(name: str, value: object) -> float | str:
     """Return a gain, checked; a number is one by which a column is multiplied."""
     if not isinstance(value, str):
         return Quantity("g", "").check("gain", name, value)
-    try:
+    with concerning(f"gain.{name}"):
         return read_gain(value)
-    except ParameterError as error:
-        raise ParameterError(f"gain.{name} {error}") from None
 
 
 def with_motors(

@@ -20,7 +20,7 @@ from stickslip.data.estimates import LawEstimates, levels_at
 from stickslip.data.measurement import ELECTRIC, Measurement
 from stickslip.data.readers.columns import Reading
 from stickslip.data.travels import scale_of
-from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
+from stickslip.errors import InputError, UnknownNameError, check_size, concerning
 from stickslip.friction import (
     FrictionLaw,
     Laws,
@@ -540,10 +540,8 @@ def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
     """Check that what a record overrides and starts from exists in the mechanism."""
     for path in record.overrides:
         quantity_at(mechanism, path)
-    try:
+    with concerning(f"{label}:"):
         vary(mechanism, PREFIX, record.overrides)
-    except ParameterError as error:
-        raise ParameterError(f"{label}: {error}") from None
     known = state_units(mechanism) if record.initial else {}
     for name in record.initial:
         if name not in known:

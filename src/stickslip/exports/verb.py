@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.data import (
     LOAD,
     CarriedLaw,
+    KnownLaws,
     LawEstimates,
     Levels,
     Rig,
@@ -176,7 +177,7 @@ def subject_of(
             f"rotary={rotary} is for a law without a mechanism: leave it out, the mechanism says it"
             " (of an Axis, its field rotary)."
         )
-    found = _taken(source, asked.law, asked.contact, rig, law_load, rotary=rotary)
+    found = _taken(source, asked, rig)
     used = dataclasses.replace(
         found,
         name=identifier(name if name is not None else found.law.name),
@@ -223,46 +224,62 @@ def _check_inputs(law: FrictionLaw, given: Mapping[str, Given]) -> None:
             raise UnknownNameError(f"contact input of {law.name}", name, law.inputs)
 
 
-def _taken(
-    source: "Source",
-    law: str | None,
-    contact: str | None,
-    rig: Rig | None,
-    law_load: float | None,
-    *,
-    rotary: bool | None,
-) -> Subject:
-    """Return the law of what was given."""
+def law_or_rig(source: "Source") -> FrictionLaw | Rig:
+    """Return a law as it is, and a rig with its law for all that has one."""
     if isinstance(source, Verdict):
         if source.best is None or source.best.fit is None:
             raise InputError(
                 f"this verdict names no law to export: {source.sentence} Export the fit of a"
                 " candidate, such as verdict.candidates[0].fit."
             )
-        source = source.best.fit
-    if isinstance(source, Fit):
-        fitted = source.law
-        if isinstance(fitted, Laws):
-            return _of_contact(
-                dict(fitted.members), source.law_estimates(), source.mechanism, contact
-            )
-        source = _as_rig(fitted, source)
-    if isinstance(source, Rig):
-        if source.contacts:
-            given = {one: found for one, found in source.law_by_contact(law).items() if found}
-            return _of_contact(given, source.estimates, source.mechanism, contact)
-        _refuse_contact(contact)
-        return _carried(source, law, rig, law_load)
-    if not isinstance(source, FrictionLaw):
+        return law_or_rig(source.best.fit)
+    if not isinstance(source, Fit):
+        return source
+    fitted: object = source.law
+    if isinstance(fitted, Laws):
+        own: dict[str, Any] = {"contacts": {name: _known(one) for name, one in fitted.members}}
+    elif isinstance(fitted, FrictionLaw):
+        own = {"laws": {fitted.name: fitted}, "named": (fitted.name,)}
+    else:
+        raise InputError(
+            f"{getattr(fitted, 'title', fitted)} cannot be exported: the logarithm of the speed"
+            " knows no rest. `to_dict()` of the fit has its numbers."
+        )
+    return Rig(mechanism=source.mechanism, estimates=source.law_estimates(), **own)
+
+
+def _known(law: FrictionLaw) -> KnownLaws:
+    return KnownLaws(laws={law.name: law}, named=(law.name,))
+
+
+def laws_by_contact(rig: Rig, law: str | None = None) -> dict[str, FrictionLaw]:
+    """Return the laws of the contacts that have their own; `law` names one where there are more."""
+    return {name: one for name, one in rig.law_by_contact(law).items() if one is not None}
+
+
+def _taken(given: "Source", asked: Asked, rig: Rig | None) -> Subject:
+    """Return the law of what was given."""
+    source, contact = law_or_rig(given), asked.contact
+    if isinstance(source, Rig) and source.contacts:
+        return _of_contact(
+            laws_by_contact(source, asked.law), source.estimates, source.mechanism, contact
+        )
+    if not isinstance(source, Rig | FrictionLaw):
         raise InputError(f"export takes a friction law, a fit, a verdict or a rig, got {source!r}.")
-    _refuse_contact(contact)
-    if law is not None or law_load is not None:
+    if contact is not None:
+        raise InputError(
+            f"contact={contact!r} chooses between laws by contact, but this is one law: leave it"
+            " out."
+        )
+    if isinstance(source, Rig):
+        return _carried(source, asked.law, rig, asked.law_load)
+    if asked.law is not None or asked.law_load is not None:
         raise InputError(
             "law and law_load choose and divide the law of a rig: leave them out for a law itself."
         )
     if rig is None:
-        levels: Levels = "torques" if rotary else "per load"
-        return Subject(law=source, name="", rotary=bool(rotary), levels=levels)
+        levels: Levels = "torques" if asked.rotary else "per load"
+        return Subject(law=source, name="", rotary=bool(asked.rotary), levels=levels)
     return Subject(
         law=source,
         name="",
@@ -270,20 +287,6 @@ def _taken(
         mechanism=rig.mechanism,
         rotary=slips_by_angle(rig.mechanism),
         levels=levels_at(rig.mechanism),
-    )
-
-
-def _as_rig(fitted: object, fit: Fit[Any]) -> Rig:
-    if not isinstance(fitted, FrictionLaw):
-        raise InputError(
-            f"{getattr(fitted, 'title', fitted)} cannot be exported: the logarithm of the speed"
-            " knows no rest. `to_dict()` of the fit has its numbers."
-        )
-    return Rig(
-        mechanism=fit.mechanism,
-        laws={fitted.name: fitted},
-        named=(fitted.name,),
-        estimates=fit.law_estimates(),
     )
 
 
@@ -306,14 +309,6 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
         rig=rig,
         own_rig=source if source.path and len(source.mechanism.contacts()) == 1 else None,
     )
-
-
-def _refuse_contact(contact: str | None) -> None:
-    if contact is not None:
-        raise InputError(
-            f"contact={contact!r} chooses between laws by contact, but this is one law: leave it"
-            " out."
-        )
 
 
 def _of_contact(

@@ -10,23 +10,25 @@ from stickslip.friction import SOURCES
 from stickslip.identify.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.rigs import PUSH_DURATION
-from stickslip.paper.sections import (
-    assumption_section,
+from stickslip.paper.sections.cart import (
     break_away_section,
     cart_section,
     choice_section,
-    claim_section,
+    rest_section,
+)
+from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section
+from stickslip.paper.sections.equations import (
+    assumption_section,
     equation_section,
     excitation_section,
-    figure_section,
     misprint_section,
+)
+from stickslip.paper.sections.table import (
+    figure_section,
     phenomena_section,
     ranking_section,
-    rest_section,
     schematic_section,
     table_section,
-    trial_section,
-    unpublished_section,
 )
 from stickslip.show.formatting import fixed, joined, percent, quantity
 from stickslip.show.report import (

@@ -8,7 +8,8 @@ printed one; a root in that bracket, and those for travels that round to the pri
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import scipy
 
@@ -311,64 +312,63 @@ def requirements(
     """Find the value behind each published travel, in readings A and B."""
     readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(
-        _require(values, name, key, published[name], block, t_end, *case)
-        for name, case in _cases(values).items()
-        if name in published
+        _require(values, case, key, published[case.law], block, t_end)
+        for case in _cases(values)
+        if case.law in published
         for key, block in readings.items()
     )
 
 
 READINGS = ("A", "B")
 """Readings in which values are sought; in C the block ends where the spring pulls it back to."""
-Case = tuple[str, str, float, Callable[[float], FrictionLaw], bool, str]
 
 
-def _cases(values: PaperValues) -> dict[str, Case]:
-    """Return symbol, unit, first value, law as a function of it, what is kept, remark, by row."""
-    mu_k = values.mu_k
-    return {
-        "coulomb": (
-            "mu_k",
-            "1",
-            mu_k,
-            lambda mu: Coulomb(kinetic_coefficient=mu),
-            False,
+class Case(NamedTuple):
+    """A row of Table II with the parameter that is sought."""
+
+    law: str
+    """Registry name of the row."""
+    symbol: str
+    """Symbol of the parameter."""
+    unit: str
+    """Its SI unit."""
+    first: float
+    """Value at which the search begins."""
+    made: Callable[[float], FrictionLaw]
+    """Returns the law with a value."""
+    kept: bool
+    """Whether the model and all that is published are kept."""
+    text: str
+    """What another value means, in words."""
+
+
+def _cases(values: PaperValues) -> tuple[Case, ...]:
+    def viscous(sigma: float) -> FrictionLaw:
+        return CoulombViscous(kinetic_coefficient=values.mu_k, viscous_coefficient=sigma)
+
+    return (
+        Case(
+            "coulomb", "mu_k", "1", values.mu_k, lambda mu: Coulomb(kinetic_coefficient=mu), False,
             "another coefficient than that of Table I",
         ),
-        "dahl": (
-            "sigma_0",
-            "N/m",
-            50.0,
-            lambda sigma: dahl_row(values, sigma),
-            True,
+        Case(
+            "dahl", "sigma_0", "N/m", 50.0, partial(dahl_row, values), True,
             "bristles that yield by centimetres, the block held at its first stop",
         ),
-        "lugre": (
-            "sigma_0",
-            "N/m",
-            1e3,
-            lambda sigma: lugre_row(values, sigma),
-            True,
+        Case(
+            "lugre", "sigma_0", "N/m", 1e3, partial(lugre_row, values), True,
             "with $sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m and $v_s$ 1 mm/s, as in"
             " LuGre 1995, and no hold at rest",
         ),
-        "stribeck": (
-            "sigma_2",
-            "N s/m",
-            2.0,
-            lambda sigma: Viscous(viscous_coefficient=sigma),
-            False,
+        Case(
+            "stribeck", "sigma_2", "N s/m", 2.0, lambda x: Viscous(viscous_coefficient=x), False,
             "for instance another model: purely viscous, without the dry friction of Table I",
         ),
-        "coulomb-viscous": (
-            "sigma_2",
-            "N s/m",
-            0.1,
-            lambda sigma: CoulombViscous(kinetic_coefficient=mu_k, viscous_coefficient=sigma),
-            True,
+        Case(
+            "coulomb-viscous", "sigma_2", "N s/m", 0.1, viscous, True,
             "with $mu_k$ of Table I, whose travel a viscous part can only shorten",
         ),
-    }
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -547,19 +547,14 @@ def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
 
 def _require(
     values: PaperValues,
-    name: str,
+    case: Case,
     reading: str,
     published: float,
     block: SpringBlock,
     t_end: float,
-    symbol: str,
-    unit: str,
-    first: float,
-    law: Callable[[float], FrictionLaw],
-    kept: bool,
-    text: str,
 ) -> Requirement:
     """Search for the value, and for those at the ends of the rounding range."""
+    law, first = case.made, case.first
 
     def travel(value: float) -> float:
         return float(simulate(block, law(value), t_end=t_end).at(t_end)["x"][0])
@@ -575,17 +570,17 @@ def _require(
     solution = None if best is None else law(best)
     run = None if solution is None else simulate(block, solution, t_end=t_end)
     return Requirement(
-        law=name,
+        law=case.law,
         reading=reading,
         published=published,
-        symbol=symbol,
-        unit=unit,
+        symbol=case.symbol,
+        unit=case.unit,
         value=best,
         low=found[0] if best is not None and found else None,
         high=found[-1] if best is not None and found else None,
         start=travel(first if best is not None else first / 64.0),
-        kept=kept,
-        text=text,
+        kept=case.kept,
+        text=case.text,
         solution=solution,
         run=run,
         criteria=None if run is None else criteria_of(run, block, values.measured),

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Final
 
 from typing_extensions import override
 
-from stickslip.data.readers.table import Table, json_of
+from stickslip.data.readers.table import Table, json_of, one_line, parsed_as
 from stickslip.data.readers.topics import Log, Topic, table_of
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
 from stickslip.show.documents import open_regular, private_folder
@@ -236,14 +236,14 @@ def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
             " with `ros2 bag convert`."
         ) from None
     except McapError as error:
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        reason = one_line(error)
         raise InputError(
             f"{path}: is not an MCAP file, or is damaged ({reason}): `mcap recover` of the MCAP"
             " command line saves what can be read."
         ) from None
     except Exception as error:
         # Decompression and decoding have whatever error their parsers stumble over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        reason = one_line(error)
         raise InputError(f"{path}: is damaged, or has a message that is: {reason}.") from None
 
 
@@ -322,7 +322,7 @@ def read_bag(path: Path, names: Collection[str] = ()) -> Table:
         raise InputError(
             f"{path}: ROS bags need the package rosbags: pip install 'stickslip[logs]'."
         ) from None
-    try:
+    with parsed_as(path, "a ROS bag"):
         said = _described(path) if path.name == METADATA else _Described(files=(path,))
         with ExitStack() as stack:
             files = said.files
@@ -335,12 +335,6 @@ def read_bag(path: Path, names: Collection[str] = ()) -> Table:
             store = get_typestore(Stores.LATEST)
             reader = stack.enter_context(AnyReader([*files], default_typestore=store))
             return table_of(_Bag(reader, said), str(path), names)
-    except InputError:
-        raise
-    except Exception as error:
-        # The package has whatever error its parsers stumble over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not a ROS bag, or is damaged: {reason}.") from None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -35,6 +35,7 @@ from stickslip.data.readers.table import (
     merged,
     no_channel,
     numbered_twice,
+    parsed_as,
     read_of,
 )
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
@@ -299,18 +300,12 @@ def _variables(path: Path) -> Iterator[tuple[str, Any]]:
             head = file.read(520)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
-    try:
+    with parsed_as(path, "a MATLAB file"):
         # Version 7.3 is HDF5, behind a block of MATLAB's own or not.
         if head.startswith(_HDF5) or head[512:] == _HDF5:
             yield from _newer(path)
         else:
             yield from _older(path)
-    except InputError:
-        raise
-    except Exception as error:
-        # Either library has whatever error its parser stumbles over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not a MATLAB file, or is damaged: {reason}.") from None
 
 
 def _older(path: Path) -> Iterator[tuple[str, Any]]:
@@ -516,19 +511,13 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
             f"{path}: MDF files need the package asammdf: pip install 'stickslip[mdf]', or export"
             " the file as CSV."
         ) from None
-    try:
+    with parsed_as(path, "an MDF file"):
         _check_blocks(path)
         with warnings.catch_warnings(), asammdf.MDF(path) as file:
             warnings.simplefilter("ignore")
             numbers = sum(one.channel_group.cycles_nr * len(one.channels) for one in file.groups)
             check_size(str(path), numbers, FEWER_CHANNELS)
             signals = [one for one in file.iter_channels(skip_master=True) if _is_numeric(one)]
-    except InputError:
-        raise
-    except Exception as error:
-        # The package has whatever error its parser stumbles over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not an MDF file, or is damaged: {reason}.") from None
     if not signals:
         raise no_channel(path)
     sizes = Counter(one.group_index for one in signals)
@@ -591,20 +580,18 @@ def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
             f"{path}: TDMS files need the package npTDMS: pip install 'stickslip[tdms]', or export"
             " the file as text."
         ) from None
-    try:
-        with _quiet(), path.open("rb") as data, nptdms.TdmsFile.open(data) as file:
-            groups = {group.name: group.channels() for group in file.groups()}
-            values = sum(len(channel) for own in groups.values() for channel in own)
-            check_size(str(path), float(values), FEWER_CHANNELS)
-            table = _chosen(path, groups, names)
-            cut = file.file_status.incomplete_final_segment
-            return replace(table, lost=(CUT,) if cut else ())
-    except InputError:
-        raise
-    except Exception as error:
-        # The package has whatever error its parser stumbles over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not a TDMS file, or is damaged: {reason}.") from None
+    with (
+        parsed_as(path, "a TDMS file"),
+        _quiet(),
+        path.open("rb") as data,
+        nptdms.TdmsFile.open(data) as file,
+    ):
+        groups = {group.name: group.channels() for group in file.groups()}
+        values = sum(len(channel) for own in groups.values() for channel in own)
+        check_size(str(path), float(values), FEWER_CHANNELS)
+        table = _chosen(path, groups, names)
+        cut = file.file_status.incomplete_final_segment
+        return replace(table, lost=(CUT,) if cut else ())
 
 
 @contextmanager

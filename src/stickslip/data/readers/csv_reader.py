@@ -50,6 +50,7 @@ from stickslip.data.readers.table import (
     FEWER_COLUMNS,
     Table,
     further_cells,
+    parsed_as,
     read_of,
     unequal_rows,
 )
@@ -63,7 +64,7 @@ from stickslip.data.readers.tracks import (
     read_blocks,
     read_capture,
 )
-from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
+from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.formatting import joined
 from stickslip.units import shown
 
@@ -186,10 +187,8 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     text, encoding = _decoded(path, data)
     dialect = dialect_of(text)
     if dialect is not None:
-        try:
+        with concerning(f"{path}:", InputError):
             return dialect.read(text)
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
     lines, start = _head(path, text)
     named = _tracks(lines)
     lines, start = (lines[1:], start + 1) if named else (lines, start)
@@ -510,20 +509,11 @@ def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> Table:
             f"{path}: workbooks need the package openpyxl: pip install 'stickslip[xlsx]', or save"
             " the sheet as CSV."
         ) from None
-    try:
-        with path.open("rb") as data, zipfile.ZipFile(data) as parts:
-            expanded = sum(part.file_size for part in parts.infolist())
-            check_size(
-                str(path), float(expanded), CURE, unit="expanded bytes", most=4 * MOST_NUMBERS
-            )
-            with closing(openpyxl.load_workbook(data, read_only=True, data_only=True)) as book:
-                return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
-    except InputError:
-        raise
-    except Exception as error:
-        # The package has whatever error its parser stumbles over.
-        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not a workbook, or is damaged: {reason}.") from None
+    with parsed_as(path, "a workbook"), path.open("rb") as data, zipfile.ZipFile(data) as parts:
+        expanded = sum(part.file_size for part in parts.infolist())
+        check_size(str(path), float(expanded), CURE, unit="expanded bytes", most=4 * MOST_NUMBERS)
+        with closing(openpyxl.load_workbook(data, read_only=True, data_only=True)) as book:
+            return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
 
 
 def _first(path: Path, sheets: dict[str, str]) -> Table:

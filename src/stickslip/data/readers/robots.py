@@ -11,7 +11,7 @@ import pandas as pd
 
 from stickslip.data.measurement import Array
 from stickslip.data.readers.binary import check_parquet
-from stickslip.data.readers.table import Table, read_json
+from stickslip.data.readers.table import Table, parsed_as, read_json
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
 from stickslip.show.documents import open_regular
@@ -366,7 +366,7 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
     import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
-    try:
+    with parsed_as(path, "a Parquet file"):
         with open_regular(path) as stream, pq.ParquetFile(stream) as file:
             size = check_parquet(str(path), file, names)
             missing = [one for one in names if one not in file.schema_arrow.names]
@@ -388,12 +388,6 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
                 values = column.to_numpy(zero_copy_only=False).astype(float)
                 found[name] = values[:, None] if name in FEATURES else values
         return found, size
-    except InputError:
-        raise
-    except Exception as error:
-        # pyarrow has an exception tree of its own.
-        reason = str(error).splitlines()[0].rstrip(".")
-        raise InputError(f"{path}: is not a Parquet file, or is damaged: {reason}.") from None
 
 
 def _joined(path: Path, name: str, tables: Collection[Mapping[str, Array]]) -> Array:

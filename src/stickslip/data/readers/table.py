@@ -5,7 +5,8 @@ import json
 import re
 import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -195,6 +196,28 @@ def json_of(data: bytes) -> Any:
     if _SURROGATE.search(data):
         json.dumps(found, ensure_ascii=False).encode("utf-8")
     return found
+
+
+def one_line(error: Exception) -> str:
+    r"""Return what an error of somebody else says, in a line without a full stop.
+
+    Examples
+    --------
+    >>> one_line(ValueError("no end.\nmore")), one_line(KeyError())
+    ('no end', 'KeyError')
+    """
+    return (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+
+
+@contextmanager
+def parsed_as(path: Path, kind: str) -> Iterator[None]:
+    """Say of a file that a library stumbles over, with whatever error, that it is not of a kind."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: is not {kind}, or is damaged: {one_line(error)}.") from None
 
 
 def read_json(path: Path) -> Any:

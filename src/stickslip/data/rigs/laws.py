@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.data.estimates import LOAD
 from stickslip.data.rig import KnownLaws
-from stickslip.data.rigs.rig_models import ITS_TABLE, Given, Number, Table, place
+from stickslip.data.rigs.rig_models import ITS_TABLE, Given, Number, RigFile, Table
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import LAWS, FrictionLaw, force_parameters, law_type, laws, listed
 from stickslip.quantities import Quantity, fields_of, turned
@@ -220,10 +220,8 @@ def _fields(kind: type[FrictionLaw]) -> set[str]:
 
 def known_laws(
     friction: Table,
-    file: str,
-    overridden: Collection[str],
+    file: RigFile,
     kinds: Mapping[str, type[FrictionLaw]],
-    called: Mapping[str, str],
     at: str = "friction",
 ) -> KnownLaws:
     """Return the laws for which the table gives every required parameter.
@@ -238,15 +236,15 @@ def known_laws(
     meant = _meant(kinds, shared)
     for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
-        table = called.get(f"{at}.{name}", f"{at}.{name}")
+        table = file.called.get(f"{at}.{name}", f"{at}.{name}")
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
             named.append(name)
-            changed = overridden_fields(law, overridden, of_law=False)
-            changed -= overridden_fields(law, overridden, shared=False)
+            changed = overridden_fields(law, file.overridden, of_law=False)
+            changed -= overridden_fields(law, file.overridden, shared=False)
             kept = {key: value for key, value in values.items() if key in changed}
-            values |= _own(own, law, file, overridden, table) | kept
+            values |= _own(own, law, file, table) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
         stated = {
             key: value.uncertainty
@@ -260,7 +258,7 @@ def known_laws(
             raise ParameterError(_missing(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
-        found[name] = _build(law, values, file, overridden, at, table)
+        found[name] = _build(law, values, file, at, table)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
@@ -275,7 +273,7 @@ def known_laws(
         uncertainties=uncertainties,
         tables={
             table.removeprefix(f"{at}."): law.removeprefix(f"{at}.")
-            for law, table in called.items()
+            for law, table in file.called.items()
             if law.removeprefix(f"{at}.") in kinds and law != table
         },
     )
@@ -284,10 +282,8 @@ def known_laws(
 def by_contact(
     friction: FrictionTable,
     contacts: Collection[str],
-    file: str,
-    overridden: Collection[str],
+    file: RigFile,
     kinds: Mapping[str, type[FrictionLaw]],
-    called: Mapping[str, str],
 ) -> dict[str, KnownLaws | None]:
     """Return the laws of each of several contacts; nothing if no contact has a table of its own.
 
@@ -313,7 +309,7 @@ def by_contact(
             found[name] = None
             continue
         at = f"friction.{name}"
-        paths = {path for path in overridden if path.startswith("friction.")}
+        paths = {path for path in file.overridden if path.startswith("friction.")}
         of_contact = {
             f"friction{path.removeprefix(at)}" for path in paths if path.startswith(at + ".")
         }
@@ -325,7 +321,9 @@ def by_contact(
             if k not in kept or (f"friction.{k}" in of_all and f"friction.{k}" not in of_contact)
         }
         whole = (friction.of_one() if own is None else own).model_copy(update=values)
-        found[name] = known_laws(whole, file, of_contact | of_all, kinds, called, at)
+        found[name] = known_laws(
+            whole, dataclasses.replace(file, overridden=of_contact | of_all), kinds, at
+        )
     return found
 
 
@@ -407,9 +405,7 @@ def _required(law: type[FrictionLaw]) -> list[str]:
     return [one.name for one in dataclasses.fields(law) if one.default is dataclasses.MISSING]
 
 
-def _own(
-    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], table: str
-) -> dict[str, Any]:
+def _own(own: Table, law: type[FrictionLaw], file: RigFile, table: str) -> dict[str, Any]:
     """Return the values of a law's own table, those given as forces over their load."""
     values = own.given()
     forces: Table | None = values.pop("forces", None)
@@ -420,9 +416,9 @@ def _own(
     for key, force in given.items():
         field, quantity = force_parameters(law)[key]
         normalised = f"friction.{law.name}.{field}"
-        if field in values and normalised in overridden:
+        if field in values and normalised in file.overridden:
             continue
-        if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
+        if field in values and f"friction.{law.name}.forces.{key}" not in file.overridden:
             raise InputError(
                 f"{file}: {table}.{field} and {table}.forces.{key} both give the same parameter:"
                 " leave one out."
@@ -432,7 +428,7 @@ def _own(
     return values
 
 
-def _missing(law: type[FrictionLaw], key: str, file: str, at: str, table: str) -> str:
+def _missing(law: type[FrictionLaw], key: str, file: RigFile, at: str, table: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
     forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
     other = f", or {forces[0]} under [{table}.forces]" if forces else ""
@@ -440,30 +436,15 @@ def _missing(law: type[FrictionLaw], key: str, file: str, at: str, table: str) -
 
 
 def _build(
-    law: type[FrictionLaw],
-    values: Mapping[str, Any],
-    file: str,
-    overridden: Collection[str],
-    at: str,
-    table: str,
+    law: type[FrictionLaw], values: Mapping[str, Any], file: RigFile, at: str, table: str
 ) -> FrictionLaw:
     given = {key: _plain(value) for key, value in values.items()}
-    _check_order(law, given, file, overridden, at, table)
-    try:
-        return law(**given)
-    except ParameterError as error:
-        touched = [path for path in overridden if path.startswith("friction.")]
-        where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: {table}: {error}") from None
+    _check_order(law, given, file, at, table)
+    return file.built(law, given, table, "friction")
 
 
 def _check_order(
-    law: type[FrictionLaw],
-    values: Mapping[str, float],
-    file: str,
-    overridden: Collection[str],
-    at: str,
-    table: str,
+    law: type[FrictionLaw], values: Mapping[str, float], file: RigFile, at: str, table: str
 ) -> None:
     """Name both parameters where an override has put one above or below another of the file."""
     known = fields_of(law)
@@ -471,7 +452,7 @@ def _check_order(
         key: f"{where}.{key}"
         for key in values
         for where, path in ((at, "friction"), (table, f"friction.{law.name}"))
-        if f"{path}.{key}" in overridden
+        if f"{path}.{key}" in file.overridden
     }
     for upper, quantity in known.items():
         lower = quantity.at_least

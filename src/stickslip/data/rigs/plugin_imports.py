@@ -9,8 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from stickslip.data.rigs.rig_models import place
-from stickslip.errors import InputError
+from stickslip.data.rigs.rig_models import RigFile
+from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw, curves_beside, is_composition, law_type, laws
 from stickslip.mechanisms import Mechanism
 
@@ -29,18 +29,11 @@ class Imported:
     """Paths of tables of laws by those that the file calls them."""
 
 
-def imported(
-    raw: dict[str, Any],
-    file: str,
-    *,
-    beside: Path | None,
-    overridden: Collection[str],
-    allow: bool,
-) -> Imported:
+def imported(raw: dict[str, Any], file: RigFile, *, beside: Path | None, allow: bool) -> Imported:
     """Import what the tables name by import path, and take those names of laws out of them."""
     wanted = dict(_wanted(raw))
     for key, path in wanted.items():
-        where = f"{place(key, file, overridden)}: {key}"
+        where = f"{file.place(key)}: {key}"
         match = _PATH.fullmatch(path)
         if match is None:
             raise InputError(
@@ -52,20 +45,17 @@ def imported(
                 f" {match['module']}, which runs its code. Nothing was imported. If you trust it,"
                 " give --allow-import on the command line or load_rig(..., allow_import=True)."
             )
-    found = {
-        key: _class(path, f"{place(key, file, overridden)}: {key}", beside)
-        for key, path in wanted.items()
-    }
+    found = {key: _class(path, f"{file.place(key)}: {key}", beside) for key, path in wanted.items()}
     mechanism = found.pop("mechanism.type", None)
     own: dict[str, type[FrictionLaw]] = {}
     tables: dict[str, str] = {}
-    for where, table, law in _composed(raw, file, beside, overridden):
+    for where, table, law in _composed(raw, file, beside):
         tables[f"{where}.{table}"] = f"{where}.{law.name}"
         if law.name not in laws():
             own[law.name] = law
     for key, kind in found.items():
         *above, table, _ = key.split(".")
-        _check_name(kind, table, f"{place(key, file, overridden)}: {key}")
+        _check_name(kind, table, f"{file.place(key)}: {key}")
         holder = raw
         for step in above:
             holder = holder[step]
@@ -76,7 +66,7 @@ def imported(
 
 
 def _composed(
-    raw: dict[str, Any], file: str, beside: Path | None, overridden: Collection[str]
+    raw: dict[str, Any], file: RigFile, beside: Path | None
 ) -> Iterator[tuple[str, str, type[FrictionLaw]]]:
     """Put tables of composed laws under the names of these; yield where, both names and law."""
     friction = raw.get("friction")
@@ -103,7 +93,7 @@ def _composed(
                     f" table, such as [{above}.own], or leave law out."
                 )
             other = tables.pop(kind.name, {}) if kind.name != name else {}
-            if any(f"{above}.{kind.name}.{key}" not in overridden for key in other):
+            if any(f"{above}.{kind.name}.{key}" not in file.overridden for key in other):
                 raise InputError(
                     f"{where} is the law {kind.name}, which has a table already: leave one out."
                 )
@@ -115,10 +105,8 @@ def _law(text: object, where: str, beside: Path | None) -> type[FrictionLaw]:
     """Return the law of a table."""
     if not isinstance(text, str):
         raise InputError(f"{where}.law must be a text such as 'level + viscous', got {text!r}.")
-    try:
+    with concerning(f"{where}:", InputError):
         return law_type(text if beside is None else curves_beside(text, beside))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -51,11 +51,11 @@ from stickslip.data.rigs.plugin_imports import Imported, imported
 from stickslip.data.rigs.rig_models import (
     Given,
     Number,
+    RigFile,
     Table,
     UrdfTable,
     complaint,
     fill_friction,
-    place,
     robot_of,
 )
 from stickslip.data.rigs.schema import (
@@ -69,7 +69,7 @@ from stickslip.data.rigs.schema import (
 )
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
 from stickslip.friction import PARTS, FrictionLaw, Laws
 from stickslip.mechanisms import (
     LINKS,
@@ -101,23 +101,24 @@ def read_rig(
 ) -> Rig:
     """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
-        file, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
+        name, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
     else:
-        file, data = str(path), read_bytes(path, largest=LARGEST)
-    raw = parse(data, file)
+        name, data = str(path), read_bytes(path, largest=LARGEST)
+    raw = parse(data, name)
     settable = [*paths_of(raw), *_settable(raw)]
     overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
     overrides = resolved(raw, overrides, settable)
     apply(raw, overrides)
+    file = RigFile(name, overrides)
     stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
     friction = raw.get("friction")
     tables = friction.items() if isinstance(friction, dict) else ()
     of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
-    own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
+    own = imported(raw, file, beside=beside, allow=allow_import)
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
-    called = {law: given for given, law in own.tables.items()}
-    contacts = _contacts(raw, own, file, overrides)
+    file = RigFile(name, overrides, {law: given for given, law in own.tables.items()})
+    contacts = _contacts(raw, own, file)
     for name in [one.name for one in contacts]:
         if len(contacts) > 1 and name in of_one_law:
             raise InputError(
@@ -125,14 +126,10 @@ def read_rig(
                 f" [friction.{name}.own]."
             )
     kinds = laws_of(friction, [one.name for one in contacts], own.laws)
-    try:
+    with concerning(f"{file}:", InputError):
         kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
-        table = kind.model_validate(raw)
-    except ValidationError as error:
-        raise complaint(error, raw, file, overrides, called) from None
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    mechanism = _mechanism(table, file, overrides)
+    table = _validated(kind, raw, file)
+    mechanism = _mechanism(table, file)
     conditions = tuple(table.data.conditions)
     reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
     measurement = _measured(table, mechanism, reading, file)
@@ -141,19 +138,16 @@ def read_rig(
         mechanism = as_rotary(mechanism)
     if measurement is not None and tells_load(measurement):  # so that levels are over it
         over_load = tuple(one._replace(in_forces=False) for one in contacts)
-        try:
-            rig_table(own.mechanism, tuple(kinds.values()), over_load).model_validate(raw)
-        except ValidationError as error:
-            raise complaint(error, raw, file, overrides, called) from None
-    mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
+        _validated(rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
+    mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
     names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
-    of_contacts = by_contact(table.friction, names, file, overrides, kinds, called)
+    of_contacts = by_contact(table.friction, names, file, kinds)
     known = KnownLaws()
     if not of_contacts:
-        known = known_laws(table.friction, file, overrides, kinds, called)
+        known = known_laws(table.friction, file, kinds)
     named = _paths(table, file)
     return Rig(
-        title=table.title or Path(file).stem,
+        title=table.title or Path(file.name).stem,
         subject=table.subject,
         source=table.source,
         mechanism=mechanism,
@@ -172,13 +166,20 @@ def read_rig(
         hold=table.data.hold,
         t_end=table.run.t_end,
         initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
-        estimates=_estimates(table.estimates, known, of_contacts, file, overrides),
+        estimates=_estimates(table.estimates, known, of_contacts, file),
         published=tuple(Published(**row.given()) for row in table.published),
         digest=with_files(_digest(data, overrides), named),
-        path=file,
+        path=file.name,
         files=tuple(named),
         overridden=tuple(overrides),
     )
+
+
+def _validated(kind: type[RigTable], raw: Mapping[str, Any], file: RigFile) -> RigTable:
+    try:
+        return kind.model_validate(raw)
+    except ValidationError as error:
+        raise complaint(error, raw, file) from None
 
 
 def _of_law(path: str, tables: Mapping[str, str]) -> str:
@@ -187,39 +188,32 @@ def _of_law(path: str, tables: Mapping[str, str]) -> str:
     return f"{tables.get(table, table)}{dot}{key}"
 
 
-def _contact_inputs(
-    table: Table, mechanism: Mechanism, file: str, overrides: Collection[str]
-) -> dict[str, Any]:
+def _contact_inputs(table: Table, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
     names = [one.name for one in mechanism.contacts()]
-    found = _values(table, "contact", file, overrides)
-    _refuse_computed(found, "contact", names, mechanism, file, overrides)
+    found = _values(table, "contact", file)
+    _refuse_computed(found, "contact", names, mechanism, file)
     for name in names:
         own = getattr(table, python_name(name, "contact"), None)
         if own is not None:
-            found[name] = _values(own, f"contact.{name}", file, overrides)
-            _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file, overrides)
+            found[name] = _values(own, f"contact.{name}", file)
+            _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file)
     return found
 
 
 def _refuse_computed(
-    given: Iterable[str],
-    key: str,
-    contacts: Sequence[str],
-    mechanism: Mechanism,
-    file: str,
-    overrides: Collection[str],
+    given: Iterable[str], key: str, contacts: Sequence[str], mechanism: Mechanism, file: RigFile
 ) -> None:
     """Refuse inputs that the mechanism computes at each of some contacts."""
     for name in given:
         if all(name in input_names(mechanism, contact) for contact in contacts):
             raise InputError(
-                f"{place(f'{key}.{name}', file, overrides)}: {mechanism.name} computes"
+                f"{file.place(f'{key}.{name}')}: {mechanism.name} computes"
                 f" {key}.{name} from its motion and forces: leave it out."
             )
 
 
-def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
+def _kind_of_motion(raw: Mapping[str, Any], file: RigFile) -> bool | None:
     """Put in that an axis is rotary where units say so; return what the file says of it."""
     table: Any = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
@@ -239,10 +233,8 @@ def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
         for rotary, words in motion_kinds(owner, given).items():
             kinds.setdefault(rotary, f"{where}.{words}")
     said = table.get("rotary")
-    try:
+    with concerning(f"{file}:"):
         rotary = is_rotary(kinds, said if isinstance(said, bool) else None)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: {error}") from None
     if rotary:
         table["rotary"] = True
     return rotary if kinds or said is not None else None
@@ -275,9 +267,7 @@ def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
     return there[0] if len(there) == 1 else path
 
 
-def _contacts(
-    raw: dict[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
-) -> tuple[ContactUnits, ...]:
+def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[ContactUnits, ...]:
     """Return the names of the contacts, and what units their laws have.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
@@ -291,12 +281,10 @@ def _contacts(
         friction = raw.get("friction")
         if "mechanism" not in raw or not isinstance(friction, dict):
             return ()
-        raise complaint(error, raw, file, overrides, {}) from None
-    mechanism = _mechanism(table, file, overrides)
-    try:
+        raise complaint(error, raw, file) from None
+    mechanism = _mechanism(table, file)
+    with concerning(f"{file}:", InputError):
         found = checked_contacts(mechanism)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
@@ -318,8 +306,8 @@ def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mechanism:
-    built = _build(table.mechanism, "mechanism", file, overridden)
+def _mechanism(table: RigTable, file: RigFile) -> Mechanism:
+    built = _build(table.mechanism, "mechanism", file)
     assert isinstance(built, Mechanism)
     return built
 
@@ -350,25 +338,20 @@ def _numbers(table: Table, key: str) -> Iterator[tuple[str, Given]]:
                 yield from _numbers(one, f"{key}.{name}")
 
 
-def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
+def _build(table: Table, key: str, file: RigFile) -> Any:
     """Return the object whose parameters stand in a table, and in the tables below it."""
     if isinstance(table, UrdfTable):
         joints = table.joints.items()
-        added = {name: _values(one, f"{key}.joints", file, overridden) for name, one in joints}
+        added = {name: _values(one, f"{key}.joints", file) for name, one in joints}
         return robot_of(table, added, file)
-    values = _values(table, key, file, overridden)
+    values = _values(table, key, file)
     assert table.target is not None
     if table.target is SampledSwing:
         values = _recorded(values, table.moved, key, file)
-    try:
-        return table.target(**values)
-    except ParameterError as error:
-        touched = [path for path in overridden if path.startswith(key + ".")]
-        where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: {key}: {error}") from None
+    return file.built(table.target, values, key, key)
 
 
-def _recorded(values: Mapping[str, Any], moved: str, key: str, file: str) -> dict[str, Any]:
+def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) -> dict[str, Any]:
     """Return the values of a recorded motion, its samples from a data file where it names one."""
     from stickslip.data.readers.table_reader import read_frame
 
@@ -386,7 +369,7 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: str) -> dic
     columns = {"position": given["column"]} if given["column"] else {}
     units = {"position": given["unit"]} if given["unit"] else {}
     try:
-        frame = read_frame(Path(file).parent / given["file"], columns=columns, units=units)
+        frame = read_frame(file.beside(given["file"]), columns=columns, units=units)
         for name in ("time", "position"):
             if name not in frame.names:
                 cure = "name its column as column" if name == "position" else "it needs one"
@@ -405,7 +388,7 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: str) -> dic
     return found
 
 
-def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> dict[str, Any]:
+def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
     """Return what stands in a table by Python name, with the objects of the tables below it."""
     values = {}
     for name, value in table.given().items():
@@ -413,9 +396,9 @@ def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> d
         if isinstance(value, ContactTable):
             continue  # of one of several contacts
         if isinstance(value, Table):
-            values[name] = _build(value, path, file, overridden)
+            values[name] = _build(value, path, file)
         elif isinstance(value, list):
-            made = [_build(one, path, file, overridden) for one in value]
+            made = [_build(one, path, file) for one in value]
             if any(isinstance(one, DCMotor) for one in made):
                 values[name] = _alone(made, path, file)
                 continue
@@ -426,7 +409,7 @@ def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> d
     return values
 
 
-def _alone(made: list[Any], path: str, file: str) -> DCMotor:
+def _alone(made: list[Any], path: str, file: RigFile) -> DCMotor:
     """Return a motor; nothing can be added to it."""
     if len(made) > 1:
         raise InputError(
@@ -444,7 +427,7 @@ def _sum(drives: list[Drive]) -> Drive:
 
 
 def _measured(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
 ) -> Measurement | None:
     """Return what the trials say, or what stands in files; not both."""
     data = table.data
@@ -460,8 +443,7 @@ def _estimates(
     table: EstimatesTable | None,
     known: KnownLaws,
     of_contacts: Mapping[str, KnownLaws | None],
-    file: str,
-    overridden: Collection[str],
+    file: RigFile,
 ) -> LawEstimates | None:
     """Return how well a law, or laws by contact, are known; of what was overridden nothing is."""
     if table is None:
@@ -479,7 +461,7 @@ def _estimates(
     try:
         found = LawEstimates(**given)
         law = estimated_law(found.law, known.laws, of_contacts)
-        return found.without(_changed(law, overridden)).checked(law)
+        return found.without(_changed(law, file.overridden)).checked(law)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
     except InputError as error:
@@ -500,7 +482,7 @@ def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
     ]
 
 
-def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
+def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
     """Return how a table says that files are read."""
     offset = {}
     for name, value in table.offset.items():
@@ -511,10 +493,8 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
                 f"quantity in {key}.offset of {file}:", name, QUANTITIES
             ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
-        try:
+        with concerning(f"{file}: {key}.offset.{name}"):
             found = Number(quantity, alternatives=turning).read(value)
-        except ParameterError as error:
-            raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
         offset[name] = found.value if isinstance(found, Given) else found
     try:
         columns = {name: column_of(name, given) for name, given in table.columns.items()}
@@ -534,15 +514,14 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
     )
 
 
-def _paths(table: RigTable, file: str) -> list[Path]:
+def _paths(table: RigTable, file: RigFile) -> list[Path]:
     """Return the files that a rig file names, which lie beside it."""
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
     swings = (node.file for node in _tables(table.mechanism) if node.target is SampledSwing)
     measured = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
-    folder = Path(file).parent
-    paths = [folder / name for name in (own, *swings) if name]
-    logs = [folder / name for name in measured if name]
+    paths = [file.beside(name) for name in (own, *swings) if name]
+    logs = [file.beside(name) for name in measured if name]
     if logs:  # imported here so that rigs without data do without pandas
         from stickslip.data.readers.table_reader import log_files
 
@@ -560,22 +539,18 @@ def _tables(table: Table) -> Iterator[Any]:
 
 
 def _files(
-    names: list[str], mechanism: Mechanism, reading: Reading, file: str
+    names: list[str], mechanism: Mechanism, reading: Reading, file: RigFile
 ) -> Measurement | None:
     """Return the measurement of files that are named as they stand beside the rig file."""
-    paths = [Path(file).parent / name for name in names if name]
+    paths = [file.beside(name) for name in names if name]
     if not paths:
         return None
-    try:
+    with concerning(f"{file}: [data]:", InputError):
         return read_data(paths, reading, mechanism=mechanism)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: [data]: {error}") from None
-    except InputError as error:
-        raise InputError(f"{file}: [data]: {error}") from None
 
 
 def _trials(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
 ) -> Measurement | None:
     """Return the trials; files are read as `[data]` and then the trial itself say."""
     if not table.trial:
@@ -588,10 +563,8 @@ def _trials(
             records.append(_record(trial, mechanism, file, index, table.run.t_end))
     if len(records) == 1:
         return records[0]
-    try:
+    with concerning(f"{file}: trial:", InputError):
         return Measurement(trials=tuple(records), name=table.title)
-    except InputError as error:
-        raise InputError(f"{file}: trial: {error}") from None
 
 
 TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
@@ -600,7 +573,7 @@ FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
 
 
 def _filed(
-    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: str, index: int
+    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
 ) -> tuple[Measurement, ...]:
     """Return what stands in the file of a trial, with the settings of that trial."""
     key = f"trial.{index}"
@@ -610,7 +583,7 @@ def _filed(
     settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
     try:
         found = read_data(
-            [Path(file).parent / trial.file],
+            [file.beside(trial.file)],
             own,
             overrides=settings,
             initial=_initial(trial.initial, mechanism, f"{label}.initial"),
@@ -640,7 +613,7 @@ def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -
 
 
 def _record(
-    trial: TrialTable, mechanism: Mechanism, file: str, index: int, t_end: float
+    trial: TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
 ) -> Measurement:
     label, given = f"{file}: trial.{index}", trial.given()
     names = [name for name in TRAVELS if name in given]
@@ -662,10 +635,8 @@ def _record(
     if "uncertainty" in given:
         measured = QUANTITIES[names[0]]
         quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
-        try:
+        with concerning(f"{label}.uncertainty"):
             given["uncertainty"] = read_number(given["uncertainty"], quantity)
-        except ParameterError as error:
-            raise ParameterError(f"{label}.uncertainty {error}") from None
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
         raise ParameterError(
@@ -713,10 +684,8 @@ def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict
     for name, value in given.items():
         if name not in units:
             raise UnknownNameError(f"state in {label}:", name, units)
-        try:
+        with concerning(f"{label}: {name}"):
             found[name] = read_number(value, Quantity(name, units[name]))
-        except ParameterError as error:
-            raise ParameterError(f"{label}: {name} {error}") from None
     return found
 
 

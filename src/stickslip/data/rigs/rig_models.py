@@ -13,10 +13,10 @@ import re
 import types
 import typing
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Union
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union
 
 from pydantic import (
     BaseModel,
@@ -28,10 +28,11 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from typing_extensions import override
 
 from stickslip.data.readers.toml import paths_of
 from stickslip.data.units import check_uncertainty, read_number
-from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
 from stickslip.mechanisms import (
     LOOPS,
     MOTORS,
@@ -47,6 +48,43 @@ from stickslip.mechanisms import (
 from stickslip.mechanisms.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import LONGEST, shown, split_number
+
+T = TypeVar("T")
+
+
+@dataclasses.dataclass(frozen=True)
+class RigFile:
+    """A rig file as messages call it, with what overrides set of it."""
+
+    name: str
+    """The file."""
+    overridden: Collection[str] = ()
+    """Paths that overrides set."""
+    called: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """What the file calls the tables of laws, by their paths."""
+
+    @override
+    def __str__(self) -> str:
+        return self.name
+
+    def beside(self, name: str) -> Path:
+        """Return a file that is named relative to this one."""
+        return Path(self.name).parent / name
+
+    def place(self, key: str) -> str:
+        """Return where a key was given: the file, or an override of it."""
+        own = any(key == path or key.startswith(path + ".") for path in self.overridden)
+        return f"override of {self}" if own else self.name
+
+    def built(self, kind: Callable[..., T], values: Mapping[str, Any], key: str, root: str) -> T:
+        """Return an object of the values of a table; what it refuses is said with its place.
+
+        That is an override where one has set a value below the table `root`.
+        """
+        touched = [path for path in self.overridden if path.startswith(root + ".")]
+        with concerning(f"{self.place(touched[0]) if touched else self}: {key}:"):
+            return kind(**values)
+
 
 ITS_TABLE = "{table}"
 """Stands in messages for the table of a value, as the file calls it."""
@@ -447,10 +485,10 @@ class UrdfTable(Table):
     )
 
 
-def _described(table: UrdfTable, file: str) -> RobotDescription:
+def _described(table: UrdfTable, file: RigFile) -> RobotDescription:
     """Read the description that a table names."""
     gravity = table.gravity.value if isinstance(table.gravity, Given) else table.gravity
-    path, moving = Path(file).parent / table.file, table.moving or None
+    path, moving = file.beside(table.file), table.moving or None
     try:
         return read_urdf(path, joints=moving, locked=table.locked, gravity=gravity)
     except UnknownNameError as error:
@@ -459,7 +497,7 @@ def _described(table: UrdfTable, file: str) -> RobotDescription:
         raise type(error)(f"{file}: mechanism: {error}") from None
 
 
-def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str) -> Robot:
+def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: RigFile) -> Robot:
     """Return the robot of a table."""
     described = _described(table, file)
     for remark in described.remarks:
@@ -469,11 +507,9 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str
     for name in added:
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
-    try:
+    with concerning(f"{file}: mechanism.joints:"):
         joints = tuple(_with(one, added.get(one.joint, {})) for one in robot.joints)
         return replace(robot, joints=joints)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: mechanism.joints: {error}") from None
 
 
 def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
@@ -484,7 +520,7 @@ def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
 
 
 def fill_friction(
-    raw: dict[str, Any], table: UrdfTable, contacts: Collection[str], file: str
+    raw: dict[str, Any], table: UrdfTable, contacts: Collection[str], file: RigFile
 ) -> None:
     """Put the friction levels of a description in where a rig file gives nothing else."""
     friction = raw.setdefault("friction", {})
@@ -511,33 +547,22 @@ _WANTED = {
 }
 
 
-def place(key: str, file: str, overridden: Collection[str]) -> str:
-    """Return where a key was given: the file, or an override of it."""
-    own = any(key == path or key.startswith(path + ".") for path in overridden)
-    return f"override of {file}" if own else file
-
-
-def complaint(
-    error: ValidationError,
-    raw: Mapping[str, Any],
-    file: str,
-    overridden: Collection[str],
-    called: Mapping[str, str],
-) -> InputError:
+def complaint(error: ValidationError, raw: Mapping[str, Any], file: RigFile) -> InputError:
     """Return the error to raise: the first that was found, unknown keys before all others."""
     found = error.errors(include_url=False)
     found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
     first: Mapping[str, Any] = found[0]
-    key, value = _as_called(_key(first["loc"], raw), called), first["input"]
-    overridden = [_as_called(path, called) for path in overridden]
+    key, value = _as_called(_key(first["loc"], raw), file.called), first["input"]
+    overridden = [_as_called(path, file.called) for path in file.overridden]
+    file = replace(file, overridden=overridden)
     context = first.get("ctx", {})
     kind = first["type"]
-    where = place(key, file, overridden)
+    where = file.place(key)
     if kind == "unknown_key":
         full = _join(key, context["key"])
         # An override may have made a whole table that is not known.
         made = any(path.startswith(full + ".") for path in overridden)
-        where = place(full, file, [*overridden, full] if made else overridden)
+        where = replace(file, overridden=[*overridden, *([full] if made else [])]).place(full)
         table = f" in {_heading(key)}" if key else ""
         known = context["known"]
         of_law = key.partition(".")[0] == "friction" and isinstance(context["value"], dict)

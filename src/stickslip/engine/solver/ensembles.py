@@ -58,7 +58,7 @@ from stickslip.engine.solver.starts import (
     values_of,
 )
 from stickslip.engine.trajectory import Ensemble
-from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.errors import InputError, ParameterError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, standing_path, vary
@@ -456,10 +456,8 @@ def _odd(values: Array) -> str:
 
 def _varied(root: Any, prefix: str, columns: Mapping[str, Array], row: int) -> Any:
     own = {p: float(v[row]) for p, v in columns.items() if p.startswith(prefix + ".")}
-    try:
+    with concerning(f"run {row}:"):
         return vary(root, prefix, own) if own else root
-    except ParameterError as error:
-        raise ParameterError(f"run {row}: {error}") from None
 
 
 def _check_order(law: FrictionLaw | Laws, prefix: str, columns: Mapping[str, Array]) -> None:

@@ -137,15 +137,9 @@ class JointReplay(metaclass=Described):
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
-        return {
-            "driven_by": self.driven_by,
-            "spread": self.spread,
-            "constant": self.constant,
-            "horizon": self.horizon,
-            "parts": self.parts,
-            "models": [one.to_dict() for one in self.models],
-            "sentences": list(self.sentences),
-        }
+        own = {name: value for name, value in vars(self).items() if name != "rotary"}
+        models = [one.to_dict() for one in self.models]
+        return own | {"models": models, "sentences": list(self.sentences)}
 
 
 def replay_of(record: Measurement, mechanism: Mechanism) -> "Replay":

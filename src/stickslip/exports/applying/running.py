@@ -261,15 +261,9 @@ class JointMotion(metaclass=Described):
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the motion as plain numbers."""
-        return {
-            "kind": self.kind,
-            "settings": self.settings,
-            "t_end": self.t_end,
-            "travel": self.travel,
-            "error": self.error,
-            "simplification": self.simplification,
-            "sentence": self.sentence,
-        }
+        in_words = ("said", "rotary")  # the sentence has them
+        numbers = {name: value for name, value in vars(self).items() if name not in in_words}
+        return numbers | {"sentence": self.sentence}
 
 
 @dataclass(frozen=True, kw_only=True)

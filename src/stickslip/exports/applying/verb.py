@@ -16,10 +16,8 @@ from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint
 from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
 from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.program import Subject
-from stickslip.exports.verb import Asked, evaluated, subject_of
-from stickslip.friction import FrictionLaw, Laws
-from stickslip.identify.candidates import Verdict
-from stickslip.identify.fits import Fit
+from stickslip.exports.verb import Asked, evaluated, law_or_rig, laws_by_contact, subject_of
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import (
     Axis,
     DCMotor,
@@ -262,7 +260,9 @@ def apply(
     rows: dict[str, AppliedJoint] = {}
     tested: list[Tested] = []
     values: list[tuple[ModelJoint, Mapping[str, str]]] = []
-    pairs = _pairs(source, model, joints)
+    source = law_or_rig(source)
+    by_contact = source.contacts.items() if isinstance(source, Rig) else ()
+    pairs = _pairs([name for name, known in by_contact if known is not None], model, joints)
     shared, own = _stated(at or {}, [contact for contact, _ in pairs])
     unasked, replay = dict(shared), None
     for contact, name in pairs:
@@ -336,15 +336,12 @@ def _replay_of(record: Measurement, mechanism: Mechanism | None) -> Replay:
         return replay_of(record, mechanism)
 
 
-def _laws(source: "Source", law: str | None, joints: Sequence[Tested]) -> dict[str, FrictionLaw]:
+def _laws(
+    source: FrictionLaw | Rig, law: str | None, joints: Sequence[Tested]
+) -> dict[str, FrictionLaw]:
     """Return the laws of all contacts, as they were fitted."""
-    if isinstance(source, Verdict):
-        assert source.best is not None
-        source = source.best.fit
-    if isinstance(source, Fit) and isinstance(source.law, Laws):
-        return dict(source.law.members)
     if isinstance(source, Rig) and source.contacts:
-        return {name: one for name, one in source.law_by_contact(law).items() if one is not None}
+        return laws_by_contact(source, law)
     (only,) = joints
     # as without values of its contact inputs
     return {only.subject.contact: replace(only.subject.law)}
@@ -357,10 +354,9 @@ def _check_wishes(model: Model, wishes: Wishes) -> None:
 
 
 def _pairs(
-    source: "Source", model: Model, joints: str | Collection[str] | Mapping[str, str] | None
+    contacts: Sequence[str], model: Model, joints: str | Collection[str] | Mapping[str, str] | None
 ) -> list[tuple[str, str]]:
     """Return contacts and the joints that get their laws; without contacts, empty names."""
-    contacts = _contacts(source)
     asked = [joints] if isinstance(joints, str) else joints
     if asked is not None and not asked:
         raise InputError("joints is empty: leave it out, or name at least one.")
@@ -409,17 +405,6 @@ def _same(contact: str, joint: str) -> bool:
         return RobotJoint(joint=joint, mass=1.0).contact_name == contact
     except InputError:  # a name without letters
         return False
-
-
-def _contacts(source: "Source") -> list[str]:
-    """Return the contacts that have laws of their own."""
-    if isinstance(source, Verdict) and source.best is not None:
-        return _contacts(source.best.fit) if source.best.fit is not None else []
-    if isinstance(source, Fit):
-        return [name for name, _ in source.law.members] if isinstance(source.law, Laws) else []
-    if isinstance(source, Rig):
-        return [name for name, known in source.contacts.items() if known is not None]
-    return []
 
 
 def _check_kind(model: Model, joint: ModelJoint, subject: Subject) -> None:

@@ -14,6 +14,8 @@ from stickslip.paper.sections.common import (
     back_slip_text,
     fitted_text,
     levels_from,
+    numbers,
+    table,
     values_of,
 )
 from stickslip.show.formatting import (
@@ -156,10 +158,8 @@ def _animation(study: CartStudy) -> Animation:
 def _run_table(runs: Sequence[CartRun]) -> Table:
     columns = (
         Column(head="run"),
-        Column(
-            head=f"travel in\n{CYCLES} cycles, m", numeric=True, phone="label", label="travel, m"
-        ),
-        Column(head="by cycle\nmm", numeric=True, phone="label", label="travel by cycle, mm"),
+        numbers(f"travel in\n{CYCLES} cycles, m", "travel, m"),
+        numbers("by cycle\nmm", "travel by cycle, mm"),
         LOWEST_VELOCITY,
         BACK_SLIP,
     )
@@ -303,32 +303,18 @@ def _label(one: CartRun) -> str:
 
 
 def _choice_table(study: CartStudy) -> Table:
-    columns = (
-        Column(head="law"),
-        FIRST_CYCLE,
-        Column(head="last cycle\nmm", numeric=True, phone="label"),
-        BACK_SLIP,
-        Column(
-            head="lowest normal\nforce, N",
-            numeric=True,
-            phone="label",
-            label="lowest normal force, N",
+    return table(
+        study.choices,
+        ("law", lambda one: Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law))),
+        (FIRST_CYCLE, lambda one: fixed(1e3 * one.travels[0], 2)),
+        (numbers("last cycle\nmm"), lambda one: fixed(1e3 * one.travels[-1], 2)),
+        (BACK_SLIP, lambda one: back_slip_text(one.mean_return)),
+        (
+            numbers("lowest normal\nforce, N", "lowest normal force, N"),
+            lambda one: fixed(one.least_normal_force, 3),
         ),
+        chosen=lambda one: one.key == "selected",
     )
-    rows = tuple(
-        Row(
-            cells=(
-                Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)),
-                fixed(1e3 * one.travels[0], 2),
-                fixed(1e3 * one.travels[-1], 2),
-                back_slip_text(one.mean_return),
-                fixed(one.least_normal_force, 3),
-            ),
-            chosen=one.key == "selected",
-        )
-        for one in study.choices
-    )
-    return Table(columns=columns, rows=rows)
 
 
 def _choice_figure(study: CartStudy, *, own: bool) -> Figure:
@@ -400,25 +386,29 @@ def _normal_text(study: CartStudy) -> str:
 
 def rest_section(found: PaperAudit) -> Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
-    columns = (
-        Column(head="rule for rest"),
-        Column(head="block, travel\nm", numeric=True, phone="label"),
-        Column(
-            head="sign changes\nin 1 s", numeric=True, phone="label", label="sign changes in 1 s"
+    rules = table(
+        found.rest_rules,
+        ("rule for rest", _rule_name),
+        (numbers("block, travel\nm"), lambda rule: fixed(rule.block.travel, 4)),
+        (
+            numbers("sign changes\nin 1 s", "sign changes in 1 s"),
+            lambda rule: str(rule.reversals),
         ),
-        Column(head="block\nat the end", phone="label", label="block at the end"),
-        Column(
-            head=f"cart, travel in\n{CYCLES} cycles, m",
-            numeric=True,
-            phone="label",
-            label="cart, travel, m",
+        (
+            Column(head="block\nat the end", phone="label", label="block at the end"),
+            lambda rule: (
+                "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves"
+            ),
         ),
-        Column(
-            head="cart, back-slip\nmm/cycle",
-            numeric=True,
-            phone="label",
-            label="cart, back-slip, mm per cycle",
+        (
+            numbers(f"cart, travel in\n{CYCLES} cycles, m", "cart, travel, m"),
+            lambda rule: fixed(rule.cart_travel, 3),
         ),
+        (
+            numbers("cart, back-slip\nmm/cycle", "cart, back-slip, mm per cycle"),
+            lambda rule: significant(1e3 * rule.cart_back_slip, 2),
+        ),
+        chosen=lambda rule: rule.dt is None,
     )
     return Section(
         collapsed=True,
@@ -427,7 +417,7 @@ def rest_section(found: PaperAudit) -> Section:
         heading="The zero-velocity band of [18] beside the exact switch",
         blocks=(
             Paragraph(text=_rest_text(found)),
-            Table(columns=columns, rows=tuple(map(_rest_row, found.rest_rules))),
+            rules,
             Caption(text=_rest_caption(found)),
         ),
     )
@@ -446,25 +436,13 @@ def _rest_text(found: PaperAudit) -> str:
     )
 
 
-def _rest_row(rule: RestRule) -> Row:
+def _rule_name(rule: RestRule) -> Name:
     if rule.dt is None:
-        name = Name(text="exact switch", aside="events located")
-    else:
-        text = "at a change of sign" if rule.stick_rule else "none"
-        if rule.band > 0.0:
-            text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
-        name = Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
-    return Row(
-        cells=(
-            name,
-            fixed(rule.block.travel, 4),
-            str(rule.reversals),
-            "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves",
-            fixed(rule.cart_travel, 3),
-            significant(1e3 * rule.cart_back_slip, 2),
-        ),
-        chosen=rule.dt is None,
-    )
+        return Name(text="exact switch", aside="events located")
+    text = "at a change of sign" if rule.stick_rule else "none"
+    if rule.band > 0.0:
+        text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
+    return Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
 
 
 def _rest_caption(found: PaperAudit) -> str:
@@ -496,14 +474,9 @@ def break_away_section(found: PaperAudit) -> Section:
     """Show what a break-away level that varies does to the cart."""
     columns = (
         Column(head="break-away level"),
-        Column(
-            head="friction reached\nby cycle, over $N$",
-            numeric=True,
-            phone="label",
-            label="reached",
-        ),
+        numbers("friction reached\nby cycle, over $N$", "reached"),
         FIRST_CYCLE,
-        Column(head="later cycles\nmm", numeric=True, phone="label"),
+        numbers("later cycles\nmm"),
         BACK_SLIP,
     )
     return Section(

@@ -10,7 +10,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
-from stickslip.paper.sections.common import values_of
+from stickslip.paper.sections.common import numbers, table, values_of
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -32,9 +32,9 @@ def unpublished_section(found: PaperAudit) -> Section:
     reached = {key: _reached(found, key) for key in "AB"}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label"),
-        Column(head="A, push: would need", numeric=True, phone="label", label="A would need"),
-        Column(head="B, spring: would need", numeric=True, phone="label", label="B would need"),
+        numbers("published\nm"),
+        numbers("A, push: would need", "A would need"),
+        numbers("B, spring: would need", "B would need"),
         Column(head="what that means"),
     )
     needs = {(need.law, need.reading): need for need in found.requirements}
@@ -105,9 +105,9 @@ def _step_table(found: PaperAudit) -> Table:
     titles = {row.law.name: row.law.title for row in found.table}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
-        Column(head="sgn 0 = 0\nm", numeric=True, phone="label", label="sgn 0 = 0, m"),
-        Column(head="from break-away\nm", numeric=True, phone="label", label="from break-away, m"),
+        numbers("published\nm"),
+        numbers("sgn 0 = 0\nm"),
+        numbers("from break-away\nm"),
         Column(head="with"),
     )
     rows = tuple(
@@ -154,31 +154,26 @@ def _creep_text(found: PaperAudit) -> str:
 
 
 def _creep_table(found: PaperAudit) -> Table:
-    columns = (
-        Column(head="Stribeck velocity"),
-        Column(head="10 ms, no rule\nmean, m", numeric=True, phone="label", label="mean, m"),
-        Column(head="scatter\nm", numeric=True, phone="label"),
-        Column(head="10 ms, rule\nfor rest, m", numeric=True, phone="label", label="with rule, m"),
-        Column(head="1 ms, no rule\nm", numeric=True, phone="label", label="in 1 ms, m"),
-    )
-    rows = tuple(
-        Row(
-            cells=(
-                f"$v_s$ = {significant(1e3 * one.stribeck_velocity, 4)} mm/s",
-                fixed(one.mean, 2),
-                f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
-                fixed(one.held, 3),
-                fixed(one.fine, 3),
-            )
-        )
-        for one in found.creeps
-    )
     speed = number(1e3 * found.values.stribeck_velocity)
     caption = (
         "Travel of the push after 10 s; the rule for rest holds the block where its velocity"
         f" changes sign, and friction begins at $F_s$. Table II has $v_s$ = {speed} mm/s."
     )
-    return Table(columns=columns, rows=rows, caption=caption)
+    return table(
+        found.creeps,
+        (
+            "Stribeck velocity",
+            lambda one: f"$v_s$ = {significant(1e3 * one.stribeck_velocity, 4)} mm/s",
+        ),
+        (numbers("10 ms, no rule\nmean, m", "mean, m"), lambda one: fixed(one.mean, 2)),
+        (
+            numbers("scatter\nm"),
+            lambda one: f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
+        ),
+        (numbers("10 ms, rule\nfor rest, m", "with rule, m"), lambda one: fixed(one.held, 3)),
+        (numbers("1 ms, no rule\nm", "in 1 ms, m"), lambda one: fixed(one.fine, 3)),
+        caption=caption,
+    )
 
 
 def _value(need: Requirement) -> Name:
@@ -193,35 +188,22 @@ def _value(need: Requirement) -> Name:
 
 def _bristle_table(found: PaperAudit) -> Table:
     """Show the travel of the bristle laws by their stiffness, in the same push."""
-    columns = (
-        Column(head="bristles"),
-        Column(head="Dahl, held\nm", numeric=True, phone="label"),
-        Column(head="LuGre, free\nm", numeric=True, phone="label"),
-        Column(
-            head="LuGre, lowest\nvelocity, mm/s",
-            numeric=True,
-            phone="label",
-            label="LuGre, lowest velocity, mm/s",
-        ),
-    )
-    dahl = [row for row in found.bristles if row.law == "dahl"]
-    lugre = [row for row in found.bristles if row.law == "lugre"]
-    rows = tuple(
-        Row(
-            cells=(
-                f"{significant(one.stiffness, 1)} N/m",
-                fixed(one.criteria.travel, 4),
-                fixed(other.criteria.travel, 4),
-                significant(1e3 * other.criteria.least_velocity, 2),
-            )
-        )
-        for one, other in zip(dahl, lugre, strict=True)
-    )
+    dahl, lugre = ([row for row in found.bristles if row.law == law] for law in ("dahl", "lugre"))
     caption = (
         "The push, solved exactly; LuGre with the other values of its 1995 paper. Published: Dahl"
         " 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
-    return Table(columns=columns, rows=rows, caption=caption)
+    return table(
+        zip(dahl, lugre, strict=True),
+        ("bristles", lambda pair: f"{significant(pair[0].stiffness, 1)} N/m"),
+        (numbers("Dahl, held\nm"), lambda pair: fixed(pair[0].criteria.travel, 4)),
+        (numbers("LuGre, free\nm"), lambda pair: fixed(pair[1].criteria.travel, 4)),
+        (
+            numbers("LuGre, lowest\nvelocity, mm/s", "LuGre, lowest velocity, mm/s"),
+            lambda pair: significant(1e3 * pair[1].criteria.least_velocity, 2),
+        ),
+        caption=caption,
+    )
 
 
 # What the paper claims, equation by equation and figure by figure, and what became of it.
@@ -240,20 +222,17 @@ SAMPLES = 4000
 def claim_section(audit: PaperAudit) -> Section:
     """List every claim, equation and figure with the result and its number."""
     claims = (*_table_2(audit), *_rig(audit), *_equations(audit), *_phenomena(audit), *_cart(audit))
-    columns = (
-        Column(head="claim, equation or figure"),
-        Column(head="where", numeric=True),
-        Column(head="result"),
-    )
-    rows = tuple(
-        Row(cells=(what, where, Name(text=result, aside=why)))
-        for what, where, result, why in claims
+    listed = table(
+        claims,
+        ("claim, equation or figure", lambda claim: claim[0]),
+        (Column(head="where", numeric=True), lambda claim: claim[1]),
+        ("result", lambda claim: Name(text=claim[2], aside=claim[3])),
     )
     return Section(
         id="claims",
         nav="Claims",
         heading="What the paper claims, and what became of it",
-        blocks=(Table(columns=columns, rows=rows),),
+        blocks=(listed,),
     )
 
 

@@ -1,15 +1,17 @@
 """What the sections share."""
 
 import math
-from collections.abc import Iterable
-from typing import Literal
+from collections.abc import Callable, Iterable
+from typing import Literal, TypeVar
 
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import quantity, significant
-from stickslip.show.report import Axis, Column
+from stickslip.show.report import Axis, Cell, Column, Row, Table
+
+T = TypeVar("T")
 
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
@@ -17,12 +19,31 @@ PER_LOAD = ("bristle_stiffness", "bristle_damping")
 """Parameters that a law has over the load, and a printed equation as they are."""
 STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 """Ends of axes, times a power of ten."""
-FIRST_CYCLE = Column(head="first cycle\nmm", numeric=True, phone="label")
-LOWEST_VELOCITY = Column(head="lowest velocity\nmm/s", numeric=True, phone="label")
-BACK_SLIP = Column(
-    head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
-)
+
+
+def numbers(head: str, label: str = "") -> Column:
+    """Return a column of numbers, which on a phone have a label: the head, or a shorter one."""
+    return Column(head=head, numeric=True, phone="label", label=label)
+
+
+FIRST_CYCLE = numbers("first cycle\nmm")
+LOWEST_VELOCITY = numbers("lowest velocity\nmm/s")
+BACK_SLIP = numbers("back-slip\nmm/cycle", "back-slip, mm per cycle")
 """Columns of the tables of the cart."""
+
+
+def table(
+    items: Iterable[T],
+    *columns: tuple[str | Column, Callable[[T], Cell]],
+    caption: str = "",
+    chosen: Callable[[T], bool] = lambda _: False,
+) -> Table:
+    """Return a table with a row for each item; each column stands beside what makes its cells."""
+    heads = [Column(head=one) if isinstance(one, str) else one for one, _ in columns]
+    rows = [
+        Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item)) for item in items
+    ]
+    return Table(columns=tuple(heads), rows=tuple(rows), caption=caption)
 
 
 def fitted_text(found: PaperAudit) -> str:

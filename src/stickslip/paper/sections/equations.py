@@ -25,6 +25,8 @@ from stickslip.paper.sections.common import (
     COLOURS,
     fitted_text,
     levels_from,
+    numbers,
+    table,
     travel_axis,
     values_of,
 )
@@ -168,10 +170,7 @@ def misprint_section(found: PaperAudit) -> Section:
     )
     columns = (
         Column(head="equation"),
-        *(
-            Column(head=f"{what}\nm", numeric=True, phone="label", label=f"{what}, m")
-            for what in TESTS.values()
-        ),
+        *(numbers(f"{what}\nm") for what in TESTS.values()),
     )
     rows = tuple(_row(one) for one in found.consequences)
     return Section(
@@ -234,21 +233,6 @@ def _rule_text(found: PaperAudit) -> str:
 def _values_table(found: PaperAudit) -> Table:
     """Show the values behind every number of the tests."""
     load = found.values.load
-    columns = (
-        Column(head="equation"),
-        Column(head="values as printed", phone="label", label="as printed:"),
-        Column(head="values of the corrected law", phone="label", label="corrected:"),
-    )
-    rows = tuple(
-        Row(
-            cells=(
-                f"{one.form.equation} {one.form.title}",
-                values_of(one.printed),
-                Name(text=values_of(one.corrected, load), aside=one.corrected.title),
-            )
-        )
-        for one in found.consequences
-    )
     bare = [
         row.law.title
         for row in found.table
@@ -262,9 +246,17 @@ def _values_table(found: PaperAudit) -> Table:
         if bare
         else ""
     )
-    return Table(
-        columns=columns,
-        rows=rows,
+    return table(
+        found.consequences,
+        ("equation", lambda one: f"{one.form.equation} {one.form.title}"),
+        (
+            Column(head="values as printed", phone="label", label="as printed:"),
+            lambda one: values_of(one.printed),
+        ),
+        (
+            Column(head="values of the corrected law", phone="label", label="corrected:"),
+            lambda one: Name(text=values_of(one.corrected, load), aside=one.corrected.title),
+        ),
         caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
         f" The weight $W$ of (4) is that load.{other}",
     )
@@ -388,34 +380,24 @@ def _band_text(found: PaperAudit, low: float, high: float) -> str:
 
 
 def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
-    columns = (
-        Column(head="excitation"),
-        Column(head="travel\nm", numeric=True),
-        Column(
-            head="",
-            axis=travel_axis(
-                found, (r.criteria.travel for r in readings), "travel, m; line: measured"
-            ),
+    travels = [reading.criteria.travel for reading in readings]
+    axis = travel_axis(found, travels, "travel, m; line: measured")
+    return table(
+        readings,
+        ("excitation", _label),
+        (
+            Column(head="travel\nm", numeric=True),
+            lambda reading: Number(value=fixed(reading.criteria.travel, 3)),
         ),
-        Column(head="error", numeric=True, phone="label"),
-        Column(head="work put in\nJ", numeric=True, phone="label"),
-        Column(head="how it ends"),
+        (Column(head="", axis=axis), lambda reading: RowPlot(marks=(_dot(reading),))),
+        (
+            numbers("error"),
+            lambda reading: signed_percent(reading.criteria.relative_error or 0.0),
+        ),
+        (numbers("work put in\nJ"), lambda reading: fixed(reading.criteria.work_in, 3)),
+        ("how it ends", _ending),
+        chosen=lambda reading: reading.key == found.values.own_reading,
     )
-    rows = tuple(
-        Row(
-            cells=(
-                f"{reading.key}. {reading.title}",
-                Number(value=fixed(reading.criteria.travel, 3)),
-                RowPlot(marks=(_dot(reading),)),
-                signed_percent(reading.criteria.relative_error or 0.0),
-                fixed(reading.criteria.work_in, 3),
-                _ending(reading),
-            ),
-            chosen=reading.key == found.values.own_reading,
-        )
-        for reading in readings
-    )
-    return Table(columns=columns, rows=rows)
 
 
 def _label(reading: Excitation) -> str:

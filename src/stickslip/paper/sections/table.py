@@ -7,7 +7,7 @@ from stickslip.friction import Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.printed import Requirement
 from stickslip.paper.rigs import PUSH_DURATION, SPEED
-from stickslip.paper.sections.common import fitted_text, travel_axis
+from stickslip.paper.sections.common import fitted_text, numbers, travel_axis
 from stickslip.show.formatting import (
     fixed,
     joined,
@@ -111,7 +111,7 @@ RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-awa
 
 def _table(found: PaperAudit) -> Table:
     printed = () if found.own else (
-        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
+        numbers("published\nm"),
     )  # fmt: skip
     reading = found.values.own_reading
     spring = "B, spring" if reading == "B" else "C, fixed spring"
@@ -121,17 +121,9 @@ def _table(found: PaperAudit) -> Table:
     columns = (
         Column(head="friction model"),
         *printed,
-        Column(head="A, exact\nm", numeric=True, phone="label", label="A exact, m"),
-        *(
-            Column(
-                head=f"A, 10 ms\n{what}",
-                numeric=True,
-                phone="label",
-                label=f"10 ms, {what}",
-            )
-            for what in RULES.values()
-        ),
-        Column(head=f"{spring}\nm", numeric=True, phone="label", label=f"{spring}, m"),
+        numbers("A, exact\nm", "A exact, m"),
+        *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
+        numbers(f"{spring}\nm"),
         Column(
             head="",
             axis=travel_axis(found, travels, marks if found.own else f"{marks}, ring: published"),
@@ -196,16 +188,8 @@ def _trial_table(found: PaperAudit) -> Table:
     scale = scale_of([trial.compression for trial in found.trials], "m")
     columns = (
         Column(head="compression"),
-        Column(head="measured\nm", numeric=True, phone="label", label="measured, m"),
-        *(
-            Column(
-                head=row.law.title.replace(" + ", "\n+ "),
-                numeric=True,
-                phone="label",
-                label=row.law.title,
-            )
-            for row in found.table
-        ),
+        numbers("measured\nm"),
+        *(numbers(row.law.title.replace(" + ", "\n+ "), row.law.title) for row in found.table),
     )
     rows = tuple(
         Row(

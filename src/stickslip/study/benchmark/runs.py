@@ -284,11 +284,13 @@ def made_by(name: str, tool: str) -> tuple[tuple[str, str], list[Row]]:
     return (name, tool), rows
 
 
+def _options(asked: Task) -> dict[str, Any]:
+    route = {} if asked.route is None else {"route": asked.route}
+    return {"vary": list(asked.vary), "settings": asked.settings, **route}
+
+
 def _fit(asked: Task, law: Any, record: Any) -> Any:
-    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
-    if asked.route is not None:
-        options["route"] = asked.route
-    return fit(asked.mechanism, law, record, **options)
+    return fit(asked.mechanism, law, record, **_options(asked))
 
 
 def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -311,10 +313,9 @@ def _ours(asked: Task) -> Iterator[Row]:
             except StickslipError as error:
                 yield replace(own, failed=str(error))
         return
-    options: dict[str, Any] = {"vary": list(asked.vary), "settings": asked.settings}
-    if asked.route is not None:
-        options["route"] = asked.route
-    seconds, verdict = _timed(lambda: select(asked.mechanism, asked.laws, fitted, **options))
+    seconds, verdict = _timed(
+        lambda: select(asked.mechanism, asked.laws, fitted, **_options(asked))
+    )
     for one in verdict.candidates:
         named = one is verdict.best and not one.dropped
         own = replace(

@@ -5,7 +5,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -246,21 +246,9 @@ def measure(mechanism: Mechanism, law: FrictionLaw | Laws, *, samples: int = SAM
 
 def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
     """Return a cycle of which nothing is known but when it ended."""
-    return Cycle(
-        run=run,
-        begin=0.0,
-        period=period,
-        lasted=lasted,
-        repeats=False,
-        travel=math.nan,
-        work=math.nan,
-        position=math.nan,
-        rate=math.nan,
-        acceleration=math.nan,
-        effort=math.nan,
-        load_share=math.nan,
-        back_slip=math.nan,
-    )
+    measured = ("travel", "work", "position", "rate", "acceleration", "effort", "load_share")
+    unknown: dict[str, Any] = dict.fromkeys((*measured, "back_slip"), math.nan)
+    return Cycle(run=run, begin=0.0, period=period, lasted=lasted, repeats=False, **unknown)
 
 
 def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -> bool:
@@ -778,9 +766,4 @@ class Problem:
         given = self.limits.given()
         changed = {name: value * (1.0 - SAFETY) for name, value in given.items()}
         changed["load_share"] = min(1.0, given["load_share"] + SAFETY)
-        return Problem(
-            mechanism=self.mechanism,
-            scenarios=self.scenarios,
-            goal=self.goal,
-            limits=Limits(**changed),
-        )
+        return dataclasses.replace(self, limits=Limits(**changed))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.engine.solver import EventDriven, as_numbers, path_units
-from stickslip.errors import InputError, ParameterError, check_size
+from stickslip.errors import InputError, ParameterError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
@@ -107,10 +107,8 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
         changes = {path: float(values[row]) for path, values in own.items()}
         key = tuple(changes.values())
         if key not in seen:
-            try:
+            with concerning(f"run {row}:"):
                 seen[key] = cycle_of(vary(mechanism, "mechanism", changes))
-            except ParameterError as error:
-                raise ParameterError(f"run {row}: {error}") from None
         found[row] = seen[key]
     return found
 

@@ -39,7 +39,7 @@ from stickslip.identify.fits import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names, slips_by_angle
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned, vary
 from stickslip.show.described import Described
@@ -240,19 +240,8 @@ class ValidatedTravel(metaclass=Described):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
-        return {
-            "name": self.name,
-            "quantity": self.quantity,
-            "unit": self.unit,
-            "measured": self.measured,
-            "uncertainty": self.uncertainty,
-            "predicted": self.predicted,
-            "low": self.low,
-            "high": self.high,
-            "residual": self.residual,
-            "relative_error": self.relative_error,
-            "inside": self.inside,
-        }
+        names = ("residual", "relative_error", "inside")
+        return {**vars(self), **{name: getattr(self, name) for name in names}}
 
     @property
     def relative_error(self) -> float | None:
@@ -751,8 +740,7 @@ def _travels(
         seen = np.array([trial.travel for trial in trials])
         as_large = float(np.mean(simulated >= np.sum(((seen - predicted) / spread) ** 2)))
     units = {name: one.unit for name, one in QUANTITIES.items()}
-    slip, _ = slip_names(mechanism)
-    turning = mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+    turning = slips_by_angle(mechanism)
     return Validation(
         travels=tuple(
             ValidatedTravel(
