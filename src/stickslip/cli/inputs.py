@@ -602,6 +602,8 @@ def measured(
     typed = {
         name: f"--{name.replace('_', '-')}" for name, one in options.items() if one is not None
     }
+    if rig.hold is not None:
+        typed.setdefault("hold", f"hold in [data] of {rig.path}")
     refuse_unused(kind, typed, request)
     if not given and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(

@@ -540,11 +540,16 @@ def verdict_on(
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
     comparison, family = judgement.comparison, judgement.problem.family
-    shown = [*comparison.evidence][: THRESHOLDS.families]
+    together = set(comparison.set)
+    # all that are counted as not told apart are shown
+    shown = [
+        one
+        for place, one in enumerate(comparison.evidence)
+        if place < THRESHOLDS.families or one in together
+    ]
     error = {one: judgement.held_out_error(one) for one in shown}
     order = [comparison.named, *(one for one in error if one != comparison.named)]
     most = comparison.evidence[comparison.named]
-    together = set(comparison.set)
     candidates = tuple(
         LawCandidate(
             name=name_of(judgement, one),

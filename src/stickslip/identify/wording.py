@@ -20,7 +20,8 @@ from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.problem import Array, Structure, family_of
+from stickslip.identify.laws import RATIOS
+from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import (
     capital,
@@ -29,6 +30,7 @@ from stickslip.show.formatting import (
     number,
     percent,
     quantity,
+    span,
     with_unit,
     within,
 )
@@ -159,20 +161,38 @@ def untold_sentence(judgement: Judgement, words: Words) -> str:
     )
 
 
+def range_of(speeds: Array, unit: str) -> str:
+    """Return over which velocities (n,) something is stated, each direction as it was moved in.
+
+    Examples
+    --------
+    >>> range_of(np.array([-1.0, -0.5, 0.5, 1.0]), "m/s"), range_of(np.array([0.5, 1.0]), "m/s")
+    ('from 0.5 to 1 m/s in both directions', 'from 0.5 to 1 m/s')
+    >>> range_of(np.array([-0.02, -0.01, 0.5, 1.0]), "m/s")
+    'from −20 to −10 mm/s and from 0.5 to 1 m/s'
+    """
+    sides = [side for side in (speeds[speeds < 0.0], speeds[speeds > 0.0]) if len(side)]
+    ends = [(float(side.min()), float(side.max())) for side in sides]
+    if len(ends) == 2:
+        (high, low), other = (-ends[0][0], -ends[0][1]), ends[1]
+        if max(abs(math.log(low / other[0])), abs(math.log(high / other[1]))) <= ALIKE:
+            both = span(max(low, other[0]), min(high, other[1]), unit)
+            return f"from {both} in both directions"
+    return joined([f"from {span(low, high, unit)}" for low, high in ends])
+
+
 def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
     """Return how well friction is known over the speeds, whichever law holds."""
     half = 0.5 * (band.high - band.low)
     size = np.abs(band.median)
     typical = float(np.median(size))
-    order = np.argsort(speeds)
-    low, high = float(speeds[order[0]]), float(speeds[order[-1]])
     relative = half / np.maximum(size, 0.1 * typical + 1e-300)
     worst = int(np.argmax(relative))
-    span = f"From {quantity(low, words.speed_unit)} to {quantity(high, words.speed_unit)}"
+    over = capital(range_of(speeds, words.speed_unit))
     if not tells_friction(band):
         widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
-        return f"{span}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
-    said = f"{span}, friction is known to ± {percent(float(np.median(relative)))}"
+        return f"{over}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
+    said = f"{over}, friction is known to ± {percent(float(np.median(relative)))}"
     if relative[worst] > 1.5 * float(np.median(relative)):
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += f", at {at} to ± {percent(float(relative[worst]))}"
@@ -202,8 +222,11 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
 
 def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     """Return a property of the rig or a fault, with the share that it explains."""
-    what = capital(cause.title) + (f": {_sized(size)}" if size else "")
-    if size is not None and size.low <= 0.0 <= size.high:
+    what = capital(cause.title) + (f": {_sized(cause, size)}" if size else "")
+    if size is not None and cause.term in RATIOS:
+        if size.low <= 1.0 <= size.high:
+            return f"{what}, consistent with what is given."
+    elif size is not None and size.low <= 0.0 <= size.high:
         return f"{what}, consistent with zero."
     if cause.left > THRESHOLDS.explained:
         return f"{what}; it explains little of what is measured, most stays unexplained."
@@ -220,8 +243,11 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     )
 
 
-def _sized(size: Estimate) -> str:
+def _sized(cause: Cause, size: Estimate) -> str:
     """Return an estimate with its interval, where there is one: some shapes are of a grid."""
+    if cause.term in RATIOS:
+        value = within(size.value, size.low, size.high)
+        return RATIOS[cause.term].format(f"{value} ({size.range})")
     if size.low < size.high:
         return str(size)
     return f"{size.quantity.symbol} = {with_unit(number(size.value, 2), size.quantity.unit)}"

@@ -55,6 +55,7 @@ from typing_extensions import override
 from stickslip.identify.laws import (
     FLOWS,
     POINTS,
+    RATIOS,
     TITLES,
     Composition,
     bounds_of,
@@ -427,11 +428,14 @@ class RecordsProblem(Problem):
 
     @override
     def asked(self) -> Steady:
-        """Return the rows over which the band is stated: the directions that were moved in."""
-        v = self.rows.seen(self.rows.velocity)
-        speeds = np.geomspace(self.frame.low, self.frame.top, ASKED)
-        sides = [side for side in (-1.0, 1.0) if np.mean(side * v > self.frame.low) > SLOW]
-        return self.at(np.sort(np.concatenate([side * speeds for side in sides])))
+        """Return the rows over which the band is stated: each direction as it was moved in."""
+        v, grids = self.rows.seen(self.rows.velocity), []
+        for side in (-1.0, 1.0):
+            moved = side * v[side * v > self.frame.low]
+            if len(moved) > SLOW * len(v):
+                top = min(float(moved.max()), self.frame.top)
+                grids.append(side * np.geomspace(float(moved.min()), top, ASKED))
+        return self.at(np.sort(np.concatenate(grids)))
 
     @override
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
@@ -493,6 +497,8 @@ class RecordsProblem(Problem):
         if name in PATHS:
             path = {"inertia": self.inertia_path, "offset": self.offset}.get(name, name)
             size = own[:, 0] if own.shape[1] == 1 else np.linalg.norm(own, axis=1)
+            if name in RATIOS:  # known forces stand on the side of the response
+                size = 1.0 - size if name == "mechanism" else 1.0 + size
             return {path: size + self.records[0].constant if name == "offset" else size}
         return None
 

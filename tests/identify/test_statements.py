@@ -1,0 +1,156 @@
+"""What verdicts state is what was measured: ranges, sizes in words, laws that are counted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Pendulum,
+    RecordSettings,
+    SpringBlock,
+    fit,
+    select,
+    simulate,
+)
+from stickslip.errors import InputError
+from stickslip.identify.fits import Estimate
+from stickslip.identify.page import laws_section
+from stickslip.identify.wording import cause_sentence
+from stickslip.mechanisms.drives import Sampled
+from stickslip.quantities import Quantity
+
+HELD = RecordSettings(hold="zero")
+LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.08)
+ARM = Pendulum(mass=1.2, length=0.4)
+
+
+def moved(rig, law, force, *, rate=200.0, noise=1e-5, seed=3):
+    """Return times, noisy positions and the force that a rig was driven by."""
+    time = np.arange(len(force)) / rate
+    drive = Sampled(times=tuple(time), values=tuple(force))
+    run = simulate(replace(rig, drive=drive), law, t_end=float(time[-1])).at(time)
+    position = run[rig.coordinates[0]]
+    return time, position + noise * np.random.default_rng(seed).normal(size=len(time)), force
+
+
+def swinging(arm):
+    """Return times, angles and torques of a pendulum that a motor swings."""
+    t = np.arange(0.0, 10.0, 0.005)
+    torque = 2.2 * np.sin(2.0 * np.pi * 0.35 * t) + 1.5 * np.sin(2.0 * np.pi * 0.93 * t)
+    return moved(arm, LAW, torque, noise=1e-4)
+
+
+@pytest.mark.parametrize(("back", "sides"), [(0.0, 1), (1.0, 2)])
+def test_the_band_is_stated_where_the_body_moved(back, sides):
+    t = np.arange(0.0, 12.0, 0.005)
+    forward = 3.0 + 2.0 * np.sin(np.pi * t)
+    slowly = -2.4 * np.ones_like(t)
+    force = np.where((t % 6.0 < 4.0) | (back == 0.0), forward, slowly)
+    law = CoulombViscous(kinetic_coefficient=1.4, viscous_coefficient=1.1)
+    time, position, force = moved(Axis(inertia=1.5), law, force)
+    record = Measurement(time=time, position=position, force=force)
+    verdict = select(Axis(inertia=1.5), None, record, settings=HELD)
+    speed = np.gradient(position, time)
+    assert verdict.speeds.min() >= 1.02 * speed.min()
+    assert verdict.speeds.max() <= 1.02 * speed.max()
+    assert len({*np.sign(verdict.speeds)}) == sides
+    assert verdict.words.lede.startswith("From −" if back else "From ")
+    assert ("and from" in verdict.words.lede) == bool(back)
+
+
+@pytest.mark.parametrize(
+    ("rig", "gain", "said"),
+    [
+        (replace(ARM, gravity=1.15 * ARM.gravity), 1.0, "they are 1.1"),
+        (ARM, 1.1, "force and friction as recorded are 1.1"),
+    ],
+)
+def test_a_ratio_is_said_in_words(rig, gain, said):
+    time, angle, torque = swinging(rig)
+    record = Measurement(time=time, position=angle, force=gain * torque)
+    verdict = select(ARM, None, record, settings=HELD)
+    (cause,) = [one for one in verdict.words.cannot_tell if "given: " in one]
+    assert said in cause
+    (size,) = [one for one in verdict.intervals if one.path in ("mechanism", "force_gain")]
+    assert size.low < (1.15 if gain == 1.0 else gain) < size.high
+
+
+def test_a_ratio_of_one_is_what_is_given():
+    time, angle, torque = swinging(replace(ARM, gravity=1.15 * ARM.gravity))
+    verdict = select(ARM, None, Measurement(time=time, position=angle, force=torque), settings=HELD)
+    (cause,) = verdict.causes
+    one = Estimate(
+        path="mechanism", quantity=Quantity("g"), value=1.01, low=0.98, high=1.04, interval="95 %"
+    )
+    words = "consistent with what is given"
+    assert words in cause_sentence(cause, one, _words())
+    assert words not in cause_sentence(cause, replace(one, low=1.005), _words())
+
+
+def _words():
+    from stickslip.identify.wording import Words
+
+    return Words(
+        measured="record", held_out="stretches", response="force", force_unit="N m",
+        speed_unit="rad/s",
+    )  # fmt: skip
+
+
+def test_all_laws_that_are_counted_are_in_the_table():
+    v = np.array([0.02, 0.05, 0.1, 0.2, 0.35, 0.5, -0.02, -0.05, -0.1, -0.2, -0.35, -0.5])
+    noise = 0.15 * np.random.default_rng(4).normal(size=len(v))
+    friction = np.sign(v) * (2.0 + np.abs(v)) + noise
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
+    assert len(verdict.set) > 6  # more than the table has otherwise
+    shown = {one.structure for one in verdict.candidates}
+    assert shown >= set(verdict.judgement.comparison.set)
+    told = [one for one in verdict.candidates if one.outcome]
+    assert len(told) == len(verdict.set)
+    assert laws_section(verdict).heading.startswith(f"{len(told)} laws")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [(0.24, 0.262, "0.250 ± 0.011"), (0.24, 0.31, "0.250 (0.240 to 0.310)"), (0.25, 0.25, "0.25")],
+)
+def test_an_interval_that_is_skewed_is_stated(low, high, said):
+    one = Estimate(
+        path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), value=0.25,
+        low=low, high=high, interval="95 %",
+    )  # fmt: skip
+    assert one.plus_minus == said
+
+
+@pytest.mark.parametrize("verb", ["select", "fit"])
+@pytest.mark.parametrize("measured", ["free", "friction", "table"])
+def test_a_hold_is_refused_where_no_force_is_recorded(verb, measured):
+    t = np.arange(0.0, 10.0, 0.01)
+    v = 3.0 * np.cos(t)
+    record = {
+        "free": Measurement(time=t, position=np.exp(-0.1 * t) * np.cos(6.0 * t)),
+        "friction": Measurement(time=t, position=3.0 * np.sin(t), friction=np.sign(v)),
+        "table": Measurement(velocity=np.linspace(0.1, 1.0, 9), friction=np.linspace(2.0, 3.0, 9)),
+    }[measured]
+    rig = Axis(inertia=1.0, stiffness=36.0)
+    with pytest.raises(InputError, match="no such force drives|applies to `fit`"):
+        if verb == "fit":
+            fit(rig, Coulomb, record, settings=HELD)
+        else:
+            select(rig, None, record, settings=HELD)
+
+
+def test_what_trials_vary_is_the_setting_though_it_is_0_in_the_rig():
+    rig = SpringBlock(mass=1.0, stiffness=400.0)
+    trials = []
+    for x in (0.06, 0.08, 0.1):
+        law = Coulomb(kinetic_coefficient=0.3)
+        run = simulate(replace(rig, compression=x), law, t_end=5.0)
+        own = {"travel": float(run["x"][-1] - run["x"][0]), "uncertainty": 3e-4}
+        trials.append(Measurement(**own, overrides={"mechanism.compression": x}))
+    verdict = select(rig, [Coulomb], Measurement(trials=tuple(trials)))
+    assert verdict.words.lede.startswith("With a compression from")
