@@ -1,6 +1,7 @@
 """What verdicts state is what was measured: ranges, sizes in words, laws that are counted."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -20,7 +21,9 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.identify.fits import Estimate
 from stickslip.identify.page import laws_section
-from stickslip.identify.wording import cause_sentence
+from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.records import RecordsProblem, with_hold
+from stickslip.identify.wording import Words, cause_sentence, hold_sentence
 from stickslip.mechanisms.drives import Sampled
 from stickslip.quantities import Quantity
 
@@ -93,8 +96,6 @@ def test_a_ratio_of_one_is_what_is_given():
 
 
 def _words():
-    from stickslip.identify.wording import Words
-
     return Words(
         measured="record", held_out="stretches", response="force", force_unit="N m",
         speed_unit="rad/s",
@@ -137,11 +138,9 @@ def test_a_hold_is_refused_where_no_force_is_recorded(verb, measured):
         "table": Measurement(velocity=np.linspace(0.1, 1.0, 9), friction=np.linspace(2.0, 3.0, 9)),
     }[measured]
     rig = Axis(inertia=1.0, stiffness=36.0)
-    with pytest.raises(InputError, match="no such force drives|applies to `fit`"):
-        if verb == "fit":
-            fit(rig, Coulomb, record, settings=HELD)
-        else:
-            select(rig, None, record, settings=HELD)
+    judged = {"fit": partial(fit, rig, Coulomb), "select": partial(select, rig, None)}[verb]
+    with pytest.raises(InputError, match="applies to"):
+        judged(record, settings=HELD)
 
 
 def test_what_trials_vary_is_the_setting_though_it_is_0_in_the_rig():
@@ -154,3 +153,27 @@ def test_what_trials_vary_is_the_setting_though_it_is_0_in_the_rig():
         trials.append(Measurement(**own, overrides={"mechanism.compression": x}))
     verdict = select(rig, [Coulomb], Measurement(trials=tuple(trials)))
     assert verdict.words.lede.startswith("With a compression from")
+
+
+def coordinate(frequency, noise):
+    """Return the record of an axis whose force goes straight between samples."""
+    t = np.arange(0.0, 20.0, 0.02)
+    force = 4.0 * np.sin(2.0 * np.pi * frequency * t) + 3.0 * np.sin(5.0 * frequency * t)
+    drive = Sampled(times=tuple(t), values=tuple(force), hold="first")
+    law = CoulombViscous(kinetic_coefficient=0.5, viscous_coefficient=1.0)
+    run = simulate(Axis(inertia=0.2, drive=drive), law, t_end=float(t[-1])).at(t)
+    random = np.random.default_rng(1)
+    measured = force + noise * random.normal(size=len(t))
+    return [Record(time=t, position=run["x"] + 1e-5 * random.normal(size=len(t)),
+                   force=measured, inertia=0.2, held=True)]  # fmt: skip
+
+
+def test_one_robot_has_one_hold():
+    """A joint that shows little of it takes the hold of those that show it."""
+    quick, slow = coordinate(1.3, 0.01), coordinate(0.15, 0.4)
+    (alone,) = with_hold(RecordsProblem, [slow], None)
+    both = with_hold(RecordsProblem, [quick, slow], None)
+    assert [one.records[0].held for one in both] == [False, False]
+    assert len({one.records[0].hold_doubt for one in both}) == 1
+    assert both[1].records[0].hold_doubt < alone.records[0].hold_doubt
+    assert "samples (standard deviation)" in hold_sentence(held=True, doubt=0.5)

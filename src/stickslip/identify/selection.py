@@ -35,6 +35,7 @@ from stickslip.identify.wording import (
     SCALED,
     UNDAMPED,
     Words,
+    hold_sentence,
     presliding_sentence,
     widened_sentence,
 )
@@ -120,6 +121,9 @@ def _remarks(
         found = (widened_sentence(judgement.ensemble.wider),)
     remembers = MEMORY in problem.family(judgement.named)
     undamped = (UNDAMPED,) if remembers and problem.memory == "lugre" else ()
+    first = problem.records[0]
+    if first.hold_doubt and not problem.free:
+        undamped += (hold_sentence(held=first.held, doubt=first.hold_doubt),)
     return (*((SCALED,) if problem.free else ()), *found, *undamped)
 
 
@@ -181,7 +185,8 @@ def _judged(
     doubts = doubts_of(mechanism, measurement, vary)
     held = _is_held(measurement)
     records = records_of(mechanism, seen, unknown=vary, offset=offset, held=held, doubts=doubts)
-    problem = with_hold(partial(_problem, mechanism, vary=vary, offset=offset), records, hold)
+    make = partial(_problem, mechanism, vary=vary, offset=offset)
+    (problem,) = with_hold(make, [records], hold)
     if laws is not None:
         restrict(problem, laws)
     return problem, refined(Judgement.of(problem))

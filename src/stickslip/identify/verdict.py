@@ -631,7 +631,7 @@ def groups_of(judgement: Judgement) -> list[list[str]]:
     found = {
         name: [terms[name].title, *(terms[other].title for other, _ in others)]
         for name, others in spans.instead.items()
-        if terms[name].role != "law"
+        if terms[name].role != "law" and not terms[name].doubt  # which is stated, not told
     }
     for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
         found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])

@@ -351,6 +351,19 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     )
 
 
+def hold_sentence(*, held: bool, doubt: float) -> str:
+    """Return how a force is taken to run between samples, and how sure that is.
+
+    The doubt is the standard deviation of when it acts, over half a sample.
+    """
+    how = "keep its value until the next sample" if held else "go straight from sample to sample"
+    return (
+        f"The force is taken to {how}, which does not show clearly: when it acts counts as"
+        f" uncertain by {number(0.5 * doubt, 2)} samples (standard deviation). If it is known, give"
+        " `hold`."
+    )
+
+
 def second_sentence(share: float, count: int) -> str:
     """Return how many readings of a second measurement lie in the band of readings."""
     said = f"{percent(share)} of the {count:,} readings of the second measurement lie in the band"

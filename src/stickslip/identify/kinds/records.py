@@ -89,10 +89,10 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         unused = (
             f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
         )
-        if name == "hold" and not _holds(request):
+        if name in self.settings & {"hold"} and not _holds(request):
             return (
-                "says how a recorded force runs between its samples, and no such force drives this"
-                " motion: leave it out."
+                "applies to records of a force that drives the motion, and this has none: leave it"
+                " out."
             )
         if name == "route" and asked and (asked == self.routes[0]) is not selects:
             return f"{asked!r} {unused}"
