@@ -14,7 +14,9 @@ from stickslip import (
     Pendulum,
     RecordSettings,
     SpringBlock,
+    check,
     fit,
+    load_measurement,
     select,
     simulate,
 )
@@ -177,3 +179,32 @@ def test_one_robot_has_one_hold():
     assert len({one.records[0].hold_doubt for one in both}) == 1
     assert both[1].records[0].hold_doubt < alone.records[0].hold_doubt
     assert "samples (standard deviation)" in hold_sentence(held=True, doubt=0.5)
+
+
+def volts(tmp_path, *, header, said):
+    """Return a motor log whose force is a column of volts, read as something is said of it."""
+    t = np.arange(0.0, 6.0, 0.01)
+    x = np.sin(3.0 * t) + 0.3 * np.sin(7.0 * t)
+    v = 3.0 * np.cos(3.0 * t) + 2.1 * np.cos(7.0 * t)
+    rows = np.column_stack([t, x, 4.0 * np.sign(v) + 2.0 * v])
+    file = tmp_path / "log.csv"
+    np.savetxt(file, rows, delimiter=",", header=f"time,position,{header}", comments="")
+    return load_measurement(file, columns={"force": header}, **said)
+
+
+def test_a_force_in_volts_is_said_to_hold_what_the_speed_induces(tmp_path):
+    for said in ({"gain": {"force": 0.5}, "units": {"force": "V"}}, {"gain": {"force": "0.5 N/V"},
+                 "units": {"force": "V"}}, {"gain": {"force": 0.5}}):  # fmt: skip
+        record = volts(tmp_path, header="ctrl_V", said=said)
+        assert record.volts == ("force",)
+    (finding,) = check(record).of("volts")
+    assert "viscous friction" in finding.sentence
+    rig = Axis(inertia=1e-6)
+    assert finding.sentence in select(rig, None, record).words.cannot_tell
+    assert finding.sentence in fit(rig, CoulombViscous, record, route="inverse-dynamics").sentences
+
+
+def test_a_column_called_a_voltage_is_no_force_without_a_word(tmp_path):
+    with pytest.raises(InputError, match="'voltage' is called a voltage and taken for the force"):
+        volts(tmp_path, header="voltage", said={})
+    assert volts(tmp_path, header="F_V", said={"units": {"force": "N"}}).volts == ()

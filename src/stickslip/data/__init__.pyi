@@ -10,6 +10,7 @@ from stickslip.data.carrying import extrapolations as extrapolations
 from stickslip.data.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.data.checking.coverage import resting_readings as resting_readings
 from stickslip.data.checking.coverage import speeds_in_order as speeds_in_order
+from stickslip.data.checking.coverage import volts_sentence as volts_sentence
 from stickslip.data.checking.coverage import with_order as with_order
 from stickslip.data.checking.data_quality import Checks as Checks
 from stickslip.data.checking.data_quality import check as check

@@ -104,6 +104,11 @@ def _inside(band: PredictionBand, values: Array) -> float:
     return float(np.mean((band.low <= values) & (values <= band.high)))
 
 
+def of_volts(checks: Checks) -> Iterable[str]:
+    """Return what forces that were recorded in volts leave open."""
+    return (one.sentence for one in checks.of("volts"))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
@@ -306,5 +311,5 @@ def record_verdict(
         second=second,
         inside=inside,
         readings=count,
-        remarks=(*remarks, *said, *_remarks(problem, judgement, second)),
+        remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second)),
     )

@@ -434,7 +434,8 @@ class RecordsProblem(Problem):
             moved = side * v[side * v > self.frame.low]
             if len(moved) > SLOW * len(v):
                 top = min(float(moved.max()), self.frame.top)
-                grids.append(side * np.geomspace(float(moved.min()), top, ASKED))
+                # a motion passes all speeds up to its largest
+                grids.append(side * np.geomspace(self.frame.low, top, ASKED))
         return self.at(np.sort(np.concatenate(grids)))
 
     @override

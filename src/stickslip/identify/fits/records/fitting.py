@@ -9,7 +9,14 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, command_of, refuse_faults, refuse_unused, with_doubts
+from stickslip.data import (
+    Measurement,
+    command_of,
+    refuse_faults,
+    refuse_unused,
+    volts_sentence,
+    with_doubts,
+)
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
@@ -399,6 +406,7 @@ def finished(
             *_zeros(ready, best, inference),
             *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
             *_of_recorded_swing(mechanism),
+            *dict.fromkeys(volts_sentence(name) for x in measurement.records() for name in x.volts),
             *_of_one_way(fit),
         ),
     )
