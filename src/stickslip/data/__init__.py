@@ -96,6 +96,7 @@ INSIDE = {
     "whole_cycles": "travels",
     "with_doubts": "checking.data_quality",
     "with_order": "checking.coverage",
+    "swing_of": "checking.motion",
     "volts_sentence": "checking.coverage",
     "with_voltage": "rig",
     "words_of": "checking.signal_quality",

@@ -26,6 +26,7 @@ from stickslip.data.checking.finding import Finding as Finding
 from stickslip.data.checking.finding import SEVERITIES as SEVERITIES
 from stickslip.data.checking.finding import sentences_of as sentences_of
 from stickslip.data.checking.motion import inertia_of as inertia_of
+from stickslip.data.checking.motion import swing_of as swing_of
 from stickslip.data.checking.signal_quality import CURE as CURE
 from stickslip.data.checking.signal_quality import MainsLine as MainsLine
 from stickslip.data.checking.signal_quality import is_narrow as is_narrow

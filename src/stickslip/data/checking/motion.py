@@ -681,6 +681,47 @@ def inertia_of(record: Measurement) -> float | None:
     return factor if share >= EXPLAINED_FOR_FACTOR and factor > 0.0 else None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Swing:
+    """How a body swings that nothing drives."""
+
+    stiffness: float
+    """Stiffness over the inertia [1/s^2]; of a pendulum for small swings."""
+    rest: float
+    """Position where nothing pulls [m] or [rad]."""
+
+
+def swing_of(record: Measurement) -> Swing | None:
+    """Return how a free motion swings, as under a spring or, about an axis, its weight.
+
+    The acceleration is regressed on sine and cosine of the angle, or on the place, beside friction.
+    None where the speed does not rise and fall, or that explains little of it.
+
+    Examples
+    --------
+    >>> t = np.arange(1000) / 100
+    >>> found = swing_of(Measurement(time=t, position=0.2 + np.exp(-0.05 * t) * np.cos(4.0 * t)))
+    >>> round(found.stiffness, 1), round(found.rest, 2)
+    (16.0, 0.2)
+    """
+    if not _undriven(record) or record.trials:
+        return None
+    moving = motion_of(record)
+    if moving is None or moving.fastest <= CLEAR * moving.noise or _turned(moving) <= GAINED:
+        return None
+    x, v, a = _positions(record), moving.velocity, acceleration_of(record)
+    friction = [v / moving.fastest, moving.directions]
+    pulls = [np.sin(x), np.cos(x)] if record.turning else [x, np.ones_like(x)]
+    rows = np.stack([*pulls, *friction], axis=1)
+    first, second, *rest = np.linalg.lstsq(rows, a, rcond=None)[0].tolist()
+    left = a - rows @ np.array([first, second, *rest])
+    if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(a @ a):
+        return None
+    if record.turning:
+        return Swing(stiffness=math.hypot(first, second), rest=math.atan2(second, -first))
+    return Swing(stiffness=-first, rest=-second / first) if first < 0.0 else None
+
+
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
     """Compare a force with what a mechanism takes to move as it did, friction left aside."""
     known = record.quantities()
