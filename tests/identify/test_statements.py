@@ -10,6 +10,7 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
+    CoulombViscousStatic,
     Measurement,
     Pendulum,
     RecordSettings,
@@ -17,13 +18,15 @@ from stickslip import (
     check,
     fit,
     load_measurement,
+    load_rig,
     select,
     simulate,
 )
+from stickslip.data import guess_data, guessed_rig, read_data, swing_of
 from stickslip.errors import InputError
 from stickslip.identify.fits import Estimate
 from stickslip.identify.page import laws_section
-from stickslip.identify.problems.record_signals import Record
+from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordsProblem, with_hold
 from stickslip.identify.wording import Words, cause_sentence, hold_sentence
 from stickslip.mechanisms.drives import Sampled
@@ -208,3 +211,89 @@ def test_a_column_called_a_voltage_is_no_force_without_a_word(tmp_path):
     with pytest.raises(InputError, match="'voltage' is called a voltage and taken for the force"):
         volts(tmp_path, header="voltage", said={})
     assert volts(tmp_path, header="F_V", said={"units": {"force": "N"}}).volts == ()
+
+
+def test_a_static_level_that_no_row_tells_is_said_to_be_open():
+    t = np.arange(0.0, 8.0, 0.005)
+    law = CoulombViscousStatic(
+        kinetic_coefficient=1.4, static_coefficient=2.0, viscous_coefficient=1.1
+    )
+    for force in (4.0 * np.sin(2.0 * np.pi * t) + 6.0 * np.sin(2.3 * t), 3.0 + np.sin(6.3 * t)):
+        time, position, force_ = moved(Axis(inertia=0.5), law, force)
+        record = Measurement(time=time, position=position, force=force_)
+        found = fit(Axis(inertia=0.5), "coulomb-viscous-static", record)
+        static = found.estimate("static_coefficient")
+        assert not static.bounded
+        assert static.value == found.law.static_coefficient
+        assert static.value == pytest.approx(found.law.kinetic_coefficient)
+        assert any("static coefficient (mu_s) is not identified" in one for one in found.sentences)
+    given = replace(law, static_coefficient=2.5)  # an assumption stays
+    assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
+
+
+def decay(start, length=0.4):
+    """Return times, angles and rates of a pendulum that friction stops."""
+    t = np.arange(0.0, 15.0, 0.01)
+    run = simulate(
+        Pendulum(mass=1.2, length=length),
+        CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.01),
+        t_end=float(t[-1]),
+        y0={"theta": start},
+    ).at(t)
+    return t, run["theta"], run["omega"]
+
+
+@pytest.mark.parametrize("start", [1.2, -0.6])
+def test_a_pendulum_of_which_only_the_rate_is_known_accuses_nothing(start):
+    t, _, rate = decay(start)
+    rate = rate + 3e-3 * np.random.default_rng(2).normal(size=len(t))
+    verdict = select(ARM, None, Measurement(time=t, velocity=rate, turning=True))
+    (record,) = verdict.judgement.problem.records
+    assert record.began == pytest.approx(start, abs=0.01)
+    assert any("taken to begin at" in one for one in verdict.words.cannot_tell)
+    assert not [one for one in verdict.causes if one.asserted]
+    (level,) = [one for one in verdict.parameters if one.path.endswith("kinetic_coefficient")]
+    assert level.low_any < 0.03 < level.high_any
+
+
+def test_a_place_that_was_measured_or_stated_is_taken():
+    t, angle, rate = decay(0.8)
+    both = Measurement(time=t, position=angle, velocity=rate, turning=True)
+    assert records_of(ARM, both)[0].began is None
+    alone = Measurement(time=t, velocity=rate, turning=True)
+    assert records_of(replace(ARM, rest_angle=-0.8), alone)[0].began is None
+    assert records_of(Axis(inertia=0.2, rotary=True), alone)[0].began is None
+
+
+@pytest.mark.parametrize("quantity", ["position", "velocity"])
+def test_a_body_that_swings_by_itself_is_proposed_as_a_pendulum(tmp_path, quantity):
+    t, angle, rate = decay(0.8)
+    values = angle + 0.3 if quantity == "position" else rate
+    name = {"position": "angle_rad", "velocity": "omega"}[quantity]
+    file = tmp_path / "decay.csv"
+    np.savetxt(file, np.column_stack([t, values]), delimiter=",", header=f"time,{name}",
+               comments="")  # fmt: skip
+    guess = guess_data(file)
+    swing = swing_of(read_data([file], replace(guess.reading, by="options")))
+    (tmp_path / "decay.toml").write_text(guessed_rig(guess, "decay.csv", swing=swing))
+    rig = load_rig(tmp_path / "decay.toml").mechanism
+    assert isinstance(rig, Pendulum)
+    assert rig.length == pytest.approx(0.4, rel=0.01)
+    hangs = 0.3 if quantity == "position" else -0.8
+    assert rig.rest_angle == pytest.approx(hangs, abs=0.01)
+
+
+def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
+    t = np.arange(0.0, 10.0, 0.01)
+    file = tmp_path / "block.csv"
+    x = 0.02 + 0.1 * np.exp(-0.1 * t) * np.cos(6.0 * t)
+    np.savetxt(file, np.column_stack([t, x]), delimiter=",", header="time,x [m]", comments="")
+    guess = guess_data(file)
+    text = guessed_rig(guess, "block.csv", swing=swing_of(read_data([file], guess.reading)))
+    assert 'type = "axis"' in text
+    (tmp_path / "block.toml").write_text(text)
+    assert load_rig(tmp_path / "block.toml").mechanism.stiffness == pytest.approx(36.0, rel=0.02)
+    # what is driven, or runs out in one direction, swings by nothing of its own
+    driven = Measurement(time=t, position=x, force=np.sin(t))
+    assert swing_of(driven) is None
+    assert swing_of(Measurement(time=t, position=t * np.exp(-0.1 * t))) is None

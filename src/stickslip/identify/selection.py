@@ -37,6 +37,7 @@ from stickslip.identify.wording import (
     Words,
     hold_sentence,
     presliding_sentence,
+    start_sentence,
     widened_sentence,
 )
 from stickslip.mechanisms import Mechanism
@@ -115,21 +116,28 @@ def _is_held(measurement: Measurement) -> bool:
 
 
 def _remarks(
-    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
-) -> tuple[str, ...]:
-    """Return what the number of records, a free motion and a balance leave to say."""
+    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None, unit: str
+) -> list[str]:
+    """Return what the number of records, a free motion and a balance leave to say.
+
+    Places are said in their unit.
+    """
     if len(problem.records) > 1:
         found = (DIFFER,) if chance_of_records(problem) <= THRESHOLDS.differ_chance else ()
     else:
         found = (OTHERS,) if validate is None else ()
     if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:
         found = (widened_sentence(judgement.ensemble.wider),)
-    remembers = MEMORY in problem.family(judgement.named)
-    undamped = (UNDAMPED,) if remembers and problem.memory == "lugre" else ()
+    said = [SCALED] if problem.free else []
+    said += found
+    if MEMORY in problem.family(judgement.named) and problem.memory == "lugre":
+        said.append(UNDAMPED)
     first = problem.records[0]
+    if begun := [one.began for one in problem.records if one.began is not None]:
+        said.append(start_sentence([quantity(x, unit) for x in begun]))
     if first.hold_doubt and not problem.free:
-        undamped += (hold_sentence(held=first.held, doubt=first.hold_doubt),)
-    return (*((SCALED,) if problem.free else ()), *found, *undamped)
+        said.append(hold_sentence(held=first.held, doubt=first.hold_doubt))
+    return said
 
 
 def _problem(
@@ -311,5 +319,5 @@ def record_verdict(
         second=second,
         inside=inside,
         readings=count,
-        remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second)),
+        remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second, unit)),
     )

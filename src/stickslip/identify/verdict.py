@@ -573,7 +573,9 @@ def verdict_on(
     settles = [error_sentence(judgement, words)]
     said = [parameter_sentence(a, b, phrase) for a, b in zip(own, every, strict=True)]
     sizes = {one.path: one for one in every}
-    doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
+    doubts = [
+        cause_sentence(one, sizes.get(one.term), words, told=told) for one in judgement.causes
+    ]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
     doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
     if (far := judgement.outliers) and judgement.problem.independent:

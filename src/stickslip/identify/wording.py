@@ -154,10 +154,10 @@ def tells_friction(band: PredictionBand) -> bool:
 def untold_sentence(judgement: Judgement, words: Words) -> str:
     """Return that no law can be recommended, as friction may be zero."""
     these = "do" if words.measured.endswith("s") else "does"
-    title = friction_of(title_of(judgement, judgement.named))
+    phrase = phrase_of(judgement, judgement.named)
     return (
         f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
-        f" units, gains and signs; {title}{beside_of(judgement, judgement.named)} is the closest."
+        f" units, gains and signs; {phrase}{beside_of(judgement, judgement.named)} is the closest."
     )
 
 
@@ -220,8 +220,11 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     return f"{said}."
 
 
-def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
-    """Return a property of the rig or a fault, with the share that it explains."""
+def cause_sentence(cause: Cause, size: Estimate | None, words: Words, *, told: bool = True) -> str:
+    """Return a property of the rig or a fault, with the share that it explains.
+
+    Where friction is not told from zero beside it, it may be something else.
+    """
     what = capital(cause.title) + (f": {_sized(cause, size)}" if size else "")
     if size is not None and cause.term in RATIOS:
         if size.low <= 1.0 <= size.high:
@@ -234,6 +237,8 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     said = f"{what}: it takes {share} off the squared error of held-out {words.held_out}"
+    if not told:
+        return f"{said}, but friction is not told from zero beside it: it may be something else."
     if not cause.asserted:
         return f"{said}, and most of what noise does not explain is left: it may be something else."
     if not cause.needed:
@@ -348,6 +353,18 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     return (
         f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
         f" them at {joined(named)}: {expected}."
+    )
+
+
+def start_sentence(places: Sequence[str]) -> str:
+    """Return where records without positions are taken to begin."""
+    named = joined(
+        [*places[:MOST], *([f"{len(places) - MOST} more"] if len(places) > MOST else [])]
+    )
+    return (
+        f"No position was recorded, and forces of the mechanism depend on it: the motion is taken"
+        f" to begin at {named}, where these explain most of it. A bias of the velocity would pass"
+        " for friction: record the position."
     )
 
 

@@ -18,8 +18,15 @@ from scipy.signal import lfilter
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
-from stickslip.identify.forces import Unknown, forces_along, transmitted_of, with_transmitted
+from stickslip.identify.forces import (
+    Forces,
+    Unknown,
+    forces_along,
+    transmitted_of,
+    with_transmitted,
+)
 from stickslip.identify.problem import STRETCHES, Array, Mask
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -37,6 +44,9 @@ FEWEST = 60
 """Samples of a record at least."""
 SCALED = math.sqrt(np.finfo(float).eps)
 """Share by which positions and velocities are scaled to see what known forces change by."""
+AROUND, STEPS, PARTS = 24, 8, 400
+"""Places around an axis where a record may begin, steps by which the best is refined, and parts of
+the record whose momenta are balanced."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
@@ -80,6 +90,8 @@ class Record:
     """Whether the force is friction itself: nothing accelerates by it."""
     located: bool = True
     """Whether positions were measured; else they are the integral of the velocity."""
+    began: float | None = None
+    """Where it is taken to have begun [m] or [rad], if forces depend on a place not measured."""
 
     gain: float = 1.0
     """Noise of the force that all accelerations take over that of its own."""
@@ -219,6 +231,10 @@ def _record(
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
     forces = forces_along(mechanism, record, x, v, unknown, doubts)
+    began = None if located else _began(mechanism, record, x, v, forces)
+    if began is not None:
+        x = x + began
+        forces = forces_along(mechanism, record, x, v, unknown, doubts)
     scaled = None
     if np.ptp(forces.still) > 0.0 and len(mechanism.coordinates) == 1:
         larger = forces_along(mechanism, record, (1.0 + SCALED) * x, (1.0 + SCALED) * v, unknown)
@@ -238,8 +254,58 @@ def _record(
         constant=constant, unknown=found, held=held, located=located,
         driven=len(mechanism.coordinates) > 1,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None, scaled=scaled,
-        transmitted=transmitted,
+        transmitted=transmitted, began=began,
     )  # fmt: skip
+
+
+def _began(
+    mechanism: Mechanism, record: Measurement, x: Array, v: Array, forces: Forces
+) -> float | None:
+    """Return where a record of velocities began, by the known forces that depend on the place.
+
+    None where none do, or the mechanism says where it rests. The balance of momenta over short
+    parts of the record, with level, viscous friction and what is looked for, leaves least from
+    there. It is looked for all around an axis, then by steps of Gauss and Newton. A constant force
+    would hide it.
+    """
+    if len(mechanism.coordinates) > 1 or getattr(mechanism, "rest_angle", None) is not None:
+        return None
+    time, size = np.asarray(record.time, dtype=float), float(np.ptp(x)) + 1e-300
+
+    def still(start: float) -> Array:
+        return np.asarray(forces_along(mechanism, record, x + start, v, []).still)
+
+    def slope(start: float) -> Array:
+        return (still(start + SCALED * size) - still(start - SCALED * size)) / (2.0 * SCALED * size)
+
+    at_zero = slope(0.0)
+    if not np.any(np.abs(at_zero) * size > THRESHOLDS.rounding * np.max(np.abs(still(0.0)))):
+        return None
+
+    ends = np.unique(np.linspace(0, len(time) - 1, PARTS + 1).astype(int))
+
+    def summed(y: Array) -> Array:
+        return np.diff(
+            np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time))])[ends]
+        )
+
+    gained = np.diff(v[ends])
+    rows = [summed(np.sign(v)), summed(v)]
+    rows += [summed(one.force) - one.inertia * gained for one in forces.unknown.values()]
+    basis = np.linalg.qr(np.column_stack([one / (np.max(np.abs(one)) + 1e-300) for one in rows]))[0]
+
+    def left(y: Array) -> Array:
+        return np.asarray(y - basis @ (basis.T @ y))
+
+    def error(start: float) -> Array:
+        return left(summed(forces.driven + still(start)) - forces.inertia * gained)
+
+    around = np.linspace(-math.pi, math.pi, AROUND, endpoint=False) if record.turning else [0.0]
+    best = min(map(float, around), key=lambda start: float(np.sum(error(start) ** 2)))
+    for _ in range(STEPS):
+        own, e = left(summed(slope(best))), error(best)
+        best -= float(own @ e) / (float(own @ own) + 1e-300)
+    return best
 
 
 def _without_forces(

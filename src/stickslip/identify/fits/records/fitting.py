@@ -26,6 +26,7 @@ from stickslip.identify.fits.contact_inputs import (
     unvaried,
 )
 from stickslip.identify.fits.estimation.estimates import (
+    INTERVAL,
     bounds_met,
     estimates_of,
     offset_left_out,
@@ -55,6 +56,7 @@ from stickslip.identify.fits.records.problems import (
     per_current,
     prepared,
 )
+from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
 from stickslip.identify.fits.series.measured_load import as_loaded
@@ -63,7 +65,7 @@ from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import joined, number, quantity
 
 # Which way records are fitted, by what was measured.
@@ -368,6 +370,8 @@ def finished(
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
+    untold = _untold(ready, law)
+    law |= {one.path: one.value for one in untold if one.path.startswith("friction.")}
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
@@ -395,7 +399,7 @@ def finished(
     )
     inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
     told_by = told(free_parameters, ready.mechanism, measurement)
-    estimates = estimates_of(told_by, best, inference, at_bounds)
+    estimates = (*estimates_of(told_by, best, inference, at_bounds), *untold)
     return replace(
         fit,
         estimates=estimates,
@@ -410,6 +414,26 @@ def finished(
             *_of_one_way(fit),
         ),
     )
+
+
+def _untold(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]:
+    """Return what was to be looked for and nothing in the record depends on.
+
+    It keeps its start, or is what it must not fall below.
+    """
+    problem = ready.problem
+    known = {path: value for path, _, value in parameters(ready.start, "friction")} | found
+    made = []
+    for item in problem.untold if isinstance(problem, ForceMap) else ():
+        least = known.get(item.above, -math.inf)
+        value = least if math.isnan(item.start) else max(item.start, least)
+        made.append(
+            Estimate(
+                path=item.path, quantity=item.quantity, value=value, low=-math.inf, high=math.inf,
+                interval=INTERVAL, reason="no row that this route compares depends on it",
+            )
+        )  # fmt: skip
+    return tuple(made)
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:
