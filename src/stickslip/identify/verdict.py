@@ -45,6 +45,7 @@ from stickslip.identify.wording import (
     error_sentence,
     group_sentence,
     law_sentence,
+    load_sentence,
     no_law,
     outlier_sentence,
     parameter_sentence,
@@ -582,6 +583,8 @@ def verdict_on(
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
+    if any(one.path == "load_exponent" for one in own):
+        doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     doubts += [*remarks, UNMEASURED]
     advice = []
     if proposal.places and proposal.shrinks < WORTH:
@@ -680,6 +683,8 @@ def fit_of(
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
+    if "load_exponent" in composed.rig:
+        remarks.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     if composed.law() is None:
         remarks.append(
             f"The law goes through levels of {title_of(judgement, structure)}, which is no"

@@ -254,8 +254,8 @@ def _sized(cause: Cause, size: Estimate) -> str:
         value = within(size.value, size.low, size.high)
         return RATIOS[cause.term].format(f"{value} ({size.range})")
     if size.low < size.high:
-        return str(size)
-    return f"{size.quantity.symbol} = {with_unit(number(size.value, 2), size.quantity.unit)}"
+        return str(size).replace(size.quantity.symbol, f"${size.quantity.symbol}$", 1)
+    return f"${size.quantity.symbol}$ = {with_unit(number(size.value, 2), size.quantity.unit)}"
 
 
 def pattern_sentence(pattern: Pattern, words: Words) -> str:
@@ -353,6 +353,14 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     return (
         f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
         f" them at {joined(named)}: {expected}."
+    )
+
+
+def load_sentence(load: float) -> str:
+    """Return at which load [N] a law stands that friction follows by another power."""
+    return (
+        f"Friction follows another power of the load than the first: levels are those at"
+        f" {quantity(load, 'N')}, and what is simulated with this law holds there."
     )
 
 

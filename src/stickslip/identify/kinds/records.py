@@ -155,7 +155,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ],
             rows=rows,
             checks=verdict.checks,
-            fitted=(closest.title, sorted(closest.fit.estimates, key=importance)),
+            fitted=(f"{closest.title}, if it holds", sorted(closest.fit.estimates, key=importance)),
         )  # fmt: skip
 
     @override
