@@ -25,7 +25,7 @@ from stickslip import (
 from stickslip.data import guess_data, guessed_rig, read_data, swing_of
 from stickslip.errors import InputError
 from stickslip.identify.fits import Estimate
-from stickslip.identify.page import laws_section
+from stickslip.identify.page import facts, laws_section
 from stickslip.identify.problems.record_signals import Record, records_of
 from stickslip.identify.problems.records import RecordsProblem, with_hold
 from stickslip.identify.wording import Words, cause_sentence, hold_sentence
@@ -297,3 +297,56 @@ def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
     driven = Measurement(time=t, position=x, force=np.sin(t))
     assert swing_of(driven) is None
     assert swing_of(Measurement(time=t, position=t * np.exp(-0.1 * t))) is None
+
+
+def test_a_band_that_holds_an_offset_says_so():
+    v = np.array([-0.9, -0.6, -0.3, -0.1, 0.1, 0.3, 0.6, 0.9])
+    noise = 0.01 * np.random.default_rng(1).normal(size=len(v))
+    said = []
+    for offset in (0.0, 15.0):
+        table = Measurement(velocity=v, friction=2.0 * np.sign(v) + v + noise + offset)
+        said.append(select(Axis(inertia=1.0), None, table).words.lede)
+    assert "both directions, friction is known to" in said[0]
+    assert "friction with the constant offset is known to" in said[1]
+
+
+def test_a_body_that_rests_is_refused():
+    t = np.arange(0.0, 10.0, 0.004)
+    still = 1e-7 * np.random.default_rng(1).normal(size=len(t))
+    record = Measurement(time=t, position=still, force=1.2 * np.sin(2.5 * t))
+    with pytest.raises(InputError):
+        select(Axis(inertia=1.0), None, record)
+    creeping = replace(record, position=still + 1e-6 * np.sin(2.5 * t))
+    with pytest.raises(InputError, match="rests throughout the record, or moves by no more"):
+        select(Axis(inertia=1.0), None, creeping, vary=["friction.*", "mechanism.inertia"])
+
+
+def test_parameters_of_what_is_no_law_have_their_symbols_and_units():
+    v = np.geomspace(1e-6, 3e-4, 12)
+    v = np.concatenate([v, -v])
+    noise = 0.003 * np.random.default_rng(5).normal(size=len(v))
+    friction = np.sign(v) * (0.31 - 0.008 * np.log(np.abs(v) / 1e-5)) + noise
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
+    found = {one.quantity.symbol: one for one in verdict.closest.fit.estimates}
+    assert found["v_0"].quantity.unit == "m/s"
+    assert found["a"].low < found["a"].value < found["a"].high < 0.0
+
+
+def test_a_law_of_another_power_of_the_load_says_at_which_load_it_stands():
+    v = np.tile(np.geomspace(0.005, 0.3, 8), 3)
+    load = np.repeat([10.0, 20.0, 40.0], 8)
+    noise = 0.02 * np.random.default_rng(3).normal(size=len(v))
+    table = Measurement(velocity=v, friction=0.3 * load**0.7 + 2.0 * v + noise, load=load)
+    verdict = select(Axis(inertia=1.0), None, table)
+    assert any("levels are those at 20 N" in one for one in verdict.words.cannot_tell)
+    assert any("levels are those at 20 N" in one for one in verdict.best.fit.remarks)
+
+
+def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
+    v = np.linspace(0.1, 1.0, 12)
+    noise = 1e-4 * np.random.default_rng(2).normal(size=len(v))
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+    (level, *_) = facts(verdict)
+    assert len(level.value.partition(".")[2].partition(" ")[0]) >= 3
+    assert level.what == "kinetic coefficient $mu_k$, 95 % over all laws"
+    assert " to " in level.aside

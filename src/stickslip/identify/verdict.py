@@ -11,7 +11,7 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
@@ -595,7 +595,12 @@ def verdict_on(
         measurement=measurement,
         words=Wording(
             verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
-            lede=band_sentence(speeds, band, words),
+            lede=band_sentence(
+                speeds,
+                band,
+                words,
+                offset=any(name == "offset" for one in comparison.set for name, _ in one),
+            ),
             settles=(*settles, *said),
             cannot_tell=tuple(doubts),
             measure_next=tuple(advice),
@@ -735,6 +740,7 @@ def _estimate(
     own = replace(own, unit=turned(unit, measurement.turning))
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)
+    least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
     return Estimate(
         path=one.path,
         quantity=own,
@@ -746,9 +752,12 @@ def _estimate(
 
 
 def _usual_quantity(name: str) -> Quantity:
-    """Return a parameter of a law that is no composition as the usual laws have it."""
-    known = (fields_of(kind) for kind in laws().values())
-    return next((own[name] for own in known if name in own), Quantity(name, "1"))
+    """Return a parameter of a law that is no composition as usual laws and parts have it."""
+    for own in (fields_of(kind) for kind in laws().values()):
+        if name in own:
+            return own[name]
+    of_parts = (one for part in PARTS.values() for one in part.parameters)
+    return next((one.quantity for one in of_parts if one.name == name), Quantity(name, "1"))
 
 
 def importance(estimate: Estimate) -> int:

@@ -181,8 +181,14 @@ def range_of(speeds: Array, unit: str) -> str:
     return joined([f"from {span(low, high, unit)}" for low, high in ends])
 
 
-def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
-    """Return how well friction is known over the speeds, whichever law holds."""
+def band_sentence(
+    speeds: Array, band: PredictionBand, words: Words, *, offset: bool = False
+) -> str:
+    """Return how well friction is known over the speeds, whichever law holds.
+
+    The band holds a constant offset where there may be one.
+    """
+    what = "friction with the constant offset" if offset else "friction"
     half = 0.5 * (band.high - band.low)
     size = np.abs(band.median)
     typical = float(np.median(size))
@@ -191,8 +197,8 @@ def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
     over = capital(range_of(speeds, words.speed_unit))
     if not tells_friction(band):
         widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
-        return f"{over}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
-    said = f"{over}, friction is known to ± {percent(float(np.median(relative)))}"
+        return f"{over}, {what} is within ± {widest} of zero (95 % band, whichever law holds)."
+    said = f"{over}, {what} is known to ± {percent(float(np.median(relative)))}"
     if relative[worst] > 1.5 * float(np.median(relative)):
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += f", at {at} to ± {percent(float(relative[worst]))}"
