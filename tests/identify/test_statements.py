@@ -350,3 +350,39 @@ def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
     assert len(level.value.partition(".")[2].partition(" ")[0]) >= 3
     assert level.what == "kinetic coefficient $mu_k$, 95 % over all laws"
     assert " to " in level.aside
+
+
+@pytest.mark.parametrize("located", [True, False])
+def test_a_motor_that_swings_a_weight_is_proposed_as_a_pendulum(tmp_path, located):
+    time, angle, torque = swinging(ARM)
+    rate = np.gradient(angle, time)
+    name, moved_ = ("angle_deg", np.degrees(angle)) if located else ("omega_rad_s", rate)
+    file = tmp_path / "arm.csv"
+    rows = np.column_stack([time, moved_, torque])
+    np.savetxt(file, rows, delimiter=",", header=f"time_s,{name},torque_Nm", comments="")
+    guess = guess_data(file)
+    assert guess.units["position" if located else "velocity"] == ("deg" if located else "rad/s")
+    swing = swing_of(read_data([file], replace(guess.reading, by="options")))
+    assert swing.inertia == pytest.approx(1.2 * 0.4**2, rel=0.05)
+    (tmp_path / "arm.toml").write_text(guessed_rig(guess, "arm.csv", swing=swing))
+    rig = load_rig(tmp_path / "arm.toml")
+    vary = ["friction.*", "mechanism.mass", "mechanism.inertia"]
+    verdict = select(rig.mechanism, None, rig.measurement, vary=vary, settings=HELD)
+    found = {one.path: one for one in verdict.closest.fit.estimates}
+    mass = found["mechanism.mass"]
+    assert mass.quantity.unit == "kg"
+    assert mass.value * rig.mechanism.length == pytest.approx(1.2 * 0.4, rel=0.03)
+    assert found["friction.kinetic_coefficient"].low < 0.25
+    assert found["friction.kinetic_coefficient"].high > 0.25
+
+
+def test_an_axis_whose_torque_moves_an_inertia_only_is_no_pendulum():
+    t = np.arange(0.0, 8.0, 0.01)
+    angle = 0.4 * np.sin(2.0 * t) + 0.2 * np.sin(5.0 * t)
+    rate = 0.8 * np.cos(2.0 * t) + np.cos(5.0 * t)
+    torque = -1.6 * np.sin(2.0 * t) - 5.0 * np.sin(5.0 * t) + 0.5 * np.sign(rate)
+    noise = 0.02 * np.random.default_rng(0).normal(size=len(t))
+    axis = Measurement(time=t, position=angle, force=torque + noise, turning=True)
+    assert swing_of(axis) is None
+    heavy = replace(axis, force=torque + noise + 4.0 * np.sin(angle))
+    assert swing_of(heavy).stiffness == pytest.approx(4.0, rel=0.1)

@@ -737,7 +737,10 @@ def _estimate(
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
     forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
     unit = own.force_unit if forces else own.unit
-    own = replace(own, unit=turned(unit, measurement.turning))
+    # only an axis that may turn or not has units of a line: the mass of a pendulum is one
+    given = one.path.startswith("mechanism.") and not hasattr(mechanism, "rotary")
+    unit = turned(unit, measurement.turning and not given)
+    own = replace(own, unit=unit)
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)
     least = least if least <= one.value else -math.inf  # what is no law has values that laws lack

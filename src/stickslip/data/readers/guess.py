@@ -117,6 +117,8 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
+RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
+"""How names of columns that have no sign for it say a unit over a time."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
 MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
@@ -834,6 +836,9 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
+    if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
+        unit = f"{rate['unit']}/{rate['per']}"
+        own = [(rate["name"], unit)] if is_unit(unit) and is_unit_of(unit, quantity) else []
     if (
         not parts
         and len(name) > 1

@@ -35,6 +35,8 @@ from stickslip.show.formatting import joined, number, printable, quantity
 
 GRAVITY: Final = 9.81
 """Acceleration of weights that are not given otherwise [m/s^2]."""
+ROD: Final = 0.75
+"""Length to the centre of mass of a rod, over that of a point mass that swings as it does."""
 RESTING: Final = 0.01
 """Angle [rad] up to which a pendulum hangs at 0."""
 LONGEST: Final = 8
@@ -128,10 +130,15 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
 
 
 def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
-    """Yield the table of a body that swings by itself: of a pendulum, or on a spring."""
+    """Yield the table of a body that swings: of a pendulum, or on a spring."""
     frequency = f"{math.sqrt(swing.stiffness) / (2.0 * math.pi):.3g} Hz"
     yield "[mechanism]"
-    if guess.turning:
+    if not guess.turning:
+        yield 'type = "axis"  # a mass on a spring, as it swings by itself'
+        yield "# assumed: the file cannot tell the mass; the stiffness goes with it."
+        yield 'inertia = "1 kg"'
+        yield f'stiffness = "{swing.stiffness:.4g} N/m"  # it swings at {frequency}'
+    elif swing.inertia is None:
         length = GRAVITY / swing.stiffness
         yield 'type = "pendulum"  # assumed, as it swings by itself; on a spring it is an "axis"'
         yield f'# with stiffness = "{swing.stiffness:.3g} N m/rad" for each kg m^2 of its inertia.'
@@ -140,14 +147,23 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
         yield "# swings. Else give the true length, and as inertia that about the centre of mass,"
         yield f"# mass * length * ({length:.3g} m - length)."
         yield f'length = "{length:.4g} m"'
-        if abs(swing.rest) > RESTING:
-            of = "" if "position" in guess.columns else ", counted from where the record begins"
-            yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
     else:
-        yield 'type = "axis"  # a mass on a spring, as it swings by itself'
-        yield "# assumed: the file cannot tell the mass; the stiffness goes with it."
-        yield 'inertia = "1 kg"'
-        yield f'stiffness = "{swing.stiffness:.4g} N/m"  # it swings at {frequency}'
+        weight = swing.inertia * swing.stiffness
+        length = ROD * GRAVITY / swing.stiffness
+        mass = weight / (GRAVITY * length)
+        yield 'type = "pendulum"  # assumed, as the torque holds a weight; else it is an "axis"'
+        product = f"{weight / GRAVITY:.3g} kg m"
+        yield f"# The torque tells mass * length ({product}) and the inertia about the axis only."
+        yield "# The length is that of a rod: give the true one, to the centre of mass."
+        yield f'length = "{length:.4g} m"'
+        yield "# Both are fitted; the search begins at these values. The inertia is that about the"
+        yield "# centre of mass. If one is known, write it without vary."
+        yield f'mass = {{ value = "{mass:.3g} kg", vary = true }}'
+        about = swing.inertia - mass * length**2
+        yield f'inertia = {{ value = "{about:.3g} kg m^2", vary = true }}'
+    if guess.turning and abs(swing.rest) > RESTING:
+        of = "" if "position" in guess.columns else ", counted from where the record begins"
+        yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
     if "load" not in guess.columns:
         yield '# With the normal force, as in load = "50 N", levels become coefficients.'
     yield ""

@@ -19,14 +19,12 @@ from scipy.signal import lfilter
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
 from stickslip.identify.forces import (
-    Forces,
     Unknown,
     forces_along,
     transmitted_of,
     with_transmitted,
 )
 from stickslip.identify.problem import STRETCHES, Array, Mask
-from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -44,9 +42,9 @@ FEWEST = 60
 """Samples of a record at least."""
 SCALED = math.sqrt(np.finfo(float).eps)
 """Share by which positions and velocities are scaled to see what known forces change by."""
-AROUND, STEPS, PARTS = 24, 8, 400
-"""Places around an axis where a record may begin, steps by which the best is refined, and parts of
-the record whose momenta are balanced."""
+AROUND, STEPS, PARTS, NUDGE = 24, 8, 400, 1e-4
+"""Places around an axis where a record may begin, steps by which the best is refined, parts of the
+record whose momenta are balanced, and way that shows what a start changes [m] or [rad]."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
@@ -231,7 +229,7 @@ def _record(
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
     forces = forces_along(mechanism, record, x, v, unknown, doubts)
-    began = None if located else _began(mechanism, record, x, v, forces)
+    began = None if located else _began(mechanism, record, x, v, unknown)
     if began is not None:
         x = x + began
         forces = forces_along(mechanism, record, x, v, unknown, doubts)
@@ -259,7 +257,7 @@ def _record(
 
 
 def _began(
-    mechanism: Mechanism, record: Measurement, x: Array, v: Array, forces: Forces
+    mechanism: Mechanism, record: Measurement, x: Array, v: Array, unknown: Sequence[str]
 ) -> float | None:
     """Return where a record of velocities began, by the known forces that depend on the place.
 
@@ -270,41 +268,38 @@ def _began(
     """
     if len(mechanism.coordinates) > 1 or getattr(mechanism, "rest_angle", None) is not None:
         return None
-    time, size = np.asarray(record.time, dtype=float), float(np.ptp(x)) + 1e-300
-
-    def still(start: float) -> Array:
-        return np.asarray(forces_along(mechanism, record, x + start, v, []).still)
-
-    def slope(start: float) -> Array:
-        return (still(start + SCALED * size) - still(start - SCALED * size)) / (2.0 * SCALED * size)
-
-    at_zero = slope(0.0)
-    if not np.any(np.abs(at_zero) * size > THRESHOLDS.rounding * np.max(np.abs(still(0.0)))):
+    time, h = np.asarray(record.time, dtype=float), SCALED * (float(np.ptp(x)) + 1e-300)
+    near = [forces_along(mechanism, record, x + side, v, []).still for side in (-h, h)]
+    if not np.any(np.abs(near[1] - near[0]) > SCALED * h * np.max(np.abs(near), initial=0.0)):
         return None
-
     ends = np.unique(np.linspace(0, len(time) - 1, PARTS + 1).astype(int))
+    gained = np.diff(v[ends])
 
     def summed(y: Array) -> Array:
-        return np.diff(
-            np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time))])[ends]
+        steps = 0.5 * (y[1:] + y[:-1]) * np.diff(time)
+        return np.diff(np.concatenate([[0.0], np.cumsum(steps)])[ends])
+
+    def left(start: float) -> Array:
+        """Return what the balance leaves of each part, from a start."""
+        own = forces_along(mechanism, record, x + start, v, unknown)
+        rows = [summed(np.sign(v)), summed(v)]
+        rows += [one.inertia * gained - summed(one.force) for one in own.unknown.values()]
+        y = summed(own.driven + own.still) - own.inertia * gained
+        table = np.column_stack(rows)
+        sizes = np.max(np.abs(table), axis=0) + 1e-300
+        found = np.linalg.lstsq(table / sizes, y, rcond=None)[0] / sizes
+        limits = [one.limits for one in own.unknown.values()]
+        outside = any(
+            not low <= value <= high for value, (low, high) in zip(found[2:], limits, strict=True)
         )
-
-    gained = np.diff(v[ends])
-    rows = [summed(np.sign(v)), summed(v)]
-    rows += [summed(one.force) - one.inertia * gained for one in forces.unknown.values()]
-    basis = np.linalg.qr(np.column_stack([one / (np.max(np.abs(one)) + 1e-300) for one in rows]))[0]
-
-    def left(y: Array) -> Array:
-        return np.asarray(y - basis @ (basis.T @ y))
-
-    def error(start: float) -> Array:
-        return left(summed(forces.driven + still(start)) - forces.inertia * gained)
+        # a mass below 0 would hang upside down
+        return np.asarray(y if outside else y - table @ found)
 
     around = np.linspace(-math.pi, math.pi, AROUND, endpoint=False) if record.turning else [0.0]
-    best = min(map(float, around), key=lambda start: float(np.sum(error(start) ** 2)))
+    best = min(map(float, around), key=lambda start: float(np.sum(left(start) ** 2)))
     for _ in range(STEPS):
-        own, e = left(summed(slope(best))), error(best)
-        best -= float(own @ e) / (float(own @ own) + 1e-300)
+        moved = (left(best + NUDGE) - left(best - NUDGE)) / (2.0 * NUDGE)
+        best -= float(moved @ left(best)) / (float(moved @ moved) + 1e-300)
     return best
 
 
