@@ -124,6 +124,10 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     else:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
+    yield from _with_load(guess)
+
+
+def _with_load(guess: Guess) -> Iterator[str]:
     if "load" not in guess.columns:
         yield '# With the normal force, as in load = "50 N", levels become coefficients.'
     yield ""
@@ -164,9 +168,7 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
     if guess.turning and abs(swing.rest) > RESTING:
         of = "" if "position" in guess.columns else ", counted from where the record begins"
         yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
-    if "load" not in guess.columns:
-        yield '# With the normal force, as in load = "50 N", levels become coefficients.'
-    yield ""
+    yield from _with_load(guess)
 
 
 def _robot(guess: Guess, file: str | Path) -> Iterator[str]:

@@ -25,6 +25,7 @@ from stickslip.identify.forces import (
     with_transmitted,
 )
 from stickslip.identify.problem import STRETCHES, Array, Mask
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -42,9 +43,6 @@ FEWEST = 60
 """Samples of a record at least."""
 SCALED = math.sqrt(np.finfo(float).eps)
 """Share by which positions and velocities are scaled to see what known forces change by."""
-AROUND, STEPS, PARTS, NUDGE = 24, 8, 400, 1e-4
-"""Places around an axis where a record may begin, steps by which the best is refined, parts of the
-record whose momenta are balanced, and way that shows what a start changes [m] or [rad]."""
 CALM = 0.7
 """Part of the band in which accelerations of a load are looked at: else such terms fit the noise
 that the acceleration of the motor has."""
@@ -272,7 +270,7 @@ def _began(
     near = [forces_along(mechanism, record, x + side, v, []).still for side in (-h, h)]
     if not np.any(np.abs(near[1] - near[0]) > SCALED * h * np.max(np.abs(near), initial=0.0)):
         return None
-    ends = np.unique(np.linspace(0, len(time) - 1, PARTS + 1).astype(int))
+    ends = np.unique(np.linspace(0, len(time) - 1, STRETCHES**2 + 1).astype(int))
     gained = np.diff(v[ends])
 
     def summed(y: Array) -> Array:
@@ -295,10 +293,10 @@ def _began(
         # a mass below 0 would hang upside down
         return np.asarray(y if outside else y - table @ found)
 
-    around = np.linspace(-math.pi, math.pi, AROUND, endpoint=False) if record.turning else [0.0]
+    around = np.linspace(-math.pi, math.pi, STRETCHES, endpoint=False) if record.turning else [0.0]
     best = min(map(float, around), key=lambda start: float(np.sum(left(start) ** 2)))
-    for _ in range(STEPS):
-        moved = (left(best + NUDGE) - left(best - NUDGE)) / (2.0 * NUDGE)
+    for _ in range(THRESHOLDS.refinements):
+        moved = (left(best + h) - left(best - h)) / (2.0 * h)
         best -= float(moved @ left(best)) / (float(moved @ moved) + 1e-300)
     return best
 

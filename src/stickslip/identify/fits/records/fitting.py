@@ -422,7 +422,7 @@ def _untold(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]
     It keeps its start, or is what it must not fall below.
     """
     problem = ready.problem
-    known = {path: value for path, _, value in parameters(ready.start, "friction")} | found
+    known = {path: x for path, _, x in parameters(ready.start, "friction")} | dict(found)
     made = []
     for item in problem.untold if isinstance(problem, ForceMap) else ():
         least = known.get(item.above, -math.inf)
