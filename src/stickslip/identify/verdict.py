@@ -737,9 +737,10 @@ def _estimate(
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
     forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
     unit = own.force_unit if forces else own.unit
-    # only an axis that may turn or not has units of a line: the mass of a pendulum is one
-    given = one.path.startswith("mechanism.") and not hasattr(mechanism, "rotary")
-    unit = turned(unit, measurement.turning and not given)
+    if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
+        unit = own.or_unit if measurement.turning and own.or_unit else own.unit
+    else:
+        unit = turned(unit, measurement.turning)
     own = replace(own, unit=unit)
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)
