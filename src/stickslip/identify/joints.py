@@ -41,7 +41,7 @@ from stickslip.identify.selection import record_verdict, refined, restrict
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import capital
+from stickslip.show.formatting import capital, parameter_words, with_unit
 from stickslip.show.report import (
     KeyValue,
     KeyValues,
@@ -453,7 +453,8 @@ def mechanism_section(verdict: JointVerdict) -> Section | None:
         return None
     items = tuple(
         KeyValue(
-            key=f"${one.quantity.symbol}$, {one.path.removeprefix('mechanism.')}", value=one.range
+            key=f"${one.quantity.symbol}$, {parameter_words(one.path)}",
+            value=with_unit(one.range, one.quantity.unit),
         )
         for one in shown
     )

@@ -599,7 +599,7 @@ def verdict_on(
                 speeds,
                 band,
                 words,
-                offset=any(name == "offset" for one in comparison.set for name, _ in one),
+                offset=_holds_offset(judgement, speeds),
             ),
             settles=(*settles, *said),
             cannot_tell=tuple(doubts),
@@ -646,6 +646,17 @@ def groups_of(judgement: Judgement) -> list[list[str]]:
     for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
         found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])
     return [*found.values()]
+
+
+def _holds_offset(judgement: Judgement, speeds: Array) -> bool:
+    """Return whether a law that is not told apart has a constant offset which the band holds.
+
+    What does no work in a swing is no friction, and in no band.
+    """
+    if all(name != "offset" for one in judgement.comparison.set for name, _ in one):
+        return False
+    problem = judgement.problem
+    return bool(np.any(problem.terms["offset"].columns(problem.at(speeds), ())))
 
 
 def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:
