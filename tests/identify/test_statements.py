@@ -386,3 +386,12 @@ def test_an_axis_whose_torque_moves_an_inertia_only_is_no_pendulum():
     assert swing_of(axis) is None
     heavy = replace(axis, force=torque + noise + 4.0 * np.sin(angle))
     assert swing_of(heavy).stiffness == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("laws", [None, ["coulomb"]])
+def test_only_laws_that_were_compared_explain_nothing(laws):
+    v = np.linspace(0.1, 2.0, 16)
+    noise = 0.01 * np.random.default_rng(6).normal(size=len(v))
+    table = Measurement(velocity=v, friction=2.0 + 3.0 * v + noise)
+    verdict = select(Axis(inertia=1.0), laws, table)
+    assert verdict.sentence.startswith("None of the laws compared explains" if laws else "Use ")

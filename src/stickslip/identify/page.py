@@ -165,7 +165,8 @@ def laws_section(verdict: BandVerdict) -> Section:
     if count == 1:
         heading = "No law with as few parameters predicts as well" if dense else "One law is left"
     if not verdict.explained:
-        heading = "No law predicts as well as the measured curve"
+        none = "None of these laws" if judgement.problem.only else "No law"
+        heading = f"{none} predicts as well as the measured curve"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 

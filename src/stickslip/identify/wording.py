@@ -114,8 +114,9 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     phrase = phrase_of(judgement, named)
     others = _others(judgement, title_of(judgement, named), beside_of(judgement, named))
     if no_law(judgement):
+        none = "None of the laws compared" if judgement.problem.only else "No law"
         return (
-            f"No law explains the {words.measured}: a curve over the speed predicts held-out"
+            f"{none} explains the {words.measured}: a curve over the speed predicts held-out"
             f" {words.held_out} better. {capital(phrase)}{own} is the closest."
         )
     if not comparison.named:
