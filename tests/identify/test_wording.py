@@ -112,7 +112,7 @@ def test_a_size_without_an_interval_has_none():
         path="delay", quantity=delay, value=-0.00436, low=-0.00436, high=-0.00436, interval="95 %"
     )
     assert cause_sentence(cause, one, WORDS).startswith(
-        "Delay of the force: t_d = −0.0044 s: it takes 40 % off"
+        "Delay of the force: $t_d$ = −0.0044 s: it takes 40 % off"
     )
     known = replace(one, low=-0.005, high=-0.004)
     doubted = cause_sentence(replace(cause, explained=0.4), known, WORDS)

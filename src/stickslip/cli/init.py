@@ -19,6 +19,7 @@ from stickslip.data import (
     guessed_rig,
     inertia_of,
     read_data,
+    swing_of,
 )
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.documents import document, write_file
@@ -49,8 +50,9 @@ def run(options: InitOptions) -> None:
         stdout().print(str(guess))
     name = _relative(data_file(file), target)
     if urdf is None:
-        inertia = inertia_of(read_data([file], replace(guess.reading, by="options")))
-        text = guessed_rig(guess, name, inertia=inertia or 1.0)
+        record = read_data([file], replace(guess.reading, by="options"))
+        inertia, swing = inertia_of(record) or 1.0, swing_of(record)
+        text = guessed_rig(guess, name, inertia=inertia, swing=swing)
     else:
         text = guessed_rig(guess, name, robot=_relative(urdf, target))
     write_file(target, text)

@@ -571,6 +571,8 @@ def measured(
     ).only(kind.uses)
     given = {"horizon": horizon, "route": route, **said, "validate": validate}
     typed = {name: f"--{name.replace('_', '-')}" for name, one in given.items() if one is not None}
+    if rig.hold is not None:
+        typed.setdefault("hold", f"hold in [data] of {rig.path}")
     refuse_unused(kind, typed, request)
     if options.rig is None and "t_end" not in kind.uses:  # the bundled rig is a block with a travel
         raise InputError(

@@ -10,6 +10,7 @@ from stickslip.data.carrying import extrapolations as extrapolations
 from stickslip.data.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.data.checking.coverage import resting_readings as resting_readings
 from stickslip.data.checking.coverage import speeds_in_order as speeds_in_order
+from stickslip.data.checking.coverage import volts_sentence as volts_sentence
 from stickslip.data.checking.coverage import with_order as with_order
 from stickslip.data.checking.data_quality import Checks as Checks
 from stickslip.data.checking.data_quality import check as check
@@ -25,6 +26,7 @@ from stickslip.data.checking.finding import Finding as Finding
 from stickslip.data.checking.finding import SEVERITIES as SEVERITIES
 from stickslip.data.checking.finding import sentences_of as sentences_of
 from stickslip.data.checking.motion import inertia_of as inertia_of
+from stickslip.data.checking.motion import swing_of as swing_of
 from stickslip.data.checking.signal_quality import CURE as CURE
 from stickslip.data.checking.signal_quality import MainsLine as MainsLine
 from stickslip.data.checking.signal_quality import is_narrow as is_narrow

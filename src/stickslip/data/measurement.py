@@ -359,6 +359,8 @@ class Measurement(Tabular, InPanels):
         Columns of its file that nothing was read from: their value, None if it changes.
     lost : sequence of str, optional
         What its file says that it holds and does not, a sentence each.
+    volts : sequence of str, optional
+        Forces that were recorded in volts, of which a gain made what they are.
     line : Line, optional
         The line on which positions in a plane were projected.
     name, provenance : str
@@ -432,6 +434,7 @@ class Measurement(Tabular, InPanels):
     turning: bool = False
     unused: Mapping[str, float | str | None] = field(default_factory=dict)
     lost: Sequence[str] = ()
+    volts: Sequence[str] = ()
     line: Line | None = None
     name: str = ""
     provenance: str = ""

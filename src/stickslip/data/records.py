@@ -32,6 +32,7 @@ from stickslip.data.readers.columns import (
     Column,
     Reading,
     check_columns,
+    is_voltage,
     motor_constants,
     spelled,
 )
@@ -152,6 +153,13 @@ class Scaling:
 
     def _one(self, name: str, raw: Array, target: str, load: Array | float | None) -> Array:
         unit, gain = self.frame.units.get(name), self.gains.get(name)
+        if self._called_volts(name) and gain is None:
+            raise InputError(
+                f"{self.frame.file}: column {self.frame.names[name]!r} is called a voltage and"
+                f" taken for the {name} in {target}: give the factor of the amplifier in {target}/V"
+                f" as the gain of {name}; of the voltage at a motor, read the column as voltage and"
+                f" give the motor as the drive of the mechanism; if it is a {name}, give its unit."
+            )
         if name in RUBBING and unit is not None and is_of(unit, "1"):
             return self._by_load(name, raw, load, target)
         if gain is None:
@@ -162,6 +170,21 @@ class Scaling:
             return gain * raw
         self._refuse_twice(name, unit, target, gain)
         return gain * self.frame.scaled(name, raw, target)
+
+    def _called_volts(self, name: str) -> bool:
+        """Whether a force has no unit, and a name of its column that says volts."""
+        is_force = name.partition(".")[0] == "force"
+        unit = self.frame.units.get(name)
+        return is_force and unit is None and is_voltage(self.frame.names[name])
+
+    def volts(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the forces that were made of volts."""
+        return tuple(
+            name
+            for name in names
+            if name.partition(".")[0] == "force"
+            and (self._called_volts(name) or is_of(self.frame.units.get(name) or "N", "V"))
+        )
 
     def _in_unit(self, name: str, unit: str | None, target: str, gain: str) -> float:
         """Return the factor of a gain with a unit, which the column must have too."""
@@ -580,6 +603,7 @@ class _Files:
             conditions=conditions,
             unused=unused_in(frame, {*used, TRIAL, *map(condition_name, conditions)}),
             lost=frame.lost,
+            volts=scaling.volts(values),
             turning=turning,
             line=line,
             name=name,

@@ -41,7 +41,7 @@ from stickslip.identify.selection import record_verdict, refined, restrict
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import capital
+from stickslip.show.formatting import capital, parameter_words, with_unit
 from stickslip.show.report import (
     KeyValue,
     KeyValues,
@@ -256,15 +256,15 @@ def select_joints(
     if not records.records:
         raise InputError("no joint moves in these records: nothing tells friction.")
     links, own = None, records.at({})
-    problem = partial(_problem, widest=records.widest, hold=settings.hold)
+    problems = partial(_problems, widest=records.widest, hold=settings.hold)
     if paths or zeros:  # they were found, and are not wrong once more
-        problem = partial(problem, without=(*WHOLE, "mechanism"))
-        links = links_of({name: problem(one) for name, one in own.items()}, records)
+        problems = partial(problems, without=(*WHOLE, "mechanism"))
+        links = links_of(problems(own), records)
         own = records.at(links.change)
     others = {} if validate is None else made(validate).at(links.change if links else {})
     joints = dict[str, BandVerdict]()
-    for name, contact in records.contacts.items():
-        judged = problem(own[name])
+    for name, judged in problems(own).items():
+        contact = records.contacts[name]
         if laws is not None and not said:  # forces of another joint may follow none of them
             restrict(judged, laws)
         joints[contact] = record_verdict(
@@ -281,15 +281,22 @@ def select_joints(
     return _verdict(mechanism, rig, measurement, joints, values, records, checks)
 
 
-def _problem(
-    records: list[Record], *, widest: float, hold: str | None, without: Sequence[str] = WHOLE
-) -> RecordsProblem:
-    """Return the balance of a joint, whose forces run between samples as said, or as shown."""
-    records = [replace(one, held=True) for one in records]
-    loads = [one.load for one in records if one.load is not None]
-    normal = float(np.exp(np.mean(np.log(np.concatenate(loads))))) if loads else 1.0
-    made = partial(RecordsProblem, normal=normal, widest=widest, without=without)
-    return with_hold(made, records, hold)
+def _problems(
+    records: Mapping[str, list[Record]],
+    *,
+    widest: float,
+    hold: str | None,
+    without: Sequence[str] = WHOLE,
+) -> dict[str, RecordsProblem]:
+    """Return the balances of the joints, whose forces run between samples as said, or as shown."""
+
+    def made(own: Sequence[Record]) -> RecordsProblem:
+        loads = [one.load for one in own if one.load is not None]
+        normal = float(np.exp(np.mean(np.log(np.concatenate(loads))))) if loads else 1.0
+        return RecordsProblem(own, normal=normal, widest=widest, without=without)
+
+    held = [[replace(one, held=True) for one in own] for own in records.values()]
+    return dict(zip(records, with_hold(made, held, hold), strict=True))
 
 
 def _alone(mechanism: Mechanism, coordinate: str, inertia: float) -> Mechanism:
@@ -446,7 +453,8 @@ def mechanism_section(verdict: JointVerdict) -> Section | None:
         return None
     items = tuple(
         KeyValue(
-            key=f"${one.quantity.symbol}$, {one.path.removeprefix('mechanism.')}", value=one.range
+            key=f"${one.quantity.symbol}$, {parameter_words(one.path)}",
+            value=with_unit(one.range, one.quantity.unit),
         )
         for one in shown
     )

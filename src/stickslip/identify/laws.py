@@ -379,3 +379,9 @@ RIG_QUANTITIES: Mapping[str, Quantity] = {
     "gear_direction": Quantity("mu_d", "1"),
 }
 """Symbols and units of what is no parameter of a law or mechanism."""
+RATIOS: Mapping[str, str] = {
+    "mechanism": "they are {} times those given",
+    "force_gain": "force and friction as recorded are {} times what acts",
+    "position_scale": "ways and speeds are {} times those recorded, by which friction is stated",
+}
+"""Terms whose size is a ratio, 1 where what is given is right: what it is, in words."""

@@ -8,7 +8,17 @@ from stickslip.identify.fits import Estimate
 from stickslip.identify.laws import TITLES
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, importance
-from stickslip.show.formatting import NO_VALUE, capital, interval, number, percent, with_unit
+from stickslip.show.formatting import (
+    NO_VALUE,
+    capital,
+    interval,
+    number,
+    parameter_words,
+    percent,
+    significant,
+    with_unit,
+    within,
+)
 from stickslip.show.plots import MAP_SIZES, inline_svg
 from stickslip.show.report import (
     MOST,
@@ -71,10 +81,19 @@ def facts(verdict: BandVerdict) -> list[Fact]:
     """Return the parameters of the named law with their intervals, three at most."""
     found = []
     for own, every in _estimates(verdict):
-        value = with_unit(number(own.value), own.quantity.unit)
-        aside = f"95 %: {interval(every.low, every.high)}"
-        found.append(Fact(value=value, what=f"${own.quantity.symbol}$", aside=aside))
+        value = with_unit(within(own.value, every.low, every.high), own.quantity.unit)
+        what = f"{_words_of(verdict, own)} ${own.quantity.symbol}$, 95 % over all laws"
+        aside = interval(every.low, every.high)
+        found.append(Fact(value=value, what=what, aside=aside))
     return found[:MOST]
+
+
+def _words_of(verdict: BandVerdict, one: Estimate) -> str:
+    """Return what a parameter is called: beside a law as its term is."""
+    if "." in one.path:  # of the law, or the mechanism
+        return parameter_words(one.path)
+    term = verdict.judgement.problem.terms.get(one.path)
+    return parameter_words(one.path) if term is None else term.title
 
 
 def figure_section(verdict: BandVerdict, prefix: str = "band") -> Section:
@@ -104,7 +123,7 @@ def laws_section(verdict: BandVerdict) -> Section:
             cells=(
                 Name(text=one.title, aside=one.outcome),
                 str(one.count),
-                Number(value=number(scale.factor * one.held_out), unit=scale.unit),
+                Number(value=significant(scale.factor * one.held_out), unit=scale.unit),
                 _share(one.share),
                 number(one.evidence, 2),
             )
@@ -119,7 +138,7 @@ def laws_section(verdict: BandVerdict) -> Section:
             cells=(
                 Name(text=capital(TITLES["curve"]), aside="no law"),
                 NO_VALUE,
-                Number(value=number(error), unit=scale.unit),
+                Number(value=significant(error), unit=scale.unit),
                 _share(verdict.curve_share),
                 NO_VALUE,
             )
@@ -132,18 +151,22 @@ def laws_section(verdict: BandVerdict) -> Section:
         Column(head="share of the band", numeric=True, phone="label"),
         Column(head="evidence", numeric=True, phone="label"),
     )
+    # on dense records everything is significant: what more parameters say is no rival
+    dense = not judgement.problem.worth
     caption = (
-        f"The law with the most evidence is named: it fits with few and usual parts. Laws within"
-        f" {math.log(THRESHOLDS.odds):.1f} of it are not told apart. The band is"
-        " made of all laws, and of the curve as measured, by how well they predict."
+        "The law with the most evidence is named: it fits with few and usual parts. Laws within"
+        f" {math.log(THRESHOLDS.odds):.1f} of it{' that have no more parameters' * dense} are not"
+        " told apart. The band is made of all laws, and of the curve as measured, by how well they"
+        " predict."
     )
     table = Table(columns=columns, rows=rows, caption=caption)
     count = len(verdict.set)
-    heading = (
-        "One law is left" if count == 1 else f"{count} laws are not told apart by this measurement"
-    )
+    heading = f"{count} laws are not told apart by this measurement"
+    if count == 1:
+        heading = "No law with as few parameters predicts as well" if dense else "One law is left"
     if not verdict.explained:
-        heading = "No law predicts as well as the measured curve"
+        none = "None of these laws" if judgement.problem.only else "No law"
+        heading = f"{none} predicts as well as the measured curve"
     return Section(id="models", nav="Laws", heading=heading, blocks=(table,))
 
 
@@ -166,7 +189,7 @@ def parameters_section(verdict: BandVerdict) -> Section | None:
         rows.append(
             Row(
                 cells=(
-                    Name(text=f"${own.quantity.symbol}$", aside=own.path.rpartition(".")[2]),
+                    Name(text=f"${own.quantity.symbol}$", aside=_words_of(verdict, own)),
                     Number(value=value, doubt=doubt, unit=unit),
                     with_unit(interval(every.low, every.high), unit),
                 )

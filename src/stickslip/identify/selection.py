@@ -35,7 +35,9 @@ from stickslip.identify.wording import (
     SCALED,
     UNDAMPED,
     Words,
+    hold_sentence,
     presliding_sentence,
+    start_sentence,
     widened_sentence,
 )
 from stickslip.mechanisms import Mechanism
@@ -103,24 +105,39 @@ def _inside(band: PredictionBand, values: Array) -> float:
     return float(np.mean((band.low <= values) & (values <= band.high)))
 
 
+def of_volts(checks: Checks) -> Iterable[str]:
+    """Return what forces that were recorded in volts leave open."""
+    return (one.sentence for one in checks.of("volts"))
+
+
 def _is_held(measurement: Measurement) -> bool:
     """Return whether what drives the records may hold from sample to sample."""
     return all(not goes_straight(record, "zero") for record in measurement.records())
 
 
 def _remarks(
-    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None
-) -> tuple[str, ...]:
-    """Return what the number of records, a free motion and a balance leave to say."""
+    problem: RecordsProblem, judgement: Judgement, validate: Measurement | None, unit: str
+) -> list[str]:
+    """Return what the number of records, a free motion and a balance leave to say.
+
+    Places are said in their unit.
+    """
     if len(problem.records) > 1:
         found = (DIFFER,) if chance_of_records(problem) <= THRESHOLDS.differ_chance else ()
     else:
         found = (OTHERS,) if validate is None else ()
     if judgement.ensemble.wider > THRESHOLDS.no_law_ratio:
         found = (widened_sentence(judgement.ensemble.wider),)
-    remembers = MEMORY in problem.family(judgement.named)
-    undamped = (UNDAMPED,) if remembers and problem.memory == "lugre" else ()
-    return (*((SCALED,) if problem.free else ()), *found, *undamped)
+    said = [SCALED] if problem.free else []
+    said += found
+    if MEMORY in problem.family(judgement.named) and problem.memory == "lugre":
+        said.append(UNDAMPED)
+    first = problem.records[0]
+    if begun := [one.began for one in problem.records if one.began is not None]:
+        said.append(start_sentence([quantity(x, unit) for x in begun]))
+    if first.hold_doubt and not problem.free:
+        said.append(hold_sentence(held=first.held, doubt=first.hold_doubt))
+    return said
 
 
 def _problem(
@@ -181,7 +198,8 @@ def _judged(
     doubts = doubts_of(mechanism, measurement, vary)
     held = _is_held(measurement)
     records = records_of(mechanism, seen, unknown=vary, offset=offset, held=held, doubts=doubts)
-    problem = with_hold(partial(_problem, mechanism, vary=vary, offset=offset), records, hold)
+    make = partial(_problem, mechanism, vary=vary, offset=offset)
+    (problem,) = with_hold(make, [records], hold)
     if laws is not None:
         restrict(problem, laws)
     return problem, refined(Judgement.of(problem))
@@ -301,5 +319,5 @@ def record_verdict(
         second=second,
         inside=inside,
         readings=count,
-        remarks=(*remarks, *said, *_remarks(problem, judgement, second)),
+        remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second, unit)),
     )

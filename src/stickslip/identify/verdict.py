@@ -11,7 +11,7 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
@@ -45,6 +45,7 @@ from stickslip.identify.wording import (
     error_sentence,
     group_sentence,
     law_sentence,
+    load_sentence,
     no_law,
     outlier_sentence,
     parameter_sentence,
@@ -540,11 +541,16 @@ def verdict_on(
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
     comparison, family = judgement.comparison, judgement.problem.family
-    shown = [*comparison.evidence][: THRESHOLDS.families]
+    together = set(comparison.set)
+    # all that are counted as not told apart are shown
+    shown = [
+        one
+        for place, one in enumerate(comparison.evidence)
+        if place < THRESHOLDS.families or one in together
+    ]
     error = {one: judgement.held_out_error(one) for one in shown}
     order = [comparison.named, *(one for one in error if one != comparison.named)]
     most = comparison.evidence[comparison.named]
-    together = set(comparison.set)
     candidates = tuple(
         LawCandidate(
             name=name_of(judgement, one),
@@ -568,13 +574,17 @@ def verdict_on(
     settles = [error_sentence(judgement, words)]
     said = [parameter_sentence(a, b, phrase) for a, b in zip(own, every, strict=True)]
     sizes = {one.path: one for one in every}
-    doubts = [cause_sentence(one, sizes.get(one.term), words) for one in judgement.causes]
+    doubts = [
+        cause_sentence(one, sizes.get(one.term), words, told=told) for one in judgement.causes
+    ]
     doubts += [group_sentence(group, words) for group in groups_of(judgement)]
     doubts += [pattern_sentence(one, words) for one in judgement.patterns if one.stated]
     if (far := judgement.outliers) and judgement.problem.independent:
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
+    if any(one.path == "load_exponent" for one in own):
+        doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     doubts += [*remarks, UNMEASURED]
     advice = []
     if proposal.places and proposal.shrinks < WORTH:
@@ -585,7 +595,12 @@ def verdict_on(
         measurement=measurement,
         words=Wording(
             verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
-            lede=band_sentence(speeds, band, words),
+            lede=band_sentence(
+                speeds,
+                band,
+                words,
+                offset=_holds_offset(judgement, speeds),
+            ),
             settles=(*settles, *said),
             cannot_tell=tuple(doubts),
             measure_next=tuple(advice),
@@ -626,11 +641,22 @@ def groups_of(judgement: Judgement) -> list[list[str]]:
     found = {
         name: [terms[name].title, *(terms[other].title for other, _ in others)]
         for name, others in spans.instead.items()
-        if terms[name].role != "law"
+        if terms[name].role != "law" and not terms[name].doubt  # which is stated, not told
     }
     for name in {name for name, _ in judgement.named} & {*judgement.problem.instead}:
         found.setdefault(name, [terms[name].title, judgement.problem.instead[name]])
     return [*found.values()]
+
+
+def _holds_offset(judgement: Judgement, speeds: Array) -> bool:
+    """Return whether a law that is not told apart has a constant offset which the band holds.
+
+    What does no work in a swing is no friction, and in no band.
+    """
+    if all(name != "offset" for one in judgement.comparison.set for name, _ in one):
+        return False
+    problem = judgement.problem
+    return bool(np.any(problem.terms["offset"].columns(problem.at(speeds), ())))
 
 
 def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -> str:
@@ -673,6 +699,8 @@ def fit_of(
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
+    if "load_exponent" in composed.rig:
+        remarks.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     if composed.law() is None:
         remarks.append(
             f"The law goes through levels of {title_of(judgement, structure)}, which is no"
@@ -720,9 +748,14 @@ def _estimate(
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
     forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
     unit = own.force_unit if forces else own.unit
-    own = replace(own, unit=turned(unit, measurement.turning))
+    if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
+        unit = own.or_unit if measurement.turning and own.or_unit else own.unit
+    else:
+        unit = turned(unit, measurement.turning)
+    own = replace(own, unit=unit)
     low, high = (one.low_any, one.high_any) if any_law else (one.low, one.high)
     least = own.low if own.above is None else max(own.low, own.above)
+    least = least if least <= one.value else -math.inf  # what is no law has values that laws lack
     return Estimate(
         path=one.path,
         quantity=own,
@@ -734,9 +767,12 @@ def _estimate(
 
 
 def _usual_quantity(name: str) -> Quantity:
-    """Return a parameter of a law that is no composition as the usual laws have it."""
-    known = (fields_of(kind) for kind in laws().values())
-    return next((own[name] for own in known if name in own), Quantity(name, "1"))
+    """Return a parameter of a law that is no composition as usual laws and parts have it."""
+    for own in (fields_of(kind) for kind in laws().values()):
+        if name in own:
+            return own[name]
+    of_parts = (one for part in PARTS.values() for one in part.parameters)
+    return next((one.quantity for one in of_parts if one.name == name), Quantity(name, "1"))
 
 
 def importance(estimate: Estimate) -> int:

@@ -20,7 +20,8 @@ from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.problem import Array, Structure, family_of
+from stickslip.identify.laws import RATIOS
+from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import (
     capital,
@@ -29,6 +30,7 @@ from stickslip.show.formatting import (
     number,
     percent,
     quantity,
+    span,
     with_unit,
     within,
 )
@@ -112,8 +114,9 @@ def law_sentence(judgement: Judgement, words: Words) -> str:
     phrase = phrase_of(judgement, named)
     others = _others(judgement, title_of(judgement, named), beside_of(judgement, named))
     if no_law(judgement):
+        none = "None of the laws compared" if judgement.problem.only else "No law"
         return (
-            f"No law explains the {words.measured}: a curve over the speed predicts held-out"
+            f"{none} explains the {words.measured}: a curve over the speed predicts held-out"
             f" {words.held_out} better. {capital(phrase)}{own} is the closest."
         )
     if not comparison.named:
@@ -152,27 +155,51 @@ def tells_friction(band: PredictionBand) -> bool:
 def untold_sentence(judgement: Judgement, words: Words) -> str:
     """Return that no law can be recommended, as friction may be zero."""
     these = "do" if words.measured.endswith("s") else "does"
-    title = friction_of(title_of(judgement, judgement.named))
+    phrase = phrase_of(judgement, judgement.named)
     return (
         f"No law is recommended: the {words.measured} {these} not tell friction from zero. Check"
-        f" units, gains and signs; {title}{beside_of(judgement, judgement.named)} is the closest."
+        f" units, gains and signs; {phrase}{beside_of(judgement, judgement.named)} is the closest."
     )
 
 
-def band_sentence(speeds: Array, band: PredictionBand, words: Words) -> str:
-    """Return how well friction is known over the speeds, whichever law holds."""
+def range_of(speeds: Array, unit: str) -> str:
+    """Return over which velocities (n,) something is stated, each direction as it was moved in.
+
+    Examples
+    --------
+    >>> range_of(np.array([-1.0, -0.5, 0.5, 1.0]), "m/s"), range_of(np.array([0.5, 1.0]), "m/s")
+    ('from 0.5 to 1 m/s in both directions', 'from 0.5 to 1 m/s')
+    >>> range_of(np.array([-0.02, -0.01, 0.5, 1.0]), "m/s")
+    'from −20 to −10 mm/s and from 0.5 to 1 m/s'
+    """
+    sides = [side for side in (speeds[speeds < 0.0], speeds[speeds > 0.0]) if len(side)]
+    ends = [(float(side.min()), float(side.max())) for side in sides]
+    if len(ends) == 2:
+        (high, low), other = (-ends[0][0], -ends[0][1]), ends[1]
+        if max(abs(math.log(low / other[0])), abs(math.log(high / other[1]))) <= ALIKE:
+            both = span(max(low, other[0]), min(high, other[1]), unit)
+            return f"from {both} in both directions"
+    return joined([f"from {span(low, high, unit)}" for low, high in ends])
+
+
+def band_sentence(
+    speeds: Array, band: PredictionBand, words: Words, *, offset: bool = False
+) -> str:
+    """Return how well friction is known over the speeds, whichever law holds.
+
+    The band holds a constant offset where there may be one.
+    """
+    what = "friction with the constant offset" if offset else "friction"
     half = 0.5 * (band.high - band.low)
     size = np.abs(band.median)
     typical = float(np.median(size))
-    order = np.argsort(speeds)
-    low, high = float(speeds[order[0]]), float(speeds[order[-1]])
     relative = half / np.maximum(size, 0.1 * typical + 1e-300)
     worst = int(np.argmax(relative))
-    span = f"From {quantity(low, words.speed_unit)} to {quantity(high, words.speed_unit)}"
+    over = capital(range_of(speeds, words.speed_unit))
     if not tells_friction(band):
         widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
-        return f"{span}, friction is within ± {widest} of zero (95 % band, whichever law holds)."
-    said = f"{span}, friction is known to ± {percent(float(np.median(relative)))}"
+        return f"{over}, {what} is within ± {widest} of zero (95 % band, whichever law holds)."
+    said = f"{over}, {what} is known to ± {percent(float(np.median(relative)))}"
     if relative[worst] > 1.5 * float(np.median(relative)):
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += f", at {at} to ± {percent(float(relative[worst]))}"
@@ -200,10 +227,16 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     return f"{said}."
 
 
-def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
-    """Return a property of the rig or a fault, with the share that it explains."""
-    what = capital(cause.title) + (f": {_sized(size)}" if size else "")
-    if size is not None and size.low <= 0.0 <= size.high:
+def cause_sentence(cause: Cause, size: Estimate | None, words: Words, *, told: bool = True) -> str:
+    """Return a property of the rig or a fault, with the share that it explains.
+
+    Where friction is not told from zero beside it, it may be something else.
+    """
+    what = capital(cause.title) + (f": {_sized(cause, size)}" if size else "")
+    if size is not None and cause.term in RATIOS:
+        if size.low <= 1.0 <= size.high:
+            return f"{what}, consistent with what is given."
+    elif size is not None and size.low <= 0.0 <= size.high:
         return f"{what}, consistent with zero."
     if cause.left > THRESHOLDS.explained:
         return f"{what}; it explains little of what is measured, most stays unexplained."
@@ -211,6 +244,8 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
         return f"{what}; without it, held-out {words.held_out} are predicted as well."
     share = percent(min(cause.share, 0.999))
     said = f"{what}: it takes {share} off the squared error of held-out {words.held_out}"
+    if not told:
+        return f"{said}, but friction is not told from zero beside it: it may be something else."
     if not cause.asserted:
         return f"{said}, and most of what noise does not explain is left: it may be something else."
     if not cause.needed:
@@ -220,11 +255,14 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words) -> str:
     )
 
 
-def _sized(size: Estimate) -> str:
+def _sized(cause: Cause, size: Estimate) -> str:
     """Return an estimate with its interval, where there is one: some shapes are of a grid."""
+    if cause.term in RATIOS:
+        value = within(size.value, size.low, size.high)
+        return RATIOS[cause.term].format(f"{value} ({size.range})")
     if size.low < size.high:
-        return str(size)
-    return f"{size.quantity.symbol} = {with_unit(number(size.value, 2), size.quantity.unit)}"
+        return str(size).replace(size.quantity.symbol, f"${size.quantity.symbol}$", 1)
+    return f"${size.quantity.symbol}$ = {with_unit(number(size.value, 2), size.quantity.unit)}"
 
 
 def pattern_sentence(pattern: Pattern, words: Words) -> str:
@@ -322,6 +360,39 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     return (
         f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
         f" them at {joined(named)}: {expected}."
+    )
+
+
+def load_sentence(load: float) -> str:
+    """Return at which load [N] a law stands that friction follows by another power."""
+    return (
+        f"Friction follows another power of the load than the first: levels are those at"
+        f" {quantity(load, 'N')}, and what is simulated with this law holds there."
+    )
+
+
+def start_sentence(places: Sequence[str]) -> str:
+    """Return where records without positions are taken to begin."""
+    named = joined(
+        [*places[:MOST], *([f"{len(places) - MOST} more"] if len(places) > MOST else [])]
+    )
+    return (
+        f"No position was recorded, and forces of the mechanism depend on it: the motion is taken"
+        f" to begin at {named}, where these explain most of it. A bias of the velocity would pass"
+        " for friction: record the position."
+    )
+
+
+def hold_sentence(*, held: bool, doubt: float) -> str:
+    """Return how a force is taken to run between samples, and how sure that is.
+
+    The doubt is the standard deviation of when it acts, over half a sample.
+    """
+    how = "keep its value until the next sample" if held else "go straight from sample to sample"
+    return (
+        f"The force is taken to {how}, which does not show clearly: when it acts counts as"
+        f" uncertain by {number(0.5 * doubt, 2)} samples (standard deviation). If it is known, give"
+        " `hold`."
     )
 
 

@@ -148,6 +148,21 @@ def estimate_text(value: float, half_width: float) -> EstimateText:
     return EstimateText(f"({value_text}", f"± {error_text}) × {_ten_to(power)}")
 
 
+def is_skewed(value: float, low: float, high: float) -> bool:
+    """Return whether an end of a range is off that of `estimate` by more than its last digit.
+
+    Examples
+    --------
+    >>> is_skewed(0.25, 0.24, 0.262), is_skewed(0.25, 0.24, 0.31), is_skewed(0.0, 0.0, 0.4)
+    (False, True, True)
+    """
+    half = 0.5 * (high - low)
+    if not (math.isfinite(half) and half > 0.5 * 10.0**-MOST_DIGITS * abs(value)):
+        return False
+    place = _rounded(value, half)[2]
+    return bool(abs(_decimal(0.5 * (low + high)) - _decimal(value)) > Decimal(1).scaleb(place))
+
+
 def rounded(value: float, half_width: float) -> str:
     """Return a value alone, ending at the digit where `estimate` ends it.
 

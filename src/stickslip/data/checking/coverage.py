@@ -174,6 +174,21 @@ def lost(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
 
 
+def volts(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Say of which forces volts were recorded."""
+    for name in dict.fromkeys(name for record in records for name in record.volts):
+        yield Finding(kind="volts", sentence=volts_sentence(name), severity="info")
+
+
+def volts_sentence(name: str) -> str:
+    """Return what a force that was recorded in volts is only of some amplifiers."""
+    return (
+        f"The {name} is made of volts. If they are those at a motor, what its speed induces counts"
+        " as viscous friction: give the motor as the drive of the mechanism, and the column as"
+        " voltage. A sensor, or an amplifier that sets the current, has none."
+    )
+
+
 def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
     """Name columns that nothing was read from, those first that differ between trials.
 

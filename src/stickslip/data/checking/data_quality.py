@@ -215,6 +215,7 @@ def _findings(
         yield from coverage.settings(records, conditions)
         yield from () if grave else coverage.order_of_settings(records)
     yield from coverage.lost((measurement, *records))
+    yield from coverage.volts(records)
     yield from coverage.alike(records)
     if not grave:
         yield from coverage.repeated(records)

@@ -681,6 +681,62 @@ def inertia_of(record: Measurement) -> float | None:
     return factor if share >= EXPLAINED_FOR_FACTOR and factor > 0.0 else None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Swing:
+    """How a body swings, or would if nothing drove it."""
+
+    stiffness: float
+    """Stiffness over the inertia [1/s^2]; of a pendulum for small swings."""
+    rest: float
+    """Position where nothing pulls [m] or [rad]."""
+    inertia: float | None = None
+    """Moment of inertia [kg m^2], where a torque tells it."""
+
+
+def swing_of(record: Measurement) -> Swing | None:
+    """Return how a free motion swings, or a driven one about an axis that is pulled by its weight.
+
+    The acceleration is regressed on sine and cosine of the angle, or on the place, beside friction
+    and a torque. None where the speed of a free motion does not rise and fall, or where that takes
+    little off what is left.
+
+    Examples
+    --------
+    >>> t = np.arange(1000) / 100
+    >>> found = swing_of(Measurement(time=t, position=0.2 + np.exp(-0.05 * t) * np.cos(4.0 * t)))
+    >>> round(found.stiffness, 1), round(found.rest, 2)
+    (16.0, 0.2)
+    """
+    free = _undriven(record)
+    driven = record.turning and "force" in record.quantities() and record.time is not None
+    if record.trials or record.joints or not (free or driven):
+        return None
+    moving = motion_of(record)
+    if moving is None or moving.fastest <= CLEAR * moving.noise:
+        return None
+    if free and _turned(moving) <= GAINED:
+        return None
+    x, a = _positions(record), acceleration_of(record)
+    pulls = [np.sin(x), np.cos(x)] if record.turning else [x, np.ones_like(x)]
+    beside = [moving.velocity / moving.fastest, moving.directions]
+    if not free:
+        beside += [np.asarray(record.values("force")), np.ones_like(x)]
+    first, second, *others = np.linalg.lstsq(np.stack([*pulls, *beside], axis=1), a, rcond=None)[0]
+    left = a - np.stack([*pulls, *beside], axis=1) @ np.array([first, second, *others])
+    plain = np.stack(beside, axis=1)
+    without = a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
+    if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(without @ without):
+        return None
+    if not record.turning:
+        slope = -float(first)
+        return Swing(stiffness=slope, rest=float(second) / slope) if slope > 0.0 else None
+    given = None if free else 1.0 / float(others[2])
+    if given is not None and given <= 0.0:
+        return None
+    rest = math.atan2(float(second), -float(first))
+    return Swing(stiffness=math.hypot(first, second), rest=rest, inertia=given)
+
+
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
     """Compare a force with what a mechanism takes to move as it did, friction left aside."""
     known = record.quantities()

@@ -65,6 +65,24 @@ ROLLING: Final = ("rolling", "entrainment", "rollgeschwindigkeit")
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
+VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
+"""What names of channels contain that are recorded in volts."""
+VOLTS: Final = ("V", "mV", "kV")
+"""Units that end a name as no other word does: motor_V is no velocity."""
+
+
+def is_voltage(name: str) -> bool:
+    """Return whether a column is called a voltage.
+
+    Examples
+    --------
+    >>> [is_voltage(name) for name in ("Motorspannung", "ctrl_V", "V", "v", "velocity")]
+    [True, True, True, False, False]
+    """
+    last = re.split(r"[\W_]", name)[-1]
+    return any(word in name.casefold() for word in VOLTAGE) or last in VOLTS
+
+
 def parts_of(name: str) -> list[str]:
     """Return the words in a name, umlauts written out."""
     spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name).casefold().translate(_WRITTEN_OUT)

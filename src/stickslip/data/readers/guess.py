@@ -25,11 +25,14 @@ from stickslip.data.readers.columns import (
     STYLES,
     SURE,
     UNITS,
+    VOLTAGE,
+    VOLTS,
     WANTED,
     Column,
     Reading,
     is_barred,
     is_unit_of,
+    is_voltage,
     is_wanted,
     motor_constants,
     parts_of,
@@ -114,10 +117,8 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
-VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
-"""What names of channels contain that are recorded in volts."""
-VOLTS: Final = ("V", "mV", "kV")
-"""Units that end a name as no other word does: motor_V is no velocity."""
+RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
+"""How names of columns that have no sign for it say a unit over a time."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
 MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
@@ -835,6 +836,9 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
+    if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
+        unit = f"{rate['unit']}/{rate['per']}"
+        own = [(rate["name"], unit)] if is_unit(unit) and is_unit_of(unit, quantity) else []
     if (
         not parts
         and len(name) > 1
@@ -1408,7 +1412,7 @@ def _has_one_value(part: Frame, name: str) -> bool:
 def _may_drive(frame: Frame, name: str) -> bool:
     """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
     bare, unit = _bare_and_unit(name, frame.units.get(name), "force")
-    volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
+    volts = is_voltage(name)
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
     if any(part in SUPPLIES for part in parts_of(name)):

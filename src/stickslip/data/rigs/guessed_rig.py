@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 from typing_extensions import override
 
+from stickslip.data.checking.motion import Swing
 from stickslip.data.readers.columns import Reading
 from stickslip.data.readers.guess import Guess, guess_data
 from stickslip.data.readers.layout import Layout
@@ -32,17 +33,29 @@ from stickslip.show.formatting import joined, number, printable, quantity
 
 # Writes the rig file of a record of which only the data file is known.
 
+GRAVITY: Final = 9.81
+"""Acceleration of weights that are not given otherwise [m/s^2]."""
+ROD: Final = 0.75
+"""Length to the centre of mass of a rod, over that of a point mass that swings as it does."""
+RESTING: Final = 0.01
+"""Angle [rad] up to which a pendulum hangs at 0."""
 LONGEST: Final = 8
 """Entries of a table that stand on one line."""
 
 
 def guessed_rig(
-    guess: Guess, file: str | Path, *, inertia: float = 1.0, robot: str | Path = ""
+    guess: Guess,
+    file: str | Path,
+    *,
+    inertia: float = 1.0,
+    swing: Swing | None = None,
+    robot: str | Path = "",
 ) -> str:
     """Return the text of a commented rig file for what a file seems to hold.
 
-    The mechanism is an `Axis` whose inertia is fitted, or a robot with the joints that move. What
-    is assumed is marked "assumed".
+    The mechanism is an `Axis` whose inertia is fitted, or a robot with the joints that move; of a
+    body that swings freely a `Pendulum`, or an axis with a spring. What is assumed is marked
+    "assumed".
 
     Parameters
     ----------
@@ -52,6 +65,8 @@ def guessed_rig(
         The data file as the rig file should name it: relative to the rig file, or absolute.
     inertia : float
         Mass [kg] or moment of inertia [kg m^2] from which a fit begins.
+    swing : Swing, optional
+        How the body swings where nothing drives it.
     robot : str or Path
         The robot description as the rig file should name it; `Guess.robot` if not given.
 
@@ -74,7 +89,10 @@ def guessed_rig(
     units = { force = "kN" }
     <BLANKLINE>
     """
-    mechanism = _robot(guess, robot) if guess.robot else _mechanism(guess, inertia)
+    if guess.robot:
+        mechanism = _robot(guess, robot)
+    else:
+        mechanism = _mechanism(guess, inertia) if swing is None else _swinging(guess, swing)
     return "\n".join([*_record_head(guess, file), *mechanism, *_data(guess, file), ""])
 
 
@@ -106,9 +124,51 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     else:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
+    yield from _with_load(guess)
+
+
+def _with_load(guess: Guess) -> Iterator[str]:
     if "load" not in guess.columns:
         yield '# With the normal force, as in load = "50 N", levels become coefficients.'
     yield ""
+
+
+def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
+    """Yield the table of a body that swings: of a pendulum, or on a spring."""
+    frequency = f"{math.sqrt(swing.stiffness) / (2.0 * math.pi):.3g} Hz"
+    yield "[mechanism]"
+    if not guess.turning:
+        yield 'type = "axis"  # a mass on a spring, as it swings by itself'
+        yield "# assumed: the file cannot tell the mass; the stiffness goes with it."
+        yield 'inertia = "1 kg"'
+        yield f'stiffness = "{swing.stiffness:.4g} N/m"  # it swings at {frequency}'
+    elif swing.inertia is None:
+        length = GRAVITY / swing.stiffness
+        yield 'type = "pendulum"  # assumed, as it swings by itself; on a spring it is an "axis"'
+        yield f'# with stiffness = "{swing.stiffness:.3g} N m/rad" for each kg m^2 of its inertia.'
+        yield 'mass = "1 kg"  # assumed: a free motion tells friction over the mass only'
+        yield f"# From the axis to the centre of mass, if all of it is there: {frequency} in small"
+        yield "# swings. Else give the true length, and as inertia that about the centre of mass,"
+        yield f"# mass * length * ({length:.3g} m - length)."
+        yield f'length = "{length:.4g} m"'
+    else:
+        weight = swing.inertia * swing.stiffness
+        length = ROD * GRAVITY / swing.stiffness
+        mass = weight / (GRAVITY * length)
+        yield 'type = "pendulum"  # assumed, as the torque holds a weight; else it is an "axis"'
+        product = f"{weight / GRAVITY:.3g} kg m"
+        yield f"# The torque tells mass * length ({product}) and the inertia about the axis only."
+        yield "# The length is that of a rod: give the true one, to the centre of mass."
+        yield f'length = "{length:.4g} m"'
+        yield "# Both are fitted; the search begins at these values. The inertia is that about the"
+        yield "# centre of mass. If one is known, write it without vary."
+        yield f'mass = {{ value = "{mass:.3g} kg", vary = true }}'
+        about = swing.inertia - mass * length**2
+        yield f'inertia = {{ value = "{about:.3g} kg m^2", vary = true }}'
+    if guess.turning and abs(swing.rest) > RESTING:
+        of = "" if "position" in guess.columns else ", counted from where the record begins"
+        yield f'rest_angle = "{swing.rest:.4g} rad"  # where it hangs at rest{of}'
+    yield from _with_load(guess)
 
 
 def _robot(guess: Guess, file: str | Path) -> Iterator[str]:

@@ -24,6 +24,7 @@ from stickslip.show.formatting import (
     EstimateText,
     estimate_text,
     interval,
+    is_skewed,
     joined,
     lower_first,
     number,
@@ -141,14 +142,19 @@ class Estimate(metaclass=Described):
 
     @property
     def parts(self) -> EstimateText:
-        """Value and half width as two texts without the unit; "not bounded" for an open end."""
+        """Value and doubt as two texts without the unit; "not bounded" for an open end.
+
+        The doubt is half the width of the interval, or where it is skewed its ends.
+        """
+        if is_skewed(self.value, self.low, self.high):
+            return EstimateText(within(self.value, self.low, self.high), f"({self.range})")
         if self.bounded:
             return estimate_text(self.value, self.half_width)
         return EstimateText(number(self.value), "not bounded")
 
     @property
     def plus_minus(self) -> str:
-        """Value, half width and unit in words, such as ``158 ± 4 N s/m``."""
+        """Value, doubt and unit in words, such as ``158 ± 4 N s/m``."""
         value, doubt = self.parts
         if not self.bounded:
             return f"{with_unit(value, self.quantity.unit)}, {doubt}"

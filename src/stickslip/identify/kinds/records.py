@@ -6,7 +6,7 @@ from typing import Any
 
 from typing_extensions import override
 
-from stickslip.data import QUANTITIES, Measurement
+from stickslip.data import QUANTITIES, Measurement, command_of
 from stickslip.errors import InputError
 from stickslip.identify import (
     BandVerdict,
@@ -26,6 +26,7 @@ from stickslip.identify.fits import (
     Score,
     compared,
     fit_records,
+    goes_straight,
     names_of,
     route_of,
 )
@@ -88,6 +89,11 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         unused = (
             f"applies to `{other}` of {self.measured}; it has no effect on `{verb}`: leave it out."
         )
+        if name in self.settings & {"hold"} and not _holds(request):
+            return (
+                "applies to records of a force that drives the motion, and this has none: leave it"
+                " out."
+            )
         if name == "route" and asked and (asked == self.routes[0]) is not selects:
             return f"{asked!r} {unused}"
         if selects and name == "settings" and self.compared:
@@ -149,7 +155,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ],
             rows=rows,
             checks=verdict.checks,
-            fitted=(closest.title, sorted(closest.fit.estimates, key=importance)),
+            fitted=(f"{closest.title}, if it holds", sorted(closest.fit.estimates, key=importance)),
         )  # fmt: skip
 
     @override
@@ -210,6 +216,17 @@ class RecordKind(BandKind):
             validate=request.validate,
             route=BALANCE,
         )
+
+
+def _holds(request: Request) -> bool:
+    """Return whether anything is recorded that may hold between samples.
+
+    Only a fit follows the goals of a loop, which `select` takes as they are.
+    """
+    records = request.measurement.records()
+    if request.law is None:
+        return any(not goes_straight(record, "zero") for record in records)
+    return any(command_of(record) for record in records)
 
 
 def error_text(value: float, quantity: str, *, turning: bool = False) -> str:

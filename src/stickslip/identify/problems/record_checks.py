@@ -27,7 +27,13 @@ def refuse_wrong_signs(
     speed = rows.seen(rows.velocity)
     rig = [np.ones(rows.count), *([rows.acceleration] if inertia else [])]
     rig += [rows.taken(path) for path in rows.records[0].unknown]
-    x = np.column_stack([direction, speed, *rig])
+    beside = np.column_stack(rig)
+    apart = direction - beside @ np.linalg.lstsq(beside, direction, rcond=1e-9)[0]
+    # of a motion in one direction a level is an offset, which may drive
+    told = np.linalg.norm(apart) > THRESHOLDS.same_span * np.linalg.norm(direction)
+    laws = [direction, speed] if told else [speed]
+    n = len(laws)
+    x = np.column_stack([*laws, *rig])
     size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
     x = x / size
     gram = x.T @ x + 1e-9 * len(x) * np.eye(x.shape[1])
@@ -52,11 +58,11 @@ def refuse_wrong_signs(
             " balance. Give the force the sign of the position all along."
         )
     c = np.linalg.solve(gram, x.T @ response)
-    friction = x[:, :2] @ c[:2]
-    plain = np.linalg.solve(gram[2:, 2:], x[:, 2:].T @ response)
-    without = response - x[:, 2:] @ plain
+    friction = x[:, :n] @ c[:n]
+    plain = np.linalg.solve(gram[n:, n:], x[:, n:].T @ response)
+    without = response - x[:, n:] @ plain
     wrong = float(np.mean(friction * speed)) < 0.0
-    inertial = float(c[3]) < 0.0 if inertia else True
+    inertial = float(c[n + 1]) < 0.0 if inertia else True
     if wrong and inertial and left[0] < most * float(without @ without):
         raise InputError(
             "with the sign that the force has, friction would drive the motion: turn the sign of"

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.identify.problem import BEYOND, STRETCHES, bending_of
 from stickslip.identify.problems.record_signals import Along, Frame, Record, noise_of
 
@@ -136,6 +137,11 @@ def band_for(records: Sequence[Record]) -> float:
         least = STRETCHES / longest
         return float(min(max(FREE * mean if free == "work" else 0.0, least), FREE_SAMPLED / h))
     trial = Along(records, None, min(20.0 * mean + low, top))
+    if not trial.count:
+        raise InputError(
+            "the body rests throughout the record, or moves by no more than the noise of its"
+            " position: nothing tells friction. Move it farther."
+        )
     sought = {path: one for path, one in first.unknown.items() if not one.doubt}
     if first.inertia is None or any(one.inertia for one in sought.values()):
         v = trial.seen(trial.velocity)

@@ -18,8 +18,14 @@ from scipy.signal import lfilter
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError
-from stickslip.identify.forces import Unknown, forces_along, transmitted_of, with_transmitted
+from stickslip.identify.forces import (
+    Unknown,
+    forces_along,
+    transmitted_of,
+    with_transmitted,
+)
 from stickslip.identify.problem import STRETCHES, Array, Mask
+from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -80,6 +86,8 @@ class Record:
     """Whether the force is friction itself: nothing accelerates by it."""
     located: bool = True
     """Whether positions were measured; else they are the integral of the velocity."""
+    began: float | None = None
+    """Where it is taken to have begun [m] or [rad], if forces depend on a place not measured."""
 
     gain: float = 1.0
     """Noise of the force that all accelerations take over that of its own."""
@@ -219,6 +227,10 @@ def _record(
         )  # fmt: skip
     v = np.gradient(x, time) if velocity is None else velocity
     forces = forces_along(mechanism, record, x, v, unknown, doubts)
+    began = None if located else _began(mechanism, record, x, v, unknown)
+    if began is not None:
+        x = x + began
+        forces = forces_along(mechanism, record, x, v, unknown, doubts)
     scaled = None
     if np.ptp(forces.still) > 0.0 and len(mechanism.coordinates) == 1:
         larger = forces_along(mechanism, record, (1.0 + SCALED) * x, (1.0 + SCALED) * v, unknown)
@@ -238,8 +250,55 @@ def _record(
         constant=constant, unknown=found, held=held, located=located,
         driven=len(mechanism.coordinates) > 1,
         mechanism=forces.still if np.ptp(forces.still) > 0.0 else None, scaled=scaled,
-        transmitted=transmitted,
+        transmitted=transmitted, began=began,
     )  # fmt: skip
+
+
+def _began(
+    mechanism: Mechanism, record: Measurement, x: Array, v: Array, unknown: Sequence[str]
+) -> float | None:
+    """Return where a record of velocities began, by the known forces that depend on the place.
+
+    None where none do, or the mechanism says where it rests. The balance of momenta over short
+    parts of the record, with level, viscous friction and what is looked for, leaves least from
+    there. It is looked for all around an axis, then by steps of Gauss and Newton. A constant force
+    would hide it.
+    """
+    if len(mechanism.coordinates) > 1 or getattr(mechanism, "rest_angle", None) is not None:
+        return None
+    time, h = np.asarray(record.time, dtype=float), SCALED * (float(np.ptp(x)) + 1e-300)
+    near = [forces_along(mechanism, record, x + side, v, []).still for side in (-h, h)]
+    if not np.any(np.abs(near[1] - near[0]) > SCALED * h * np.max(np.abs(near), initial=0.0)):
+        return None
+    ends = np.unique(np.linspace(0, len(time) - 1, STRETCHES**2 + 1).astype(int))
+    gained = np.diff(v[ends])
+
+    def summed(y: Array) -> Array:
+        steps = 0.5 * (y[1:] + y[:-1]) * np.diff(time)
+        return np.diff(np.concatenate([[0.0], np.cumsum(steps)])[ends])
+
+    def left(start: float) -> Array:
+        """Return what the balance leaves of each part, from a start."""
+        own = forces_along(mechanism, record, x + start, v, unknown)
+        rows = [summed(np.sign(v)), summed(v)]
+        rows += [one.inertia * gained - summed(one.force) for one in own.unknown.values()]
+        y = summed(own.driven + own.still) - own.inertia * gained
+        table = np.column_stack(rows)
+        sizes = np.max(np.abs(table), axis=0) + 1e-300
+        found = np.linalg.lstsq(table / sizes, y, rcond=None)[0] / sizes
+        limits = [one.limits for one in own.unknown.values()]
+        outside = any(
+            not low <= value <= high for value, (low, high) in zip(found[2:], limits, strict=True)
+        )
+        # a mass below 0 would hang upside down
+        return np.asarray(y if outside else y - table @ found)
+
+    around = np.linspace(-math.pi, math.pi, STRETCHES, endpoint=False) if record.turning else [0.0]
+    best = min(map(float, around), key=lambda start: float(np.sum(left(start) ** 2)))
+    for _ in range(THRESHOLDS.refinements):
+        moved = (left(best + h) - left(best - h)) / (2.0 * h)
+        best -= float(moved @ left(best)) / (float(moved @ moved) + 1e-300)
+    return best
 
 
 def _without_forces(

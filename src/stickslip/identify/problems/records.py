@@ -55,6 +55,7 @@ from typing_extensions import override
 from stickslip.identify.laws import (
     FLOWS,
     POINTS,
+    RATIOS,
     TITLES,
     Composition,
     bounds_of,
@@ -427,11 +428,15 @@ class RecordsProblem(Problem):
 
     @override
     def asked(self) -> Steady:
-        """Return the rows over which the band is stated: the directions that were moved in."""
-        v = self.rows.seen(self.rows.velocity)
-        speeds = np.geomspace(self.frame.low, self.frame.top, ASKED)
-        sides = [side for side in (-1.0, 1.0) if np.mean(side * v > self.frame.low) > SLOW]
-        return self.at(np.sort(np.concatenate([side * speeds for side in sides])))
+        """Return the rows over which the band is stated: each direction as it was moved in."""
+        v, grids = self.rows.seen(self.rows.velocity), []
+        for side in (-1.0, 1.0):
+            moved = side * v[side * v > self.frame.low]
+            if len(moved) > SLOW * len(v):
+                top = min(float(moved.max()), self.frame.top)
+                # a motion passes all speeds up to its largest
+                grids.append(side * np.geomspace(self.frame.low, top, ASKED))
+        return self.at(np.sort(np.concatenate(grids)))
 
     @override
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
@@ -493,6 +498,8 @@ class RecordsProblem(Problem):
         if name in PATHS:
             path = {"inertia": self.inertia_path, "offset": self.offset}.get(name, name)
             size = own[:, 0] if own.shape[1] == 1 else np.linalg.norm(own, axis=1)
+            if name in RATIOS:  # known forces stand on the side of the response
+                size = 1.0 - size if name == "mechanism" else 1.0 + size
             return {path: size + self.records[0].constant if name == "offset" else size}
         return None
 
@@ -675,18 +682,31 @@ def by_curve(problem: RecordsProblem) -> tuple[Array, Array]:
 
 
 def with_hold(
-    make: Callable[[Sequence[Record]], RecordsProblem], records: Sequence[Record], hold: str | None
-) -> RecordsProblem:
-    """Return the problem of records whose forces are commands, which run between samples as said.
+    make: Callable[[Sequence[Record]], RecordsProblem],
+    each: Sequence[Sequence[Record]],
+    hold: str | None,
+) -> list[RecordsProblem]:
+    """Return the problems of coordinates whose forces are commands, which run as said.
 
-    Where nothing is said, they go straight where the measured curve leaves less of them half a
-    sample earlier, by two standard errors over stretches, and hold elsewhere. When they act stays
-    doubtful, less so the nearer what the choice is seen to gain is to what is material.
+    Where nothing is said, the forces of all coordinates, which one program samples, go straight
+    where the measured curves leave less of them half a sample earlier, by two standard errors over
+    stretches, and hold elsewhere. When they act stays doubtful, less so the nearer what the choice
+    is seen to gain is to what is material.
     """
-    problem = make([replace(one, held=one.held and hold != "first") for one in records])
-    if hold is not None or problem.free or not any(one.held for one in problem.records):
-        return problem
-    held, straight = _left_by_hold(problem).T
+
+    def made(*, straight: bool, doubt: float = 0.0) -> list[RecordsProblem]:
+        return [
+            make([replace(one, held=one.held and not straight, hold_doubt=doubt) for one in own])
+            for own in each
+        ]
+
+    problems = made(straight=hold == "first")
+    open_ = [one for one in problems if not one.free and any(own.held for own in one.records)]
+    if hold is not None or not open_:
+        return problems
+    # what is left counts over its mean: joints differ in size and unit
+    left = [_left_by_hold(one) for one in open_]
+    held, straight = np.concatenate([one / (np.mean(one) + 1e-300) for one in left]).T
     more, material = held - straight, THRESHOLDS.material * max(np.mean(held), np.mean(straight))
     errors = float(np.mean(more)) / (float(np.std(more)) / math.sqrt(len(more)) + 1e-300)
     interpolated = errors > THRESHOLDS.hold_errors
@@ -694,11 +714,7 @@ def with_hold(
     seen = (errors if interpolated else -errors) / (0.5 * THRESHOLDS.hold_errors) - 1.0
     gain = min(max(seen, 0.0), 1.0) * abs(float(np.mean(more)))
     doubt = HOLD_DOUBT * max(1.0 - gain / (float(material) + 1e-300), 0.0)
-    if not interpolated and not doubt:
-        return problem
-    return make(
-        [replace(one, held=one.held and not interpolated, hold_doubt=doubt) for one in records]
-    )
+    return made(straight=interpolated, doubt=doubt) if interpolated or doubt else problems
 
 
 def _left_by_hold(problem: RecordsProblem) -> Array:

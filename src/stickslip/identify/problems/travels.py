@@ -207,7 +207,8 @@ class TravelJudgement:
         if self.knob is None or len({trial.cycles for trial in self.trials}) > 1:
             return False
         same = {vary(t.mechanism, "mechanism", {self.knob[0]: self.knob[1]}) for t in self.trials}
-        return len(same) == 1 and len(np.unique(self.settings)) >= FEWEST
+        told = len(np.unique(self.settings)) >= FEWEST and bool(np.all(self.settings))
+        return len(same) == 1 and told
 
     def at(self, settings: Array) -> list[Trial]:
         """Return trials at settings of the knob (m,) that are not measured."""
@@ -784,11 +785,24 @@ class TravelJudgement:
 def knob_of(mechanism: Mechanism, trials: Sequence[Trial]) -> tuple[str, float] | None:
     """Return what is set to get other travels, with its value; None without any.
 
-    What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
-    rig stands, it is the one that is easiest to turn.
+    What the trials vary, if that is one parameter, can be set, and has the value of a trial where
+    it is 0 as the rig stands; else it is the one that is easiest to turn.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0)
+    >>> trials = [
+    ...     Trial(mechanism=replace(rig, compression=x), initial={}, travel=x, half_width=1e-3)
+    ...     for x in (0.1, 0.2)
+    ... ]
+    >>> knob_of(rig, trials)
+    ('mechanism.compression', 0.2)
     """
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     varied = [path for path in known if len({*_set(trials, path)}) > 1]
+    if len(varied) == 1 and not known[varied[0]]:
+        return varied[0], max(_set(trials, varied[0]), key=abs)
     for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
         if known.get(path):
             return path, float(known[path])

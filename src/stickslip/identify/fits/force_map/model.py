@@ -12,7 +12,12 @@ from stickslip.data import Measurement
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.estimation.bristle_integration import balancing, displaced, follow
-from stickslip.identify.fits.estimation.parameters import MOVED, FreeParameters, PerturbedLaws
+from stickslip.identify.fits.estimation.parameters import (
+    MOVED,
+    FreeParameter,
+    FreeParameters,
+    PerturbedLaws,
+)
 from stickslip.identify.fits.estimation.problem import (
     FrictionSamples,
     RecordProblem,
@@ -121,6 +126,9 @@ class ForceMap(RecordProblem):
     """Values of all these columns' parameters that friction was derived with."""
     mass: float = 0.0
     """What moves as the contact slips [kg], where friction was derived with it."""
+    untold: tuple[FreeParameter, ...] = ()
+    """What was to be looked for, and nothing in the record depends on; a start that is not a number
+    stands for that of the parameter above which it is."""
     one_way: bool = False
     """Whether friction was derived along slip in one direction only, and nobody gave the constant
     force beside it: that is a part of the level."""

@@ -1,5 +1,6 @@
 """The route of measured friction: a law is fitted to the force along the measured motion."""
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -128,7 +129,10 @@ def map_along(
         one_way=bool(derived) and not (rough.two_sided or given),
     )
     coarse = replace(whole, stretches=tuple(few))
-    free_parameters = _effective(coarse if isinstance(law, type) else whole)
+    free_parameters, untold = _effective(coarse if isinstance(law, type) else whole)
+    if isinstance(law, type):
+        untold = tuple(replace(one, start=math.nan) if one.above else one for one in untold)
+    whole, coarse = (replace(one, untold=untold) for one in (whole, coarse))
     if not len(free_parameters) and not linear:
         raise InputError(
             f"there is nothing to fit: all parameters of {start.title} are fixed or have no effect"
@@ -145,10 +149,11 @@ def map_along(
     return replace(problem, free_parameters=free_parameters.starting_at(first)), tuple(others)
 
 
-def _effective(problem: ForceMap) -> FreeParameters:
-    """Return the unknowns without those that nothing in the record depends on."""
+def _effective(problem: ForceMap) -> tuple[FreeParameters, tuple[FreeParameter, ...]]:
+    """Return the unknowns without those that nothing in the record depends on, and these."""
     here = problem.linearise(problem.free_parameters.start)
     dead = np.all(here.slopes == 0.0, axis=0) & here.finite
     items = problem.free_parameters.items
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
-    return replace(problem.free_parameters, items=left)
+    untold = tuple(item for item, gone in zip(items, dead, strict=True) if gone)
+    return replace(problem.free_parameters, items=left), untold

@@ -9,7 +9,14 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, command_of, refuse_faults, refuse_unused, with_doubts
+from stickslip.data import (
+    Measurement,
+    command_of,
+    refuse_faults,
+    refuse_unused,
+    volts_sentence,
+    with_doubts,
+)
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
@@ -19,6 +26,7 @@ from stickslip.identify.fits.contact_inputs import (
     unvaried,
 )
 from stickslip.identify.fits.estimation.estimates import (
+    INTERVAL,
     bounds_met,
     estimates_of,
     offset_left_out,
@@ -48,6 +56,7 @@ from stickslip.identify.fits.records.problems import (
     per_current,
     prepared,
 )
+from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
 from stickslip.identify.fits.series.measured_load import as_loaded
@@ -56,7 +65,7 @@ from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.mechanisms.drives import SampledSwing
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 from stickslip.show.formatting import joined, number, quantity
 
 # Which way records are fitted, by what was measured.
@@ -361,6 +370,8 @@ def finished(
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
+    untold = _untold(ready, law)
+    law |= {one.path: one.value for one in untold if one.path.startswith("friction.")}
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
@@ -388,7 +399,7 @@ def finished(
     )
     inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
     told_by = told(free_parameters, ready.mechanism, measurement)
-    estimates = estimates_of(told_by, best, inference, at_bounds)
+    estimates = (*estimates_of(told_by, best, inference, at_bounds), *untold)
     return replace(
         fit,
         estimates=estimates,
@@ -399,9 +410,30 @@ def finished(
             *_zeros(ready, best, inference),
             *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
             *_of_recorded_swing(mechanism),
+            *dict.fromkeys(volts_sentence(name) for x in measurement.records() for name in x.volts),
             *_of_one_way(fit),
         ),
     )
+
+
+def _untold(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]:
+    """Return what was to be looked for and nothing in the record depends on.
+
+    It keeps its start, or is what it must not fall below.
+    """
+    problem = ready.problem
+    known = {path: x for path, _, x in parameters(ready.start, "friction")} | dict(found)
+    made = []
+    for item in problem.untold if isinstance(problem, ForceMap) else ():
+        least = known.get(item.above, -math.inf)
+        value = least if math.isnan(item.start) else max(item.start, least)
+        made.append(
+            Estimate(
+                path=item.path, quantity=item.quantity, value=value, low=-math.inf, high=math.inf,
+                interval=INTERVAL, reason="no row that this route compares depends on it",
+            )
+        )  # fmt: skip
+    return tuple(made)
 
 
 def _moved_by_hold(fit: RecordFit) -> list[Array]:

@@ -130,10 +130,9 @@ def _worst(judgement: TravelJudgement, off: Array, unit: str) -> str:
 def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | None) -> str:
     """Return how well the travel is known, at the settings and beyond them."""
     if band is None or judgement.knob is None:
-        return (
-            "The trials differ in more than one parameter of the mechanism, so there is no band"
-            " over a setting."
-        )
+        alike = len(np.unique(judgement.blocks)) == 1
+        how = "do not differ in a" if alike else "differ in more than one"
+        return f"The trials {how} parameter of the mechanism, so there is no band over a setting."
     low, high = float(judgement.settings.min()), float(judgement.settings.max())
     inside = np.flatnonzero((settings >= min(low, high)) & (settings <= max(low, high)))
     lasts, (what, unit) = (

@@ -1,0 +1,397 @@
+"""What verdicts state is what was measured: ranges, sizes in words, laws that are counted."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    CoulombViscousStatic,
+    Measurement,
+    Pendulum,
+    RecordSettings,
+    SpringBlock,
+    check,
+    fit,
+    load_measurement,
+    load_rig,
+    select,
+    simulate,
+)
+from stickslip.data import guess_data, guessed_rig, read_data, swing_of
+from stickslip.errors import InputError
+from stickslip.identify.fits import Estimate
+from stickslip.identify.page import facts, laws_section
+from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.records import RecordsProblem, with_hold
+from stickslip.identify.wording import Words, cause_sentence, hold_sentence
+from stickslip.mechanisms.drives import Sampled
+from stickslip.quantities import Quantity
+
+HELD = RecordSettings(hold="zero")
+LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.08)
+ARM = Pendulum(mass=1.2, length=0.4)
+
+
+def moved(rig, law, force, *, rate=200.0, noise=1e-5, seed=3):
+    """Return times, noisy positions and the force that a rig was driven by."""
+    time = np.arange(len(force)) / rate
+    drive = Sampled(times=tuple(time), values=tuple(force))
+    run = simulate(replace(rig, drive=drive), law, t_end=float(time[-1])).at(time)
+    position = run[rig.coordinates[0]]
+    return time, position + noise * np.random.default_rng(seed).normal(size=len(time)), force
+
+
+def swinging(arm):
+    """Return times, angles and torques of a pendulum that a motor swings."""
+    t = np.arange(0.0, 10.0, 0.005)
+    torque = 2.2 * np.sin(2.0 * np.pi * 0.35 * t) + 1.5 * np.sin(2.0 * np.pi * 0.93 * t)
+    return moved(arm, LAW, torque, noise=1e-4)
+
+
+@pytest.mark.parametrize(("back", "sides"), [(0.0, 1), (1.0, 2)])
+def test_the_band_is_stated_where_the_body_moved(back, sides):
+    t = np.arange(0.0, 12.0, 0.005)
+    forward = 3.0 + 2.0 * np.sin(np.pi * t)
+    slowly = -2.4 * np.ones_like(t)
+    force = np.where((t % 6.0 < 4.0) | (back == 0.0), forward, slowly)
+    law = CoulombViscous(kinetic_coefficient=1.4, viscous_coefficient=1.1)
+    time, position, force = moved(Axis(inertia=1.5), law, force)
+    record = Measurement(time=time, position=position, force=force)
+    verdict = select(Axis(inertia=1.5), None, record, settings=HELD)
+    speed = np.gradient(position, time)
+    assert verdict.speeds.min() >= 1.02 * speed.min()
+    assert verdict.speeds.max() <= 1.02 * speed.max()
+    assert len({*np.sign(verdict.speeds)}) == sides
+    assert verdict.words.lede.startswith("From −" if back else "From ")
+    assert ("and from" in verdict.words.lede) == bool(back)
+
+
+@pytest.mark.parametrize(
+    ("rig", "gain", "said"),
+    [
+        (replace(ARM, gravity=1.15 * ARM.gravity), 1.0, "they are 1.1"),
+        (ARM, 1.1, "force and friction as recorded are 1.1"),
+    ],
+)
+def test_a_ratio_is_said_in_words(rig, gain, said):
+    time, angle, torque = swinging(rig)
+    record = Measurement(time=time, position=angle, force=gain * torque)
+    verdict = select(ARM, None, record, settings=HELD)
+    (cause,) = [one for one in verdict.words.cannot_tell if "given: " in one]
+    assert said in cause
+    (size,) = [one for one in verdict.intervals if one.path in ("mechanism", "force_gain")]
+    assert size.low < (1.15 if gain == 1.0 else gain) < size.high
+
+
+def test_a_ratio_of_one_is_what_is_given():
+    time, angle, torque = swinging(replace(ARM, gravity=1.15 * ARM.gravity))
+    verdict = select(ARM, None, Measurement(time=time, position=angle, force=torque), settings=HELD)
+    (cause,) = verdict.causes
+    one = Estimate(
+        path="mechanism", quantity=Quantity("g"), value=1.01, low=0.98, high=1.04, interval="95 %"
+    )
+    words = "consistent with what is given"
+    assert words in cause_sentence(cause, one, _words())
+    assert words not in cause_sentence(cause, replace(one, low=1.005), _words())
+
+
+def _words():
+    return Words(
+        measured="record", held_out="stretches", response="force", force_unit="N m",
+        speed_unit="rad/s",
+    )  # fmt: skip
+
+
+def test_all_laws_that_are_counted_are_in_the_table():
+    v = np.array([0.02, 0.05, 0.1, 0.2, 0.35, 0.5, -0.02, -0.05, -0.1, -0.2, -0.35, -0.5])
+    noise = 0.15 * np.random.default_rng(4).normal(size=len(v))
+    friction = np.sign(v) * (2.0 + np.abs(v)) + noise
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
+    assert len(verdict.set) > 6  # more than the table has otherwise
+    shown = {one.structure for one in verdict.candidates}
+    assert shown >= set(verdict.judgement.comparison.set)
+    told = [one for one in verdict.candidates if one.outcome]
+    assert len(told) == len(verdict.set)
+    assert laws_section(verdict).heading.startswith(f"{len(told)} laws")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [(0.24, 0.262, "0.250 ± 0.011"), (0.24, 0.31, "0.250 (0.240 to 0.310)"), (0.25, 0.25, "0.25")],
+)
+def test_an_interval_that_is_skewed_is_stated(low, high, said):
+    one = Estimate(
+        path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), value=0.25,
+        low=low, high=high, interval="95 %",
+    )  # fmt: skip
+    assert one.plus_minus == said
+
+
+@pytest.mark.parametrize("verb", ["select", "fit"])
+@pytest.mark.parametrize("measured", ["free", "friction", "table"])
+def test_a_hold_is_refused_where_no_force_is_recorded(verb, measured):
+    t = np.arange(0.0, 10.0, 0.01)
+    v = 3.0 * np.cos(t)
+    record = {
+        "free": Measurement(time=t, position=np.exp(-0.1 * t) * np.cos(6.0 * t)),
+        "friction": Measurement(time=t, position=3.0 * np.sin(t), friction=np.sign(v)),
+        "table": Measurement(velocity=np.linspace(0.1, 1.0, 9), friction=np.linspace(2.0, 3.0, 9)),
+    }[measured]
+    rig = Axis(inertia=1.0, stiffness=36.0)
+    judged = {"fit": partial(fit, rig, Coulomb), "select": partial(select, rig, None)}[verb]
+    with pytest.raises(InputError, match="applies to"):
+        judged(record, settings=HELD)
+
+
+def test_what_trials_vary_is_the_setting_though_it_is_0_in_the_rig():
+    rig = SpringBlock(mass=1.0, stiffness=400.0)
+    trials = []
+    for x in (0.06, 0.08, 0.1):
+        law = Coulomb(kinetic_coefficient=0.3)
+        run = simulate(replace(rig, compression=x), law, t_end=5.0)
+        own = {"travel": float(run["x"][-1] - run["x"][0]), "uncertainty": 3e-4}
+        trials.append(Measurement(**own, overrides={"mechanism.compression": x}))
+    verdict = select(rig, [Coulomb], Measurement(trials=tuple(trials)))
+    assert verdict.words.lede.startswith("With a compression from")
+
+
+def coordinate(frequency, noise):
+    """Return the record of an axis whose force goes straight between samples."""
+    t = np.arange(0.0, 20.0, 0.02)
+    force = 4.0 * np.sin(2.0 * np.pi * frequency * t) + 3.0 * np.sin(5.0 * frequency * t)
+    drive = Sampled(times=tuple(t), values=tuple(force), hold="first")
+    law = CoulombViscous(kinetic_coefficient=0.5, viscous_coefficient=1.0)
+    run = simulate(Axis(inertia=0.2, drive=drive), law, t_end=float(t[-1])).at(t)
+    random = np.random.default_rng(1)
+    measured = force + noise * random.normal(size=len(t))
+    return [Record(time=t, position=run["x"] + 1e-5 * random.normal(size=len(t)),
+                   force=measured, inertia=0.2, held=True)]  # fmt: skip
+
+
+def test_one_robot_has_one_hold():
+    """A joint that shows little of it takes the hold of those that show it."""
+    quick, slow = coordinate(1.3, 0.01), coordinate(0.15, 0.4)
+    (alone,) = with_hold(RecordsProblem, [slow], None)
+    both = with_hold(RecordsProblem, [quick, slow], None)
+    assert [one.records[0].held for one in both] == [False, False]
+    assert len({one.records[0].hold_doubt for one in both}) == 1
+    assert both[1].records[0].hold_doubt < alone.records[0].hold_doubt
+    assert "samples (standard deviation)" in hold_sentence(held=True, doubt=0.5)
+
+
+def volts(tmp_path, *, header, said):
+    """Return a motor log whose force is a column of volts, read as something is said of it."""
+    t = np.arange(0.0, 6.0, 0.01)
+    x = np.sin(3.0 * t) + 0.3 * np.sin(7.0 * t)
+    v = 3.0 * np.cos(3.0 * t) + 2.1 * np.cos(7.0 * t)
+    rows = np.column_stack([t, x, 4.0 * np.sign(v) + 2.0 * v])
+    file = tmp_path / "log.csv"
+    np.savetxt(file, rows, delimiter=",", header=f"time,position,{header}", comments="")
+    return load_measurement(file, columns={"force": header}, **said)
+
+
+def test_a_force_in_volts_is_said_to_hold_what_the_speed_induces(tmp_path):
+    for said in ({"gain": {"force": 0.5}, "units": {"force": "V"}}, {"gain": {"force": "0.5 N/V"},
+                 "units": {"force": "V"}}, {"gain": {"force": 0.5}}):  # fmt: skip
+        record = volts(tmp_path, header="ctrl_V", said=said)
+        assert record.volts == ("force",)
+    (finding,) = check(record).of("volts")
+    assert "viscous friction" in finding.sentence
+    rig = Axis(inertia=1e-6)
+    assert finding.sentence in select(rig, None, record).words.cannot_tell
+    assert finding.sentence in fit(rig, CoulombViscous, record, route="inverse-dynamics").sentences
+
+
+def test_a_column_called_a_voltage_is_no_force_without_a_word(tmp_path):
+    with pytest.raises(InputError, match="'voltage' is called a voltage and taken for the force"):
+        volts(tmp_path, header="voltage", said={})
+    assert volts(tmp_path, header="F_V", said={"units": {"force": "N"}}).volts == ()
+
+
+def test_a_static_level_that_no_row_tells_is_said_to_be_open():
+    t = np.arange(0.0, 8.0, 0.005)
+    law = CoulombViscousStatic(
+        kinetic_coefficient=1.4, static_coefficient=2.0, viscous_coefficient=1.1
+    )
+    for force in (4.0 * np.sin(2.0 * np.pi * t) + 6.0 * np.sin(2.3 * t), 3.0 + np.sin(6.3 * t)):
+        time, position, force_ = moved(Axis(inertia=0.5), law, force)
+        record = Measurement(time=time, position=position, force=force_)
+        found = fit(Axis(inertia=0.5), "coulomb-viscous-static", record)
+        static = found.estimate("static_coefficient")
+        assert not static.bounded
+        assert static.value == found.law.static_coefficient
+        assert static.value == pytest.approx(found.law.kinetic_coefficient)
+        assert any("static coefficient (mu_s) is not identified" in one for one in found.sentences)
+    given = replace(law, static_coefficient=2.5)  # an assumption stays
+    assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
+
+
+def decay(start, length=0.4):
+    """Return times, angles and rates of a pendulum that friction stops."""
+    t = np.arange(0.0, 15.0, 0.01)
+    run = simulate(
+        Pendulum(mass=1.2, length=length),
+        CoulombViscous(kinetic_coefficient=0.03, viscous_coefficient=0.01),
+        t_end=float(t[-1]),
+        y0={"theta": start},
+    ).at(t)
+    return t, run["theta"], run["omega"]
+
+
+@pytest.mark.parametrize("start", [1.2, -0.6])
+def test_a_pendulum_of_which_only_the_rate_is_known_accuses_nothing(start):
+    t, _, rate = decay(start)
+    rate = rate + 3e-3 * np.random.default_rng(2).normal(size=len(t))
+    verdict = select(ARM, None, Measurement(time=t, velocity=rate, turning=True))
+    (record,) = verdict.judgement.problem.records
+    assert record.began == pytest.approx(start, abs=0.01)
+    assert any("taken to begin at" in one for one in verdict.words.cannot_tell)
+    assert not [one for one in verdict.causes if one.asserted]
+    (level,) = [one for one in verdict.parameters if one.path.endswith("kinetic_coefficient")]
+    assert level.low_any < 0.03 < level.high_any
+
+
+def test_a_place_that_was_measured_or_stated_is_taken():
+    t, angle, rate = decay(0.8)
+    both = Measurement(time=t, position=angle, velocity=rate, turning=True)
+    assert records_of(ARM, both)[0].began is None
+    alone = Measurement(time=t, velocity=rate, turning=True)
+    assert records_of(replace(ARM, rest_angle=-0.8), alone)[0].began is None
+    assert records_of(Axis(inertia=0.2, rotary=True), alone)[0].began is None
+
+
+@pytest.mark.parametrize("quantity", ["position", "velocity"])
+def test_a_body_that_swings_by_itself_is_proposed_as_a_pendulum(tmp_path, quantity):
+    t, angle, rate = decay(0.8)
+    values = angle + 0.3 if quantity == "position" else rate
+    name = {"position": "angle_rad", "velocity": "omega"}[quantity]
+    file = tmp_path / "decay.csv"
+    np.savetxt(file, np.column_stack([t, values]), delimiter=",", header=f"time,{name}",
+               comments="")  # fmt: skip
+    guess = guess_data(file)
+    swing = swing_of(read_data([file], replace(guess.reading, by="options")))
+    (tmp_path / "decay.toml").write_text(guessed_rig(guess, "decay.csv", swing=swing))
+    rig = load_rig(tmp_path / "decay.toml").mechanism
+    assert isinstance(rig, Pendulum)
+    assert rig.length == pytest.approx(0.4, rel=0.01)
+    hangs = 0.3 if quantity == "position" else -0.8
+    assert rig.rest_angle == pytest.approx(hangs, abs=0.01)
+
+
+def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
+    t = np.arange(0.0, 10.0, 0.01)
+    file = tmp_path / "block.csv"
+    x = 0.02 + 0.1 * np.exp(-0.1 * t) * np.cos(6.0 * t)
+    np.savetxt(file, np.column_stack([t, x]), delimiter=",", header="time,x [m]", comments="")
+    guess = guess_data(file)
+    text = guessed_rig(guess, "block.csv", swing=swing_of(read_data([file], guess.reading)))
+    assert 'type = "axis"' in text
+    (tmp_path / "block.toml").write_text(text)
+    assert load_rig(tmp_path / "block.toml").mechanism.stiffness == pytest.approx(36.0, rel=0.02)
+    # what is driven, or runs out in one direction, swings by nothing of its own
+    driven = Measurement(time=t, position=x, force=np.sin(t))
+    assert swing_of(driven) is None
+    assert swing_of(Measurement(time=t, position=t * np.exp(-0.1 * t))) is None
+
+
+def test_a_band_that_holds_an_offset_says_so():
+    v = np.array([-0.9, -0.6, -0.3, -0.1, 0.1, 0.3, 0.6, 0.9])
+    noise = 0.01 * np.random.default_rng(1).normal(size=len(v))
+    said = []
+    for offset in (0.0, 15.0):
+        table = Measurement(velocity=v, friction=2.0 * np.sign(v) + v + noise + offset)
+        said.append(select(Axis(inertia=1.0), None, table).words.lede)
+    assert "both directions, friction is known to" in said[0]
+    assert "friction with the constant offset is known to" in said[1]
+
+
+def test_a_body_that_rests_is_refused():
+    t = np.arange(0.0, 10.0, 0.004)
+    still = 1e-7 * np.random.default_rng(1).normal(size=len(t))
+    record = Measurement(time=t, position=still, force=1.2 * np.sin(2.5 * t))
+    with pytest.raises(InputError):
+        select(Axis(inertia=1.0), None, record)
+    creeping = replace(record, position=still + 1e-6 * np.sin(2.5 * t))
+    with pytest.raises(InputError, match="rests throughout the record, or moves by no more"):
+        select(Axis(inertia=1.0), None, creeping, vary=["friction.*", "mechanism.inertia"])
+
+
+def test_parameters_of_what_is_no_law_have_their_symbols_and_units():
+    v = np.geomspace(1e-6, 3e-4, 12)
+    v = np.concatenate([v, -v])
+    noise = 0.003 * np.random.default_rng(5).normal(size=len(v))
+    friction = np.sign(v) * (0.31 - 0.008 * np.log(np.abs(v) / 1e-5)) + noise
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
+    found = {one.quantity.symbol: one for one in verdict.closest.fit.estimates}
+    assert found["v_0"].quantity.unit == "m/s"
+    assert found["a"].low < found["a"].value < found["a"].high < 0.0
+
+
+def test_a_law_of_another_power_of_the_load_says_at_which_load_it_stands():
+    v = np.tile(np.geomspace(0.005, 0.3, 8), 3)
+    load = np.repeat([10.0, 20.0, 40.0], 8)
+    noise = 0.02 * np.random.default_rng(3).normal(size=len(v))
+    table = Measurement(velocity=v, friction=0.3 * load**0.7 + 2.0 * v + noise, load=load)
+    verdict = select(Axis(inertia=1.0), None, table)
+    assert any("levels are those at 20 N" in one for one in verdict.words.cannot_tell)
+    assert any("levels are those at 20 N" in one for one in verdict.best.fit.remarks)
+
+
+def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
+    v = np.linspace(0.1, 1.0, 12)
+    noise = 1e-4 * np.random.default_rng(2).normal(size=len(v))
+    verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+    (level, *_) = facts(verdict)
+    assert len(level.value.partition(".")[2].partition(" ")[0]) >= 3
+    assert level.what == "kinetic coefficient $mu_k$, 95 % over all laws"
+    assert " to " in level.aside
+
+
+@pytest.mark.parametrize("located", [True, False])
+def test_a_motor_that_swings_a_weight_is_proposed_as_a_pendulum(tmp_path, located):
+    time, angle, torque = swinging(ARM)
+    rate = np.gradient(angle, time)
+    name, moved_ = ("angle_deg", np.degrees(angle)) if located else ("omega_rad_s", rate)
+    file = tmp_path / "arm.csv"
+    rows = np.column_stack([time, moved_, torque])
+    np.savetxt(file, rows, delimiter=",", header=f"time_s,{name},torque_Nm", comments="")
+    guess = guess_data(file)
+    assert guess.units["position" if located else "velocity"] == ("deg" if located else "rad/s")
+    swing = swing_of(read_data([file], replace(guess.reading, by="options")))
+    assert swing.inertia == pytest.approx(1.2 * 0.4**2, rel=0.05)
+    (tmp_path / "arm.toml").write_text(guessed_rig(guess, "arm.csv", swing=swing))
+    rig = load_rig(tmp_path / "arm.toml")
+    vary = ["friction.*", "mechanism.mass", "mechanism.inertia"]
+    verdict = select(rig.mechanism, None, rig.measurement, vary=vary, settings=HELD)
+    found = {one.path: one for one in verdict.closest.fit.estimates}
+    mass = found["mechanism.mass"]
+    assert mass.quantity.unit == "kg"
+    assert mass.value * rig.mechanism.length == pytest.approx(1.2 * 0.4, rel=0.03)
+    assert found["friction.kinetic_coefficient"].low < 0.25
+    assert found["friction.kinetic_coefficient"].high > 0.25
+
+
+def test_an_axis_whose_torque_moves_an_inertia_only_is_no_pendulum():
+    t = np.arange(0.0, 8.0, 0.01)
+    angle = 0.4 * np.sin(2.0 * t) + 0.2 * np.sin(5.0 * t)
+    rate = 0.8 * np.cos(2.0 * t) + np.cos(5.0 * t)
+    torque = -1.6 * np.sin(2.0 * t) - 5.0 * np.sin(5.0 * t) + 0.5 * np.sign(rate)
+    noise = 0.02 * np.random.default_rng(0).normal(size=len(t))
+    axis = Measurement(time=t, position=angle, force=torque + noise, turning=True)
+    assert swing_of(axis) is None
+    heavy = replace(axis, force=torque + noise + 4.0 * np.sin(angle))
+    assert swing_of(heavy).stiffness == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("laws", [None, ["coulomb"]])
+def test_only_laws_that_were_compared_explain_nothing(laws):
+    v = np.linspace(0.1, 2.0, 16)
+    noise = 0.01 * np.random.default_rng(6).normal(size=len(v))
+    table = Measurement(velocity=v, friction=2.0 + 3.0 * v + noise)
+    verdict = select(Axis(inertia=1.0), laws, table)
+    assert verdict.sentence.startswith("None of the laws compared explains" if laws else "Use ")
