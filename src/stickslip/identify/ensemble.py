@@ -129,13 +129,17 @@ class Ensemble:
         x = columns.matrix(structure, self._length(columns))
         return np.asarray(x @ coefficients)
 
-    def curves(self, rows: Any, count: int = THRESHOLDS.ensemble) -> Array:
+    def curves(
+        self, rows: Any, count: int = THRESHOLDS.ensemble, *, typical: bool = False
+    ) -> Array:
         """Return what drawn laws predict at rows (count, n).
 
         Random effects of runs are those of one of the runs that were measured, in turn, drifts are
         those early, midway or late, and so are places between two readings where something changes.
+        A `typical` run is none of them, midway.
         """
-        variants = [Columns(self.problem, one) for one in self.problem.variants(rows)]
+        stated = [rows] if typical else self.problem.variants(rows)
+        variants = [Columns(self.problem, one) for one in stated]
         length = self._length(variants[0])
         found = []
         for draw in self.draws(count):

@@ -41,7 +41,7 @@ ASKED = 40
 """Speeds of each direction at which the band is stated."""
 STRETCHES = 20
 """Stretches of records, or of the speeds of a table, that are left out one at a time, at most."""
-BENDING = (0.003, 0.03, 0.3)
+BENDING = (0.001, 0.01, 0.1, 1.0)
 """Penalties of the bending of the measured curve, in units of the noise."""
 BEYOND = 3
 """Knots of the measured curve beyond the measured speeds on either side."""

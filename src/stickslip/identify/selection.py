@@ -68,11 +68,18 @@ def select_table(
         speed_unit=measurement.unit("velocity"),
     )
     asked = problem.asked()
-    curves = judgement.ensemble.curves(asked)
+    ensemble, offered = judgement.ensemble, problem.offered()
+    curves = ensemble.curves(asked)
     band = band_of(curves)
-    offered = problem.offered()
+    # new readings do not take off by what runs differ
+    typical = ensemble.curves(asked, typical=True)
+    rest = np.maximum(np.var(curves, axis=0) - np.var(typical, axis=0), 0.0)
     proposal = propose(
-        curves, judgement.ensemble.curves(offered), judgement.noise(offered), len(problem.response)
+        typical,
+        ensemble.curves(offered, typical=True),
+        judgement.noise(offered),
+        len(problem.response),
+        rest,
     )
     places = tuple(float(offered.velocity[k]) for k in proposal.places)
     inside = math.nan
