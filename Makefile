@@ -84,7 +84,7 @@ lowest: export OPENBLAS_NUM_THREADS ?= 1
 lowest: export STICKSLIP_THREADS ?= 1
 lowest: ## tests with the lowest versions of the dependencies that pyproject.toml allows
 	$(PYTHON) -m venv --clear .venv-lowest
-	$(PYTHON) tools/lowest.py bayes control dask gym logs mdf mujoco ros sensitivity xarray > .venv-lowest/lowest.txt
+	$(PYTHON) tools/lowest.py control dask gym logs mdf mujoco parquet ros sensitivity xarray > .venv-lowest/lowest.txt
 	.venv-lowest/bin/python -m pip --disable-pip-version-check install --quiet --no-compile --only-binary :all: \
 	  -r .venv-lowest/lowest.txt -e . pytest pytest-xdist hypothesis
 	.venv-lowest/bin/python -m pytest -n $(WORKERS) --dist loadscope -p no:cacheprovider -W ignore::DeprecationWarning \
