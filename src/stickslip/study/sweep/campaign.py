@@ -52,6 +52,7 @@ from stickslip.show.documents import (
     SCHEMA_VERSION,
     becomes,
     document,
+    is_free,
     json_text,
     open_regular,
     remove_unfinished,
@@ -647,16 +648,11 @@ class _Ledger:
 
     def _alone(self) -> None:
         """Refuse to write where another process does; the system frees what a killed one held."""
-        with contextlib.suppress(ImportError):  # Windows
-            import fcntl
-
-            try:
-                fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise InputError(
-                    f"another process is running the campaign in {self.folder}: wait for it, or"
-                    " choose another folder."
-                ) from None
+        if not is_free(self.lock.fileno()):
+            raise InputError(
+                f"another process is running the campaign in {self.folder}: wait for it, or"
+                " choose another folder."
+            )
 
     def _check_inside(self, names: Iterable[str]) -> None:
         """Refuse folders of parts that a symbolic link has outside the campaign's folder."""
