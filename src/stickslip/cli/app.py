@@ -723,6 +723,18 @@ def warmup(
     run(rig, mechanisms or [], laws, allow_import=allow_import, as_json=as_json)
 
 
+@command(app, "doctor")
+def doctor(as_json: Json = False) -> None:
+    """Check the installation; print what to paste into an issue.
+
+    Versions, extras, cache, threads, compiler and folders of data; and a self-test of two closed
+    forms, in plain Python and in machine code, which is compiled first if it is not there.
+    """
+    from stickslip.cli.warmup import run_doctor
+
+    run_doctor(as_json=as_json)
+
+
 @command(app, "schema")
 def schema() -> None:
     """Print the JSON schema of rig files."""
