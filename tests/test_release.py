@@ -108,6 +108,15 @@ def test_the_first_commands_of_the_readme_are_those_that_the_package_is_tried_wi
     assert all(name == "stickslip" and words[0] in COMMANDS for name, *words in others)
 
 
+def test_the_paper_has_the_length_and_the_sources_that_its_journal_asks_for() -> None:
+    body = text_of("paper/paper.md").split("---\n", 2)[2]
+    assert 750 <= len(body.split()) <= 1750
+    known = set(re.findall(r"^@\w+\{(\w+),$", text_of("paper/paper.bib"), re.MULTILINE))
+    assert set(re.findall(r"@(\w+)", body)) == known
+    headings = re.findall(r"^# (.*)$", body, re.MULTILINE)
+    assert {"Summary", "Statement of need", "State of the field", "References"} <= set(headings)
+
+
 PAGES = {
     "index.html": '<a href="a/b.html#there">b</a><a href="https://x.y/z">z</a><img src="i.svg">',
     "a/b.html": '<p id="there"><a href="../index.html"></a><a href="#there"></a></p>',
