@@ -69,6 +69,7 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	rm -rf docs/reference/generated
 	$(BIN)/python -m sphinx -j $(WORKERS) -E -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
+	$(BIN)/python -m tools.site docs/_build/html --check
 
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
