@@ -16,6 +16,7 @@ from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.errors import InputError
 from stickslip.study.benchmark import runs as benchmark_runs
 
+records = importlib.import_module("stickslip.data.catalogue.dataset")  # a function has its name
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
@@ -56,7 +57,6 @@ kinetic_coefficient = 0.2
 APPLY = ("apply", "arm.toml", "--largest-speed", "2 rad/s", "-o")
 
 COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "benchmark": (("benchmark", "rock", "--peers", "lmfit"),),
     "dask": (("sweep", "sobol.toml", "--executor", "dask://127.0.0.1:1"),),
     "logs": (("init", "log.mcap"), ("init", "log.bag"), ("check", "log.mcap")),
     "mdf": (("init", "record.mf4"), ("check", "record.mf4")),
@@ -65,6 +65,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("check", "record.parquet"),
         ("simulate", "block.toml", "-o", "run.parquet"),
         ("sweep", "sobol.toml"),
+        ("data", "path", "emps"),
     ),
     "ros": ((*APPLY, "new.yaml", "controllers.yaml"),),
     "sensitivity": (("sweep", "saltelli.toml"),),
@@ -89,7 +90,12 @@ def adapter(name: str) -> Callable[[], None]:
     return imported
 
 
+def with_a_peer() -> None:
+    benchmark_runs.run(["rock"], "benchmark", peers=["lmfit"])
+
+
 IN_PYTHON = {
+    "benchmark": with_a_peer,
     "control": adapter("control_systems"),
     "gym": adapter("environments"),
     "xarray": to_xarray,
@@ -127,6 +133,8 @@ def without(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
 def called(tmp_path, monkeypatch, capsys):
     """Run commands in a folder of files that extras are for."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("STICKSLIP_DATA", raising=False)
+    monkeypatch.setattr(records, "cache_folder", lambda: tmp_path / "cache")
     (tmp_path / "block.toml").write_text(RIG)
     (tmp_path / "arm.toml").write_text(ARM)
     (tmp_path / "arm.urdf").write_bytes(
