@@ -36,6 +36,8 @@ def test_what_it_says_can_be_pasted(called, monkeypatch, tmp_path):
     assert f"stickslip {version('stickslip')}" in out
     assert f"numpy {version('numpy')}" in out
     assert "STICKSLIP_DATA ~/records;" in out  # without the name of the user
+    monkeypatch.setenv("STICKSLIP_DATA", f"/mnt{tmp_path}/records")
+    assert f"STICKSLIP_DATA /mnt{tmp_path}/records;" in called()[1]
 
 
 def test_both_tiers_agree_with_closed_forms(called):

@@ -195,8 +195,9 @@ def run_doctor(*, as_json: bool) -> None:
         print_json(document("doctor", facts))
     else:
         width = max(map(len, facts)) + 2
+        home = re.compile(rf"(?<!\S){re.escape(str(Path.home()))}(?![^\s/\\;])")
         for subject, found in facts.items():
-            text = _in_words(found).replace(str(Path.home()), "~")
+            text = home.sub("~", _in_words(found))  # the name of the user is nobody's business
             stdout().print(f"{subject:<{width}}{text}", markup=False)
     if failed:
         raise SimulationError(f"the self-test failed in {joined(failed)}.")
