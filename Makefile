@@ -28,7 +28,7 @@ unit docs slow bench: export STICKSLIP_BACKGROUND ?= 0
 unit docs slow: export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help select test stubs lint types architecture unit docs bench golden slow lowest fuzz format clean
+.PHONY: help select test stubs lint types architecture unit docs bench golden slow lowest newest package fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -69,6 +69,7 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	rm -rf docs/reference/generated
 	$(BIN)/python -m sphinx -j $(WORKERS) -E -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
+	$(BIN)/python -m tools.site docs/_build/html --check
 
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
@@ -79,19 +80,36 @@ golden: $(DEV) ## compare what rigs and data sets give with tests/golden (minute
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
 	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'
 
+# A part of the tests, which meets every dependency.
+SMOKE := tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py \
+  tests/cli/test_doctor.py tests/cli/test_extras.py tests/cli/test_records.py tests/cli/test_terminal.py \
+  tests/experiments/test_logs.py tests/experiments/test_units.py tests/exports/test_replay.py \
+  tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
+  tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
+EXTRAS := control dask gym logs mdf mujoco parquet ros sensitivity tdms xarray xlsx
+comma := ,
+space := $(subst ,, )
+FRESH := -m pip --disable-pip-version-check install --quiet --no-compile --only-binary :all:
+TESTING := pytest pytest-xdist hypothesis
+lowest newest: export OPENBLAS_NUM_THREADS ?= 1
+lowest newest: export STICKSLIP_THREADS ?= 1
+
 # Indirect dependencies are the newest, whose warnings about the lowest direct ones are no fault.
-lowest: export OPENBLAS_NUM_THREADS ?= 1
-lowest: export STICKSLIP_THREADS ?= 1
 lowest: ## tests with the lowest versions of the dependencies that pyproject.toml allows
 	$(PYTHON) -m venv --clear .venv-lowest
-	$(PYTHON) tools/lowest.py bayes control dask gym logs mdf mujoco ros sensitivity xarray > .venv-lowest/lowest.txt
-	.venv-lowest/bin/python -m pip --disable-pip-version-check install --quiet --no-compile --only-binary :all: \
-	  -r .venv-lowest/lowest.txt -e . pytest pytest-xdist hypothesis
-	.venv-lowest/bin/python -m pytest -n $(WORKERS) --dist loadscope -p no:cacheprovider -W ignore::DeprecationWarning \
-	  tests/test_simulation.py tests/test_tables.py tests/adapters tests/cli/test_commands.py tests/cli/test_records.py \
-	  tests/cli/test_terminal.py tests/experiments/test_logs.py tests/experiments/test_units.py tests/exports/test_replay.py \
-	  tests/identification/test_resting_joints.py tests/identify/test_tables.py tests/kinds/test_travel_verdict.py \
-	  tests/plots/test_axes.py tests/report/test_page.py tests/sweep/test_bands.py
+	$(PYTHON) tools/lowest.py $(EXTRAS) > .venv-lowest/lowest.txt
+	.venv-lowest/bin/python $(FRESH) -r .venv-lowest/lowest.txt -e . $(TESTING)
+	.venv-lowest/bin/python -m pytest -n $(WORKERS) --dist loadscope -p no:cacheprovider -W ignore::DeprecationWarning $(SMOKE)
+
+# PRE=--pre also takes versions that are not released yet.
+newest: ## the same tests with the newest versions, whatever constraints.txt says
+	$(PYTHON) -m venv --clear .venv-newest
+	.venv-newest/bin/python $(FRESH) --upgrade $(PRE) -e '.[$(subst $(space),$(comma),$(EXTRAS))]' $(TESTING)
+	.venv-newest/bin/python -m pip list
+	.venv-newest/bin/python -m pytest -n $(WORKERS) --dist loadscope -p no:cacheprovider $(if $(PRE),-W ignore::DeprecationWarning -W ignore::FutureWarning) $(SMOKE)
+
+package: ## build wheel and sdist in dist/, install them in empty environments, follow the README there
+	$(PYTHON) -m tools.package
 
 fuzz: $(DEV) ## 42,000 random simulations, half of them of several contacts (two hours); tests run 250
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1 --processes $(WORKERS)

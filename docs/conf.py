@@ -29,7 +29,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md", "decisions"]
+exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md", "ratios.md", "decisions"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 

@@ -62,6 +62,8 @@ AXIS = Axis(inertia=5.0, stiffness=40.0)
 LAW = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=30.0)
 
 
+# of python-control 0.10.2 itself, with NumPy from 2.5 on
+@pytest.mark.filterwarnings("ignore:Setting the shape:DeprecationWarning:control")
 @pytest.mark.parametrize("amplitude", [1e-3, 0.5, 40.0])
 def test_the_describing_function_of_coulomb_friction_is_that_of_a_relay(amplitude):
     friction = to_describing_function(Coulomb(kinetic_coefficient=0.2), load=10.0)

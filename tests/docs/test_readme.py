@@ -45,14 +45,16 @@ def words(text: str) -> list[list[str]]:
     return [line.split() for line in text.splitlines() if line.strip()]
 
 
-def test_the_first_screen_states_the_two_commands_and_where_the_report_goes() -> None:
+def test_the_first_screen_has_a_line_to_install_to_see_a_verdict_and_to_test() -> None:
     screen = README.splitlines()[:24]
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for command in ("pip install stickslip", "stickslip demo", "stickslip doctor"):
+        assert any(line.startswith(f"{command} ") for line in screen)
     for target in ("select", "test"):
         assert any(line.startswith(f"make {target} ") for line in screen)
         assert re.search(rf"^{target}: \$\((RUN|DEV)\)", makefile, re.MULTILINE)
     (report,) = re.findall(r"the report goes to (\S+)/", makefile)
-    assert f"`{report}/index.html`" in "\n".join(screen)
+    assert f"{report}/index.html" in "\n".join(screen)
 
 
 def test_the_readme_has_examples_for_python_and_the_terminal() -> None:

@@ -290,6 +290,18 @@ def warmup(options: WarmupOptions) -> None:
     run(options)
 
 
+@command(app, "doctor")
+def doctor(options: JsonOption) -> None:
+    """Check the installation; print what to paste into an issue.
+
+    Versions, extras, cache, threads, compiler and folders of data; and a self-test of two closed
+    forms, in plain Python and in machine code, which is compiled first if it is not there.
+    """
+    from stickslip.cli.warmup import run_doctor
+
+    run_doctor(options)
+
+
 @command(app, "schema")
 def schema() -> None:
     """Print the JSON schema of rig files."""

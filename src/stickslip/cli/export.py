@@ -24,6 +24,7 @@ from stickslip.exports import (
     AppliedJoint,
     apply,
     check_output,
+    compiler_here,
     export,
     export_fmu,
     identifier,
@@ -34,6 +35,15 @@ from stickslip.show.documents import document, regular_bytes
 from stickslip.show.formatting import NO_VALUE, quantity
 
 # ``stickslip export``.
+
+
+def linker() -> str:
+    """Return the C compiler that links FMUs, or why there is none."""
+    try:
+        return compiler_here()
+    except InputError as error:
+        return str(error)
+
 
 FMU = "fmu"
 """The target that takes a rig with its law."""

@@ -28,7 +28,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Simulate": ("simulate", "animate", "sweep", "orbits", "profile"),
     "Hand over": ("export", "apply"),
     "Look up": ("models", "characterize", "cite", "schema", "data", "paper", "benchmark"),
-    "Set up": ("warmup",),
+    "Set up": ("doctor", "warmup"),
 }
 """Commands by the heading under which they are listed."""
 
@@ -69,6 +69,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
     "benchmark": ("stickslip benchmark emps rock -o benchmark", "stickslip benchmark --list"),
     "warmup": ("stickslip warmup --rig rig.toml",),
+    "doctor": ("stickslip doctor",),
     "schema": ("stickslip schema > rig-schema.json",),
     "cite": ("stickslip cite lugre",),
     "data list": ("stickslip data list",),

@@ -55,6 +55,7 @@ from stickslip.mechanisms import (
     slipping,
 )
 from stickslip.quantities import fields_of, named
+from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
 from stickslip.show.formatting import (
     Scale,
@@ -527,6 +528,8 @@ def check_table(output: Path) -> None:
     """Refuse what is no table by its ending."""
     if output.suffix not in (".csv", ".parquet", ".mat"):
         raise InputError(f"--output takes a .csv, .parquet or .mat file, got {output}.")
+    if output.suffix == ".parquet":
+        require_library("pyarrow", "parquet", "write a .csv file")
 
 
 def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:

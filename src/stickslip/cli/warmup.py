@@ -1,24 +1,41 @@
-"""``stickslip warmup``."""
+"""``stickslip warmup`` and ``stickslip doctor``: what is compiled, and what is installed."""
 
 import dataclasses
+import importlib.metadata
+import math
+import os
+import platform
+import re
+import sys
+import time
 import typing
-from collections.abc import Iterator, Sequence
-from typing import Any
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
 
 from stickslip.cli.console import note, print_json, stdout
-from stickslip.cli.options import WarmupOptions
+from stickslip.cli.options import JsonOption, WarmupOptions
 from stickslip.cli.progress import Compiling
 from stickslip.data import Rig, load_rig
-from stickslip.engine.solver import WarmUp, warm_up
-from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw, law_type, listed
+from stickslip.data.catalogue import cache_folder, dataset, names
+from stickslip.engine.executors import THREADS, threads
+from stickslip.engine.simulation import simulate
+from stickslip.engine.solver import EventDriven, WarmUp, warm_up
+from stickslip.errors import InputError, SimulationError, StickslipError
+from stickslip.friction import Coulomb, FrictionLaw, law_type, listed
 from stickslip.friction import laws as known_laws
 from stickslip.identify.fits import starting_law
-from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
+from stickslip.mechanisms import Mechanism, Motor, Prescribed, SpringBlock, Torque
 from stickslip.mechanisms import mechanisms as known_mechanisms
 from stickslip.mechanisms.drives import Drive, Pulse, ThreePhase
 from stickslip.quantities import fields_of, named
 from stickslip.show.documents import document
+from stickslip.show.formatting import count, joined
+
+# ``stickslip warmup``.
 
 PULSE = Pulse(level=1.0, duration=1.0)
 SWING = ThreePhase(amplitude=1.0, fast=2.0, slow=1.0)
@@ -135,3 +152,166 @@ def _sentence(done: WarmUp) -> str:
         f"Kernels: {kernels}. Equations: {done.equations_compiled} compiled,"
         f" {done.equations_found} in the cache. Time: {done.seconds:.1f} s. Cache: {done.folder}"
     )
+
+
+# ``stickslip doctor``: facts by subject, which a document has as they are and a terminal in words.
+
+Facts = dict[str, Any]
+REQUIREMENT: Final = re.compile(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?.*")
+FOR_CONTRIBUTORS: Final = {"bench", "dev", "docs"}
+"""Extras that no command needs."""
+BLOCK: Final = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+LAW: Final = Coulomb(kinetic_coefficient=0.25)
+TIERS: Final = {
+    "plain Python": EventDriven(tier="python"),
+    "machine code": EventDriven(tier="compiled"),
+}
+CLOSE: Final = 1e-9
+"""Largest relative error of the self-test; events are located to some 1e-12."""
+
+
+def run_doctor(options: JsonOption) -> None:
+    """Look at everything that commands stand on, and test it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of folders, which are said below
+        facts: Facts = {
+            "versions": _versions(),
+            "system": _system(),
+            "extras": _extras(),
+            "cache": _tried(_cache),
+            "threads": _tried(_threads),
+            "compiler": {"for FMUs": _compiler()},
+            "data": _tried(_data),
+            "self-test": {name: _tried(partial(_self_test, one)) for name, one in TIERS.items()},
+        }
+    failed = [tier for tier, one in facts["self-test"].items() if "error" in one]
+    if options.as_json:
+        print_json(document("doctor", facts))
+    else:
+        width = max(map(len, facts)) + 2
+        home = re.compile(rf"(?<!\S){re.escape(str(Path.home()))}(?![^\s/\\;])")
+        for subject, found in facts.items():
+            text = home.sub("~", _in_words(found))  # the name of the user is nobody's business
+            stdout().print(f"{subject:<{width}}{text}")
+    if failed:
+        raise SimulationError(f"the self-test failed in {joined(failed)}.")
+
+
+def _in_words(found: Any, between: str = "; ") -> str:
+    if isinstance(found, Mapping):
+        return between.join(f"{name} {_in_words(one, ', ')}" for name, one in found.items())
+    if isinstance(found, float):
+        return f"{found:.2g}"
+    return (", ".join(found) or "none") if isinstance(found, list) else str(found)
+
+
+def _tried(look: Callable[[], Facts]) -> Facts:
+    """Return facts, or the error that stands in their way."""
+    try:
+        return look()
+    except (StickslipError, OSError) as error:
+        return {"error": str(error)}
+
+
+def _required() -> dict[str, list[str]]:
+    """Return the names of packages by extra; those that are always needed are under no name."""
+    found: dict[str, list[str]] = {}
+    for line in importlib.metadata.requires("stickslip") or ():
+        match = REQUIREMENT.fullmatch(line)
+        if match is not None:
+            found.setdefault(match[2] or "", []).append(match[1])
+    return found
+
+
+def _version_of(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def _versions() -> Facts:
+    packages = ["stickslip", *_required()[""]]
+    return {name: _version_of(name) or "missing" for name in packages}
+
+
+def _system() -> Facts:
+    from llvmlite import binding
+
+    return {
+        "Python": f"{platform.python_implementation()} {platform.python_version()}",
+        "in": sys.prefix,
+        "on": platform.platform(),
+        "processor": f"{binding.get_host_cpu_name()} ({binding.get_process_triple()})",
+    }
+
+
+def _extras() -> Facts:
+    """Tell extras whose packages are all there from others, with what is missing."""
+    there: list[str] = []
+    absent: list[str] = []
+    for extra, packages in sorted(_required().items()):
+        missing = [name for name in packages if not _version_of(name)]
+        if extra and extra not in FOR_CONTRIBUTORS:
+            (absent if missing else there).append(extra)
+    return {"present": there, "absent": absent}
+
+
+def _cache() -> Facts:
+    done = warm_up([])  # the kernels
+    images = [path.stat().st_size for path in done.folder.glob("*.image")]
+    return {
+        "folder": str(done.folder),
+        "files": len(images),
+        "bytes": sum(images),
+        "kernels": f"compiled in {done.seconds:.1f} s" if done.kernels_compiled else "there",
+    }
+
+
+def _threads() -> Facts:
+    import scipy.linalg  # noqa: F401  # which brings linear algebra of its own
+    from threadpoolctl import threadpool_info
+
+    return {
+        "cores": os.cpu_count(),
+        "used": threads(),
+        THREADS: os.environ.get(THREADS, "not set"),
+        "linear algebra": [
+            f"{one['internal_api']} {one['version']} with {count(one['num_threads'], 'thread')}"
+            for one in threadpool_info()
+        ],
+    }
+
+
+def _compiler() -> str:
+    from stickslip.cli.export import linker
+
+    return linker()
+
+
+def _data() -> Facts:
+    places = Counter(
+        record.place(file).value for record in map(dataset, names()) for file in record.files
+    )
+    return {
+        "STICKSLIP_DATA": os.environ.get("STICKSLIP_DATA", "not set"),
+        "cache": str(cache_folder()),
+        "files of the catalogue": dict(places),
+    }
+
+
+def _self_test(solver: EventDriven) -> Facts:
+    """Simulate a block that a spring pushes; return the errors over its closed forms."""
+    friction = LAW.kinetic_coefficient * BLOCK.mass * BLOCK.gravity
+    back = friction / BLOCK.stiffness
+    travel = 0.5 * BLOCK.stiffness * BLOCK.compression**2 / friction
+    leaves = math.acos(-back / (BLOCK.compression - back)) / math.sqrt(BLOCK.stiffness / BLOCK.mass)
+    begun = time.perf_counter()
+    run = simulate(BLOCK, LAW, t_end=2.0, solver=solver)
+    errors = {
+        "travel": abs(float(run["x"][-1]) / travel - 1.0),
+        "time of leaving": abs(run.events[0].t / leaves - 1.0),
+    }
+    if not max(errors.values()) < CLOSE:
+        raise SimulationError(f"{errors} beside closed forms, where {CLOSE:g} is allowed.")
+    return {**errors, "seconds": round(time.perf_counter() - begun, 3)}

@@ -69,6 +69,7 @@ INSIDE = {
     "loop_samples": "rig",
     "motor_constants": "readers.columns",
     "noise_of": "differentiation",
+    "parquet_data": "readers.binary",
     "parse": "readers.toml",
     "read_bytes": "readers.toml",
     "read_data": "records",

@@ -57,6 +57,7 @@ from stickslip.data.measurement import condition_name as condition_name
 from stickslip.data.measurement import condition_unit as condition_unit
 from stickslip.data.measurement import tells_load as tells_load
 from stickslip.data.measurement import unit_of_input as unit_of_input
+from stickslip.data.readers.binary import parquet_data as parquet_data
 from stickslip.data.readers.columns import Column as Column
 from stickslip.data.readers.columns import Reading as Reading
 from stickslip.data.readers.columns import column_of as column_of

@@ -27,6 +27,7 @@ HOMES = {
 
 INSIDE = {
     "check_output": "applying.verb",
+    "compiler_here": "fmu.export",
     "identifier": "program",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -7,6 +7,7 @@ from stickslip.exports.applying.verb import Applied as Applied
 from stickslip.exports.applying.verb import AppliedJoint as AppliedJoint
 from stickslip.exports.applying.verb import apply as apply
 from stickslip.exports.applying.verb import check_output as check_output
+from stickslip.exports.fmu.export import compiler_here as compiler_here
 from stickslip.exports.fmu.export import export_fmu as export_fmu
 from stickslip.exports.program import Export as Export
 from stickslip.exports.program import Target as Target

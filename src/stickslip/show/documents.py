@@ -5,6 +5,7 @@ import ctypes
 import errno
 import glob
 import hashlib
+import importlib
 import json
 import math
 import os
@@ -310,7 +311,7 @@ def private_folder() -> Iterator[Path]:
     with _ending_orderly(), tempfile.TemporaryDirectory(prefix=PRIVATE) as name:
         place = Path(name)
         with (place / ".lock").open("wb") as lock:
-            _is_free(lock.fileno())
+            is_free(lock.fileno())
             yield place
 
 
@@ -332,15 +333,26 @@ def _ending_orderly() -> Iterator[None]:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
-def _is_free(lock: int) -> bool:
-    """Take the lock of an open file, and return whether nobody had it."""
-    try:
-        import fcntl
+def is_free(lock: int) -> bool:
+    """Take the lock of an open file, and return whether nobody had it.
 
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (ImportError, OSError):  # Windows, or held by another
+    The system frees it when the file is closed, or the process ends in whatever way.
+    """
+    try:
+        _take(lock)
+    except OSError:  # held by another
         return False
     return True
+
+
+def _take(lock: int) -> None:
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        locks: Any = importlib.import_module("msvcrt")
+        locks.locking(lock, locks.LK_NBLCK, 1)
+    else:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _remove_abandoned() -> None:
@@ -349,10 +361,14 @@ def _remove_abandoned() -> None:
         with contextlib.suppress(OSError):
             found = left.lstat()
             old = time.time() - found.st_mtime > YOUNG
-            if old and stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid():
+            user = (
+                os.getuid() if hasattr(os, "getuid") else found.st_uid
+            )  # Windows has a folder each
+            if old and stat.S_ISDIR(found.st_mode) and found.st_uid == user:
                 with open_regular(left / ".lock") as lock:
-                    if _is_free(lock.fileno()):
-                        shutil.rmtree(left)
+                    abandoned = is_free(lock.fileno())
+                if abandoned:  # after it is closed: Windows removes no open file
+                    shutil.rmtree(left)
 
 
 def _list(digests: Mapping[str, Sequence[str]]) -> bytes:

@@ -21,6 +21,7 @@ import platformdirs
 from stickslip.data import Measurement, load_measurement
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.described import Described
+from stickslip.show.display import require_library
 from stickslip.show.documents import sha256_of
 from stickslip.show.formatting import number
 
@@ -411,6 +412,7 @@ class Dataset(metaclass=Described):
         target = self.folder() / wanted.file_name
         if wanted.source and target.is_file():
             return target
+        require_library("pyarrow", "parquet")
         raw = self._upstream(wanted, report)
         convert(raw, target, form=self.format, columns=self.columns, file=wanted)
         return target

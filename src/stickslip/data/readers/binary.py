@@ -39,6 +39,7 @@ from stickslip.data.readers.table import (
     read_of,
 )
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size
+from stickslip.show.display import require_library
 from stickslip.units import is_unit
 
 # The structure of MATLAB files of version 5 to 7, checked before they are read.
@@ -502,15 +503,9 @@ _DEFLATED: Final = {0, 1}
 
 def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
     """Return the channels of one group as columns, with their units in brackets."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of the package's own imports
-            import asammdf
-    except ImportError:
-        raise InputError(
-            f"{path}: MDF files need the package asammdf: pip install 'stickslip[mdf]', or export"
-            " the file as CSV."
-        ) from None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the package's own imports
+        asammdf = require_library("asammdf", "mdf", f"export {path} as CSV")
     with parsed_as(path, "an MDF file"):
         _check_blocks(path)
         with warnings.catch_warnings(), asammdf.MDF(path) as file:
@@ -573,13 +568,7 @@ def read_tdms(path: Path, names: Collection[str] = ()) -> Table:
 
     Times of channels that state none are those that their waveform states.
     """
-    try:
-        import nptdms
-    except ImportError:
-        raise InputError(
-            f"{path}: TDMS files need the package npTDMS: pip install 'stickslip[tdms]', or export"
-            " the file as text."
-        ) from None
+    nptdms = require_library("nptdms", "tdms", f"export {path} as text")
     with (
         parsed_as(path, "a TDMS file"),
         _quiet(),
@@ -688,8 +677,7 @@ def read_parquet(path: Path, _names: Collection[str] = ()) -> Table:
 
 def parquet_data(path: Path) -> pd.DataFrame:
     """Return the columns of a file, whatever they hold."""
-    import pyarrow.parquet as pq
-
+    pq = require_library("pyarrow.parquet", "parquet", f"export {path} as CSV")
     try:
         with pq.ParquetFile(path) as file:
             check_parquet(str(path), file)

@@ -65,6 +65,7 @@ from stickslip.data.readers.tracks import (
     read_capture,
 )
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
+from stickslip.show.display import require_library
 from stickslip.show.formatting import joined
 from stickslip.units import shown
 
@@ -502,13 +503,7 @@ MOST_CELLS: Final = 2e7
 
 def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> Table:
     """Return the table of the first sheet that has one: names above rows of numbers."""
-    try:
-        import openpyxl
-    except ImportError:
-        raise InputError(
-            f"{path}: workbooks need the package openpyxl: pip install 'stickslip[xlsx]', or save"
-            " the sheet as CSV."
-        ) from None
+    openpyxl = require_library("openpyxl", "xlsx", f"save the sheet of {path} as CSV")
     with parsed_as(path, "a workbook"), path.open("rb") as data, zipfile.ZipFile(data) as parts:
         expanded = sum(part.file_size for part in parts.infolist())
         check_size(str(path), float(expanded), CURE, unit="expanded bytes", most=4 * MOST_NUMBERS)

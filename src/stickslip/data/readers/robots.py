@@ -14,6 +14,7 @@ from stickslip.data.readers.binary import check_parquet
 from stickslip.data.readers.table import Table, parsed_as, read_json
 from stickslip.errors import InputError, check_size
 from stickslip.mechanisms import coordinate_of
+from stickslip.show.display import require_library
 from stickslip.show.documents import open_regular
 from stickslip.show.formatting import count, joined, number
 from stickslip.units import shown
@@ -362,10 +363,8 @@ def _info(path: Path) -> Mapping[str, Any]:
 
 def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
     """Return the columns of one file: (n,), and of a list in each row (n, k), and their size."""
-    import pyarrow as pa
-    import pyarrow.compute as pc
-    import pyarrow.parquet as pq
-
+    pa = require_library("pyarrow", "parquet")
+    pc, pq = (require_library(f"pyarrow.{name}", "parquet") for name in ("compute", "parquet"))
     with parsed_as(path, "a Parquet file"):
         with open_regular(path) as stream, pq.ParquetFile(stream) as file:
             size = check_parquet(str(path), file, names)

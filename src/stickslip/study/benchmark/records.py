@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data import Measurement, rows_of
+from stickslip.data import Measurement, parquet_data, rows_of
 from stickslip.data.catalogue import dataset
 from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Axis, DCMotor, Pendulum, Robot, RobotJoint, TowedBlock, TwoLinkArm
@@ -450,11 +450,9 @@ class Log:
 
 def logs() -> list[Log]:
     """Return the measured files; the voltage is the duty times the slow part of that of the bus."""
-    import pandas as pd
-
     found, record = [], dataset(SERVO)
     for file in record.files:
-        d: Any = pd.read_parquet(record.path(file))
+        d: Any = parquet_data(record.path(file))
         t, on = d["t_s"].to_numpy(), d["torque_enable"].to_numpy(dtype=bool)
         grid = np.arange(t[0], t[-1], GRID)
         bus = d["bus_V"].rolling(61, center=True, min_periods=1).median().to_numpy()
@@ -525,9 +523,7 @@ EVERY = 10
 
 
 def _modelica() -> tuple[Measurement, Measurement]:
-    import pandas as pd
-
-    table = pd.read_parquet(dataset("modelica_friction").path()).drop_duplicates("time")
+    table = parquet_data(dataset("modelica_friction").path()).drop_duplicates("time")
     time = np.asarray(table["time"])[::EVERY]
     record = Measurement(
         time=time,
@@ -538,9 +534,7 @@ def _modelica() -> tuple[Measurement, Measurement]:
 
 
 def _siconos() -> tuple[Measurement, Measurement]:
-    import pandas as pd
-
-    table = pd.read_parquet(dataset("siconos_friction_oscillator").path())
+    table = parquet_data(dataset("siconos_friction_oscillator").path())
     record = Measurement(time=np.asarray(table["t_s"]), position=np.asarray(table["x"]))
     return between(record, 0.0, 12.0), between(record, 12.0, 22.0)
 

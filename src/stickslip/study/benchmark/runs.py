@@ -27,7 +27,7 @@ from stickslip.identify.fits import RecordFit
 from stickslip.identify.kinds import fit, select
 from stickslip.quantities import vary
 from stickslip.show.described import Described
-from stickslip.show.display import Tabular
+from stickslip.show.display import Tabular, require_library
 from stickslip.show.documents import document, json_text, regular_bytes, unwritable, write_file
 from stickslip.show.formatting import Scale, count, joined, number, quantity, scale_of
 from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, inline_svg
@@ -233,6 +233,8 @@ def run(
     for name in asked:
         if name not in PEERS:
             raise UnknownNameError("peer of the benchmark", name, PEERS)
+        if not _version(PEERS[name].package):  # before minutes of fits
+            require_library(PEERS[name].package, "benchmark", f"leave the peer {name} out")
     pairs = [(one.name, tool) for one in chosen for tool in (OURS, *asked)]
     folder = Path(folder)
     known = _read(folder / JOURNAL)

@@ -47,11 +47,12 @@ from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.show.described import Described
-from stickslip.show.display import Summary, Tabular, text_of
+from stickslip.show.display import Summary, Tabular, require_library, text_of
 from stickslip.show.documents import (
     SCHEMA_VERSION,
     becomes,
     document,
+    is_free,
     json_text,
     open_regular,
     remove_unfinished,
@@ -228,9 +229,8 @@ class CampaignRuns(Tabular):
 
     def _read(self, part: _Finished, columns: Sequence[str] | None) -> Any:
         """Return a table of a file; of no columns, its schema is that of all."""
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
+        pa = require_library("pyarrow", "parquet")
+        pq = require_library("pyarrow.parquet", "parquet")
         path = self.folder / part.file
         try:
             with open_regular(path) as file:
@@ -539,9 +539,8 @@ def _made(
     name: str, case: Case, campaign: Campaign, start: int, stop: int
 ) -> tuple[_Finished, bytes]:
     """Make the runs of a file; return what is to be known of them, and the file."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
+    pa = require_library("pyarrow", "parquet")
+    pq = require_library("pyarrow.parquet", "parquet")
     runs = _runs(case, campaign, start, stop)
     frame = runs.to_dataframe()
     for place, (label, value) in enumerate(case.labels.items()):
@@ -649,16 +648,11 @@ class _Ledger:
 
     def _alone(self) -> None:
         """Refuse to write where another process does; the system frees what a killed one held."""
-        with contextlib.suppress(ImportError):  # Windows
-            import fcntl
-
-            try:
-                fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise InputError(
-                    f"another process is running the campaign in {self.folder}: wait for it, or"
-                    " choose another folder."
-                ) from None
+        if not is_free(self.lock.fileno()):
+            raise InputError(
+                f"another process is running the campaign in {self.folder}: wait for it, or"
+                " choose another folder."
+            )
 
     def _check_inside(self, names: Iterable[str]) -> None:
         """Refuse folders of parts that a symbolic link has outside the campaign's folder."""

@@ -239,7 +239,7 @@ def keep_image(name: str, content: bytes, *, warns: bool, kind: Processor | None
     try:
         _write(_image(_made_folder(), name, kind), _seal(name, content) + content)
     except OSError as error:
-        if warns:
+        if warns and not has_image(name, kind):  # Windows replaces no file that another reads
             _warn(cache_directory(), error.strerror or str(error))
 
 
