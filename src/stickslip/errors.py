@@ -3,8 +3,6 @@
 import difflib
 from collections.abc import Iterable, Mapping
 
-from typing_extensions import override
-
 __all__ = [
     "CompilationError",
     "ConformanceError",
@@ -82,7 +80,6 @@ class UnknownNameError(InputError, LookupError):
         hint = f"Did you mean {close}?" if close else f"Known: {listed or 'none'}."
         super().__init__(f"unknown {kind} {_shortened(name)!r}. {hint}")
 
-    @override
     def __reduce__(
         self,
     ) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...], dict[str, str]]]:

@@ -20,8 +20,6 @@ from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
-from typing_extensions import override
-
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.show.described import Described, alternatives
 from stickslip.units import is_pint, number_in
@@ -263,7 +261,6 @@ class Quantity:
                 " bounds in the unit itself."
             )
 
-    @override
     def __str__(self) -> str:
         """Return symbol and allowed values."""
         return f"{self.symbol}: {self.range}" + (f" or {self.or_unit}" if self.or_unit else "")
@@ -476,7 +473,7 @@ class Parametrised(metaclass=Described):
     """What a field of this class holds, for the message on something else: "a drive such as"."""
 
     @classmethod
-    def instead(cls, given: object) -> str:  # noqa: ARG003  # subclasses look at it
+    def instead(cls, given: object) -> str:  # subclasses look at it
         """Return how what was given is written instead; empty if it may stand, or if unknown."""
         return ""
 

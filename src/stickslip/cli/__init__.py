@@ -7,8 +7,6 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 
-from typing_extensions import override
-
 __all__ = ["ToldExit", "main"]
 
 BROKEN_PIPE = 1
@@ -64,7 +62,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 class _Stderr(logging.Handler):
     """Writes to what stderr is at that moment: progress bars take its place while they are up."""
 
-    @override
     def emit(self, record: logging.LogRecord) -> None:
         from stickslip.cli.console import is_quiet
         from stickslip.show.formatting import printable

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data.units import LARGEST, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -621,7 +620,6 @@ class Measurement(Tabular, InPanels):
         known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured as a pandas DataFrame, as `load_measurement` reads it.
 
@@ -650,11 +648,9 @@ class Measurement(Tabular, InPanels):
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
 
-    @override
     def _over(self) -> str:
         return "time"
 
-    @override
     def _summary(self) -> Summary:
         records = self.records()
         rows: list[tuple[str, object]] = []

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, OnAxes, Summary, require_library
@@ -409,7 +407,6 @@ class Trajectory(InPanels):
     def _last(self, name: str) -> str:
         return f"{name} = {quantity(float(self[name][-1]), self.units[name], 4)}"
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
@@ -511,7 +508,6 @@ class Ensemble(OnAxes):
         coordinates = {path: ("run", v, of[path]) for path, v in self.parameters.items()}
         return xr.Dataset(columns, coordinates)
 
-    @override
     def _summary(self) -> Summary:
         counts = {s: int((self.status == s).sum()) for s in Status}
         rows = [("runs", str(len(self))), ("outputs", ", ".join(self.outputs))]

@@ -16,7 +16,6 @@ from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Rig
 from stickslip.engine.simulation import simulate
@@ -63,11 +62,9 @@ class JointFriction(SetValuedLaw):
     static_surplus: Annotated[float, Quantity("f_s - f", "N", low=0)] = 0.0
     """What rest holds above the level, in simulators that have it."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         return self.level + self.damping * speed + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return self.level + self.static_surplus + 0.0 * load
 
@@ -95,12 +92,10 @@ class PolynomialFriction(SetValuedLaw):
     damping_curvature: Annotated[float, Quantity("d_2", "N s^3/m^3", low=0)]
     """Growth of the damping with the square of the speed."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         growth = self.damping_slope * speed + self.damping_curvature * speed * speed
         return self.level + (self.damping + growth) * speed + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return self.level + 0.0 * load
 
@@ -120,11 +115,9 @@ class SmoothFriction(SetValuedLaw):
     steepness: Annotated[float, Quantity("phi_2", "s/m", above=0)]
     """Inverse of the speed within which it grows."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         return 0.5 * self.height * tanh(0.5 * self.steepness * speed) + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return 0.0 * load
 
@@ -550,7 +543,6 @@ class Mjcf(Target):
     title: ClassVar[str] = "MuJoCo (MJCF)"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         known, law, name = inertia_of(subject), as_lugre(subject.law), subject.name
         inertia = 1.0 if known is None else known
@@ -593,7 +585,6 @@ class Urdf(Target):
     title: ClassVar[str] = "URDF"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         found = simplified(subject)
         joint, name, known = found.joint, subject.name, inertia_of(subject)

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any, ClassVar, Final, TypeAlias
 
 import symengine as se
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, Levels, Rig
 from stickslip.engine.formulation import Switchboard, Traced, collapsed, expression
@@ -670,7 +669,6 @@ class Export:
         write_files(paths)
         return tuple(paths)
 
-    @override
     def __repr__(self) -> str:
         return f"<Export {self.target}: {', '.join(self.files)}>"
 

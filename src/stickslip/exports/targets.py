@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.exports.functions import input_variables, rotary_code, turned_variable
@@ -33,7 +32,6 @@ class CCode(Target):
     name: ClassVar[str] = "c"
     title: ClassVar[str] = "C99"
 
-    @override
     def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=C, safe=_c_safe)
         files = {
@@ -145,7 +143,6 @@ class Matlab(Target):
     name: ClassVar[str] = "matlab"
     title: ClassVar[str] = "MATLAB, Simulink and GNU Octave"
 
-    @override
     def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=MATLAB, safe=str)
         texts = {
@@ -263,7 +260,6 @@ class Modelica(Target):
     name: ClassVar[str] = "modelica"
     title: ClassVar[str] = "Modelica"
 
-    @override
     def export(self, subject: Subject) -> Export:
         if subject.equations.flags:
             raise InputError(
@@ -435,7 +431,6 @@ class CsvTable(Target):
     title: ClassVar[str] = "lookup table (CSV)"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         law, load, most = subject.law, subject.needed_load(), subject.needed_speed()
         even = np.linspace(0.0, most, EVEN_SPEEDS + 1)[1:]
@@ -470,7 +465,6 @@ class JsonDocument(Target):
     name: ClassVar[str] = "json"
     title: ClassVar[str] = "JSON"
 
-    @override
     def export(self, subject: Subject) -> Export:
         text = json_text(document("law", _content(subject)))
         return Export(target=self.name, files={f"{subject.name}.json": text})

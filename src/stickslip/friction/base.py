@@ -113,7 +113,6 @@ class Typical:
     source: str = ""
     """Key of `stickslip.friction.sources.SOURCES`; empty if they are an example."""
 
-    @override
     def __str__(self) -> str:
         return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
 
@@ -300,9 +299,9 @@ class FrictionLaw(Parametrised, ABC):
 
     def rates(
         self,
-        velocity: Scalar,  # noqa: ARG002
-        load: Scalar,  # noqa: ARG002
-        states: tuple[Scalar, ...],  # noqa: ARG002
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...],
     ) -> tuple[Scalar, ...]:
         """Return the time derivatives of the states of the contact, arguments as in `force`.
 
@@ -324,10 +323,10 @@ class FrictionLaw(Parametrised, ABC):
 
     def moved(
         self,
-        velocity: Scalar,  # noqa: ARG002
-        load: Scalar,  # noqa: ARG002
-        states: tuple[Scalar, ...],  # noqa: ARG002
-        time: Scalar,  # noqa: ARG002
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...],
+        time: Scalar,
     ) -> tuple[Scalar, ...] | None:
         """Return the states of the contact after some time at a constant slip velocity.
 
@@ -366,7 +365,7 @@ class FrictionLaw(Parametrised, ABC):
         """
         return self.force(velocity, load)
 
-    def towards(self, direction: int) -> "FrictionLaw":  # noqa: ARG002
+    def towards(self, direction: int) -> "FrictionLaw":
         """Return the law that holds in one direction of slip; most hold in both.
 
         Parameters

@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NoReturn, TypeAlias, cast
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
     BOTH_WAYS,
@@ -63,7 +61,6 @@ class Leaf:
     modulated: "Mapping[str, tuple[Leaf, ...]]" = dataclasses.field(default_factory=dict)
     """Factors of parameters, by the part's own name of these."""
 
-    @override
     def __str__(self) -> str:
         holds = self.inputs if self.part.argument == "input" else ()
         return self.part.name + "".join(f"[{one}]" for one in holds)

@@ -21,8 +21,6 @@ from abc import ABC
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Memory, Parameter, Part
@@ -99,7 +97,6 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
             title = f"{title} without viscous part"
         return title[:1].upper() + title[1:]
 
-    @override
     def __repr__(self) -> str:
         return str(self)
 
@@ -156,7 +153,6 @@ class Name(Term):
         """Return this around a term."""
         return Around(self, _term(inner))
 
-    @override
     def __str__(self) -> str:
         return f"{self.name}[{self.argument}]" if self.argument else self.name
 
@@ -213,7 +209,6 @@ class Product(Term):
     first: Term
     factors: tuple[Name, ...]
 
-    @override
     def __str__(self) -> str:
         return " * ".join((_bracketed(self.first), *map(str, self.factors)))
 
@@ -233,7 +228,6 @@ class Sum(Term):
 
     items: tuple[Term, ...]
 
-    @override
     def __str__(self) -> str:
         return " + ".join(map(str, self.items))
 
@@ -245,7 +239,6 @@ class Around(Term):
     head: Name
     inner: Term
 
-    @override
     def __str__(self) -> str:
         return f"{self.head}({self.inner})"
 

@@ -8,7 +8,6 @@ from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.quantities import Parametrised, Quantity
@@ -162,7 +161,6 @@ class RateState(Parametrised):
     """Whether the speed stands in an arcsinh, which has a value at rest and backwards, and not in a
     logarithm."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that they are those of the evolution."""
         super().__post_init__()

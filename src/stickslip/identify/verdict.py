@@ -8,7 +8,6 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at
 from stickslip.friction import FrictionLaw, laws
@@ -79,7 +78,6 @@ class LawFit(Fit[FrictionLaw]):
     correlation: Array
     """Correlation of the estimates (p, p)."""
 
-    @override
     def law_estimates(self) -> LawEstimates:
         return estimates_for(
             self.law,
@@ -89,7 +87,6 @@ class LawFit(Fit[FrictionLaw]):
             largest_speed=self.largest_speed,
         )
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
 
@@ -101,7 +98,6 @@ class LawFit(Fit[FrictionLaw]):
         )
         return plot_band(drawing, ax)
 
-    @override
     def __str__(self) -> str:
         return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
 
@@ -132,16 +128,13 @@ class LawCandidate(Candidate[LawFit]):
         return self.fit.law if self.fit else None
 
     @property
-    @override
     def parameters(self) -> int:
         return self.count
 
     @property
-    @override
     def score(self) -> float | None:
         return self.held_out
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return {
             "law": self.name,
@@ -180,12 +173,10 @@ class BandVerdict(Verdict[LawCandidate]):
     """Parameters of the named law with their intervals whichever law of the set has them."""
 
     @property
-    @override
     def route(self) -> str:
         return self.route_name
 
     @property
-    @override
     def score_unit(self) -> str:
         return self.measurement.unit("friction")
 
@@ -222,7 +213,6 @@ class BandVerdict(Verdict[LawCandidate]):
         return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
 
     @property
-    @override
     def closest(self) -> LawCandidate:
         return self.candidates[0]
 
@@ -382,7 +372,6 @@ class BandVerdict(Verdict[LawCandidate]):
             found.append(drawn_curve(*levels_of(judgement, structure, row)) if law is None else law)
         return found
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         problem = self.judgement.problem
         return {
@@ -459,7 +448,6 @@ class BandVerdict(Verdict[LawCandidate]):
         found: Mapping[str, Any] = json.loads(text)
         return found
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
 

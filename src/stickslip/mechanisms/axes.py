@@ -162,7 +162,6 @@ class TwoMassAxis(LinearOrRotary):
     offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against motion of the load: gravity, a cable."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()

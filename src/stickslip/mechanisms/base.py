@@ -230,10 +230,10 @@ class Mechanism(Parametrised, ABC):
 
     def loads(
         self,
-        t: Scalar,  # noqa: ARG002  # for those whose loads change
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,  # for those whose loads change
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         """Return the prescribed loads of contacts by name; where left out, that of the contact.
 
@@ -259,10 +259,10 @@ class Mechanism(Parametrised, ABC):
 
     def contact_inputs(
         self,
-        t: Scalar,  # noqa: ARG002  # for those that can tell
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,  # for those that can tell
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         """Return what friction laws may ask of the contact beside speed and load.
 
@@ -307,7 +307,7 @@ class Mechanism(Parametrised, ABC):
 
     def limits(
         self,
-        forces: Mapping[str, Scalar],  # noqa: ARG002  # for those that have limits
+        forces: Mapping[str, Scalar],  # for those that have limits
     ) -> Mapping[str, Scalar]:
         """Return what ends a run as it falls below 0, by the name of the event.
 
@@ -330,7 +330,6 @@ class BoundedMechanism(Mechanism, ABC):
     on the contact is neglected.
     """
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that the stops leave room between them."""
         super().__post_init__()
@@ -356,7 +355,6 @@ class LinearOrRotary(Mechanism, ABC):
     """Whether coordinates are angles [rad] and forces are torques [N m]; units of values, such as
     kg m^2, set it, and so does a fit to angles."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that their units are of one kind of motion."""
         if not isinstance(self.rotary, bool):
@@ -515,10 +513,10 @@ class MatrixMechanism(Mechanism, ABC):
 
     def power(
         self,
-        t: Scalar,  # noqa: ARG002
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> Scalar | None:
         """Return the power [W] that drives put in and dampers take out, or None.
 

@@ -75,7 +75,6 @@ class SpringBlock(BoundedMechanism):
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Speed after an impact at a stop over the speed before; 0 if nothing bounces."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that a compressed spring is there."""
         super().__post_init__()
@@ -379,7 +378,6 @@ class BlockChain(Mechanism):
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force of each block, or 1 where levels are forces."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that the number of blocks is whole."""
         super().__post_init__()

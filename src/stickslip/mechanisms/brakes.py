@@ -119,7 +119,6 @@ class DiscBrake(Mechanism):
     drive: Drive | None = None
     """Torque on the disc [N m]."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the pads."""
         super().__post_init__()
@@ -244,7 +243,6 @@ class ClutchTrain(Mechanism):
     brake: Lining | None = None
     """Brake between the housing and the first rotor."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parts and their number."""
         super().__post_init__()

@@ -306,7 +306,6 @@ class Capsule(BoundedMechanism):
     squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
     """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters: only a force can come from outside."""
         if self.drive_on not in ("both", "inner mass"):
@@ -743,7 +742,6 @@ class PendulumCart(Mechanism):
     """Acceleration of the ground along its normal [m/s^2], as of a vibrating pipe; rest if not
     given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters; a pivot without load is no contact."""
         super().__post_init__()

@@ -275,7 +275,6 @@ class DCMotor(Parametrised):
     drive: Drive | None = None
     """Voltage [V], or the goal of the loop; 0 if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters: a supply droops from its voltage."""
         super().__post_init__()

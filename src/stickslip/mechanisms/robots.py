@@ -71,7 +71,6 @@ class Link(Parametrised):
     torque: Drive | DCMotor | None = None
     """Torque at the joint, behind the gear [N m]; or a `DCMotor`, which has rotor and gear."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that a rotor is given once."""
         super().__post_init__()
@@ -123,7 +122,6 @@ class SerialArm(JointedMechanism):
     gravity: Annotated[float, Quantity("g", "m/s^2", low=0)] = 9.81
     """Acceleration of free fall; 0 where the arm moves in a horizontal plane."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the links."""
         super().__post_init__()
@@ -415,7 +413,6 @@ class RobotJoint(Parametrised):
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Speed after an impact on a stop over the speed before."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the geometry."""
         super().__post_init__()
@@ -586,7 +583,6 @@ class Robot(BoundedMechanism, JointedMechanism):
     gravity: Annotated[float, Quantity("g", "m/s^2", low=0)] = 9.81
     """Acceleration of free fall."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that the joints form a tree and that each moves something."""
         super().__post_init__()

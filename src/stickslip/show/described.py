@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typing_extensions import Doc, override
+from typing_extensions import Doc
 
 from stickslip.errors import ParameterError, UnknownNameError
 
@@ -62,8 +62,7 @@ class Described(ABCMeta):
         whole = inspect.signature(constructor)
         return whole.replace(parameters=[*whole.parameters.values()][1:])
 
-    @property  # type: ignore[explicit-override]  # which mypy does not see below a setter
-    @override
+    @property
     def __doc__(cls) -> str | None:
         """The docstring, with a section on the fields unless it has one."""
         written: str | None = vars(cls).get("__doc__")

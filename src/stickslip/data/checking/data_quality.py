@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
@@ -97,7 +96,6 @@ class Checks(Tabular):
             "findings": [finding.to_dict() for finding in self.findings],
         }
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the findings as a pandas DataFrame, a row each."""
         import pandas as pd
@@ -106,12 +104,10 @@ class Checks(Tabular):
         rows = [(one.kind, one.severity, one.record, str(one)) for one in self.findings]
         return pd.DataFrame(rows, columns=columns)
 
-    @override
     def __str__(self) -> str:
         """Return one sentence a line, warnings and errors marked."""
         return "\n".join(f"{MARKS[f.severity]}{f}" for f in self.findings)
 
-    @override
     def __repr__(self) -> str:
         return f"<Checks of {self.name or 'a measurement'}, {self.worst}\n{self}>"
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data.readers.columns import Reading
 from stickslip.data.readers.guess import Guess, guess_data
@@ -230,7 +229,6 @@ class FilmedRun:
     doubt: str = ""
     """What is doubtful about the frequency."""
 
-    @override
     def __str__(self) -> str:
         return (
             f"{self.file.name}  {self.frames} frames at {number(self.rate, 3)} Hz, drive"
@@ -248,7 +246,6 @@ class FilmedRig:
     runs: tuple[FilmedRun, ...]
     doubts: tuple[str, ...] = field(default=())
 
-    @override
     def __str__(self) -> str:
         parts = [str(run) for run in self.runs]
         return "\n".join([*parts, *(f"! {doubt}" for doubt in self.doubts)])

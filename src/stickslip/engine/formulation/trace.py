@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import symengine as se
-from typing_extensions import override
 
 from stickslip.engine.kernels.state_layout import Sizes
 from stickslip.errors import InputError, TracingError, not_finite
@@ -150,7 +149,6 @@ class Traced:
     def _new(self, expr: se.Expr) -> Traced:
         return Traced(expr, self.board)
 
-    @override
     def __repr__(self) -> str:
         return f"Traced({self.expr})"
 
@@ -211,7 +209,6 @@ class Traced:
             " instead of if, and, or, min, max"
         )
 
-    @override
     def __eq__(self, other: object) -> NoReturn:
         raise TracingError(
             "a traced value cannot be compared for equality: use stickslip.maths.where with < or >"
@@ -600,7 +597,6 @@ class Model:
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 
-    @override
     def __hash__(self) -> int:
         """Return the hash of the text, which Python works out once: each run looks models up."""
         return hash(self.text)

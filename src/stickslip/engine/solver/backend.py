@@ -8,7 +8,6 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels.driver import events_are_full, log_is_full, piece_at
@@ -52,7 +51,6 @@ class Runner:
     model: Model
     """The equations."""
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the equations: code is a process's own, and both tiers give the same bits."""
         return _again, (self.model, self.compiled)
@@ -273,7 +271,6 @@ class Playback:
             model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the rows; the log is made of them, as the tier takes it."""
         return _restored, (self.model, self.runner, self.inputs, self.rows)

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
-from typing_extensions import override
-
 from stickslip.engine.formulation import PAINLEVE, Model, contact_model, formulate
 from stickslip.engine.kernels.contacts.assembly import prepare, put_motion, refresh
 from stickslip.engine.kernels.contacts.decisions import strike_stops
@@ -185,14 +183,14 @@ class BlockDiagram(ABC):
         """Energy that impacts at hard stops have taken so far [J]."""
         return 0.0
 
-    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:  # noqa: ARG002  # for those with stops
+    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:  # for those with stops
         """Whether each coordinate of `slips` is at rest at a hard stop."""
         return (False,) * len(self.slips)
 
     def struck(
         self,
-        t: float,  # noqa: ARG002
-        dt: float,  # noqa: ARG002
+        t: float,
+        dt: float,
         y: list[float],
         held: tuple[bool, ...],
     ) -> tuple[list[float], tuple[bool, ...]]:
@@ -288,16 +286,13 @@ class Diagram(BlockDiagram):
         )
 
     @property
-    @override
     def coordinates(self) -> int:
         return self.equations.sizes.coordinates
 
     @property
-    @override
     def columns(self) -> tuple[str, ...]:
         return (*self.states, *self.bristles, "friction", "normal_force", "mode")
 
-    @override
     def begun(self, y0: Sequence[float]) -> list[float]:
         return list(y0)
 
@@ -413,7 +408,6 @@ class Diagram(BlockDiagram):
         open_, loaded = self._evaluated(state, 0.0)[:n], self._evaluated(state, 1.0)[:n]
         return [a - b for a, b in zip(open_, loaded, strict=True)]
 
-    @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         return (held[0] and self._can_hold(t, y),)
 
@@ -427,7 +421,6 @@ class Diagram(BlockDiagram):
         level = self._informed(t, y).towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
-    @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
@@ -447,7 +440,6 @@ class Diagram(BlockDiagram):
                 moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
 
-    @override
     def turn(self, t: float, y: Sequence[float]) -> None:
         if not any(self.latches):
             return
@@ -459,18 +451,15 @@ class Diagram(BlockDiagram):
                 equation(v, normal, z)
             latches.turn()
 
-    @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
         v = y[self.slip]
         return [t, *y, friction, normal, 0.0 if stuck else float((v > 0) - (v < 0))]
 
-    @override
     def lifts(self, row: Sequence[float]) -> bool:
         return row[NORMAL] < 0.0
 
-    @override
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
@@ -586,12 +575,10 @@ class ContactDiagram(BlockDiagram):
         return cls(model, equations, held, walls, leads_of(mechanism, y0), break_away)
 
     @property
-    @override
     def coordinates(self) -> int:
         return int(self.equations.whole[N_COORDINATES])
 
     @property
-    @override
     def columns(self) -> tuple[str, ...]:
         contacts = self.model.contacts
         kinds = ("friction", "normal_force", "mode")
@@ -599,7 +586,6 @@ class ContactDiagram(BlockDiagram):
         return (*self.model.states, *(kinds if self.model.alone else own))
 
     @property
-    @override
     def contacts(self) -> tuple[str, ...]:
         return () if self.model.alone else self.model.contacts
 
@@ -618,11 +604,9 @@ class ContactDiagram(BlockDiagram):
         self.asked.clear()
         return [float(x) for x in w[first : first + count]]
 
-    @override
     def begun(self, y0: Sequence[float]) -> list[float]:
         return self._turned(y0, 0)
 
-    @override
     def led(self, t: float, y: list[float]) -> list[float]:
         if not self.leads:
             return y
@@ -673,7 +657,6 @@ class ContactDiagram(BlockDiagram):
         self.asked[:] = [y, *asked]
         return w, whole
 
-    @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         if not any(held):
             return tuple(held)
@@ -742,17 +725,14 @@ class ContactDiagram(BlockDiagram):
         return at_stop or rubs(i, self.equations.whole)
 
     @property
-    @override
     def lost(self) -> float:
         return sum(self.losses)
 
-    @override
     def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:
         n = self.coordinates
         at = {n + wall.place for wall in self.walls if wall.margin(y) == 0.0}
         return tuple(slip in at and y[slip] == 0.0 for slip in self.slips)
 
-    @override
     def struck(
         self, t: float, dt: float, y: list[float], held: tuple[bool, ...]
     ) -> tuple[list[float], tuple[bool, ...]]:
@@ -789,14 +769,12 @@ class ContactDiagram(BlockDiagram):
         evaluate(ENERGY, 0, whole[FLAGS], t, w, whole[Y], whole[VALUES])
         return float(w[whole[VALUES]])
 
-    @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
         n, states = whole[N_COORDINATES], whole[N_STATES]
         first, bristles = whole[ACCELERATION], whole[BRISTLE_RATES]
         return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
 
-    @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
         count, friction, load = whole[N_CONTACTS], whole[FRICTION], whole[LOAD]
@@ -811,13 +789,11 @@ class ContactDiagram(BlockDiagram):
         row = [float(x) for x in (*forces, *loads, *modes)]
         return [t, *self._turned(y, 1), *row]
 
-    @override
     def lifts(self, row: Sequence[float]) -> bool:
         whole, count = self.equations.whole, self.equations.whole[N_CONTACTS]
         loads = row[1 + whole[N_STATES] + count :][:count]
         return any(whole[whole[REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
 
-    @override
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:

@@ -27,7 +27,6 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import (
     LINKS,
@@ -388,7 +387,6 @@ class EventDriven(Solver):
     ``"auto"`` takes what this process or an earlier one has compiled already, and compiles once
     plain runs have taken twice as long as that would."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -405,7 +403,6 @@ class EventDriven(Solver):
         given = (one for one in (self.stiff_tolerance, self.tolerance) if one is not None)
         return next(given, BRISTLE_TOLERANCE)
 
-    @override
     def run(
         self,
         mechanism: Mechanism,

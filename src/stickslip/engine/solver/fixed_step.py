@@ -16,7 +16,6 @@ from typing import Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import PAINLEVE
 from stickslip.engine.solver.block_diagram import (
@@ -101,7 +100,6 @@ class FixedStep(Solver):
     """Part of the law's friction over velocity that steps take with the velocity at their end, as
     MuJoCo does with the damping of joints; of one contact."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -114,7 +112,6 @@ class FixedStep(Solver):
                 f"FixedStep.break_away must be one of {', '.join(known)}, got {self.break_away!r}."
             )
 
-    @override
     def run(
         self,
         mechanism: Mechanism,

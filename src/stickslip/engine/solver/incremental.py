@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import formulate
 from stickslip.engine.kernels import state_layout
@@ -233,7 +232,6 @@ class IncrementalEnsemble:
         self._pool = ThreadPoolExecutor(max(1, shares - 1))  # starts no thread before it has work
         self._bounds = runner.vector([math.inf] * max(2 * runner.header[N_DRIVES], 1))
 
-    @override
     def __getstate__(self) -> dict[str, Any]:
         """Pickle numbers only: code and threads belong to a process."""
         left = ("_runner", "_fresh", "_shares", "_pool", "_bounds")

@@ -22,7 +22,6 @@ from time import thread_time
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.formulation import Model, formulate
 from stickslip.engine.kernels.state_layout import (
@@ -232,7 +231,6 @@ class Record:
     spent: float | None = None
     """What it took in plain Python [s], where what is asked of it later may take machine code."""
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle numbers only: the vector of a run has addresses in it, or functions."""
         numbers = list(self.w)

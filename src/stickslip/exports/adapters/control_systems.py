@@ -250,7 +250,6 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
         super().__init__()
         self.law, self.load = law, load
 
-    @override
     def __call__(self, A: float) -> float:
         """Return the friction force at a velocity [N]; 0 at rest, where nothing moves it."""
         velocity = float(np.squeeze(A))

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, IncrementalEnsemble
@@ -73,7 +72,6 @@ class MotorTask(Parametrised):
     solver: EventDriven = SOLVER
     """Tolerance, and most steps of a period."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the numbers, the mechanism and where episodes begin."""
         super().__post_init__()

@@ -11,8 +11,6 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from typing_extensions import override
-
 from stickslip.data import unit_of_input, unit_on
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import state_layout
@@ -38,7 +36,6 @@ from stickslip.quantities import Parametrised, Quantity, parameters, shadow
 class Held(Straight):
     """A drive whose value is told from outside while the run goes on; 0 until then."""
 
-    @override
     def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         return ()
 

@@ -135,6 +135,7 @@ class Polynomial(Flow):
     @property
     @override
     def vanishes(self) -> Mapping[str, float | str]:  # type: ignore[override]  # of as many
+        """Coefficients of all powers, each at zero."""
         return dict.fromkeys(self._names, 0.0)
 
     @property

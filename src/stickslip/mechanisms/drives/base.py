@@ -163,7 +163,6 @@ class Sum(Drive):
     parts: tuple[Drive, ...]
     """What is added, at least one drive."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that there is something to add."""
         super().__post_init__()

@@ -267,7 +267,6 @@ class PiecewiseLinear(Straight):
 
         def __init__(self, *, times: Numbers, values: Numbers) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the points and keep them as tuples of floats."""
         super().__post_init__()
@@ -309,7 +308,6 @@ class Sampled(Straight):
             self, *, times: Numbers, values: Numbers, hold: Literal["zero", "first"] = "zero"
         ) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the samples and keep them as tuples of floats."""
         super().__post_init__()
@@ -352,7 +350,6 @@ class PiecewiseAffine(Straight):
 
         def __init__(self, *, times: Numbers, values: Numbers, slopes: Numbers) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the pieces and keep them as tuples of floats."""
         super().__post_init__()

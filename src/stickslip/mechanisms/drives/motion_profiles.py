@@ -153,7 +153,6 @@ class ThreePhase(Stepped):
     frequency: Annotated[float, Quantity("f", "Hz", above=0)] | None = None
     """Cycles per second; those that the accelerations make if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -320,7 +319,6 @@ class SevenStep(Stepped):
     )
     """Rate of the cruise backwards; the top rate if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that the rates are reached."""
         super().__post_init__()
@@ -383,7 +381,6 @@ class Rotation(Stepped):
     start: Annotated[float, Quantity("theta_0", "rad")] = 0.0
     """Angle at time 0."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that it turns."""
         super().__post_init__()
@@ -487,7 +484,6 @@ class SplineSwing(Stepped):
 
         def __init__(self, *, positions: Numbers, duration: float) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the positions and keep them as a tuple of floats."""
         super().__post_init__()
@@ -581,7 +577,6 @@ class SampledSwing(Straight, Profile):
             self, *, times: Numbers, positions: Numbers, spacing: float | None = None
         ) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the samples and keep them as tuples of floats."""
         super().__post_init__()

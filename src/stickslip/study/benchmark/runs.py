@@ -18,8 +18,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from typing_extensions import override
-
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import law_type
@@ -153,7 +151,6 @@ class Results(Tabular):
     versions: Mapping[str, str] = field(default_factory=dict)
     """Of all that the results depend on."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each law, its parameters as text."""
         import pandas as pd
@@ -170,7 +167,6 @@ class Results(Tabular):
         """Return the rows of a task."""
         return tuple(one for one in self.rows if one.task == name)
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"seconds": "s"}
 

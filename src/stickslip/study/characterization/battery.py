@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import FrictionLaw, law_type, with_typical_values
@@ -140,7 +139,6 @@ class Characterization(InPanels):
         }
         return {**one, "others": [other.to_dict() for other in self.others]}
 
-    @override
     def _summary(self) -> Summary:
         if self.others:
             head = ["test", *(one.title for one in self.all)]

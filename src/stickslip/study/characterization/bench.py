@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, 
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, bound
@@ -70,7 +69,6 @@ class Characteristic(OnAxes, Tabular, ABC):
         return found
 
     @final
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
         import pandas as pd
@@ -81,15 +79,12 @@ class Characteristic(OnAxes, Tabular, ABC):
         """Return the columns (n,) by name."""
         return {name: getattr(self, name) for name in self.columns}
 
-    @override
     def _over(self) -> str:
         return self.over
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return self.columns
 
-    @override
     def _summary(self) -> Summary:
         return Summary(sentence=self.sentence, notes=[self.conditions])
 
@@ -123,18 +118,15 @@ class PreslidingLoop(OnAxes, Tabular):
     friction: Array
     """Friction force (n,) [N]."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return displacement and friction as a pandas DataFrame."""
         import pandas as pd
 
         return pd.DataFrame({"displacement": self.displacement, "friction": self.friction})
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"displacement": "m", "friction": "N"}
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("largest displacement", f"{np.abs(self.displacement).max():.4g} m"),
@@ -383,16 +375,13 @@ class GuidedContact(Mechanism):
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force."""
 
-    @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         return 0.5 * self.mass * q_dot["x"] * q_dot["x"]
 
-    @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         stretch = q["u"] - q["x"]
         return 0.5 * self.stiffness * stretch * stretch
 
-    @override
     def forces(
         self,
         t: Scalar,
@@ -403,19 +392,15 @@ class GuidedContact(Mechanism):
         force = self.damping * (q_dot["u"] - q_dot["x"])
         return {"x": force, "u": -force}
 
-    @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", load=self.load),)
 
-    @override
     def drives(self) -> Mapping[str, Drive]:
         return {"path": self.path}
 
-    @override
     def guided(self) -> Mapping[str, Guide]:
         return {"u": Guide(drive="path", effort="pull", unit="N")}
 
-    @override
     def start(self) -> Mapping[str, Scalar]:
         return {"w": self.rate, "v": self.rate}
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven
@@ -53,7 +52,6 @@ class BreakAway(Characteristic):
     rest."""
 
     @property
-    @override
     def sentence(self) -> str:
         if np.isnan(self.force).all():
             return (
@@ -83,7 +81,6 @@ class BreakAway(Characteristic):
             )
         return f"{by_rate} The time at rest does not matter." if len(after) else by_rate
 
-    @override
     def _values(self) -> Mapping[str, Array]:
         """Return a row for each rate, then for each time at rest."""
         return {
@@ -220,7 +217,6 @@ class Drift(Characteristic):
         return self.distance / self.lasts
 
     @property
-    @override
     def sentence(self) -> str:
         if self.stays:
             return "It does not drift: under a load below break-away the body stays in its place."
@@ -294,7 +290,6 @@ class Creep(Characteristic):
         return bool(abs(self.speed * self.t[-1]) <= STILL * self.length)
 
     @property
-    @override
     def sentence(self) -> str:
         if self.stays:
             return "It does not creep: a constant force below break-away is held."
@@ -413,7 +408,6 @@ class Presliding(Characteristic):
     """Whether some force leaves the body at rest."""
 
     @property
-    @override
     def sentence(self) -> str:
         if not self.sticks:
             return (

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, SimulationError
@@ -53,7 +52,6 @@ class SteadyCurve(Characteristic):
     """Whether the body stays at rest under any smaller force."""
 
     @property
-    @override
     def sentence(self) -> str:
         ahead, back = (self._side(side) for side in (1, -1))
         same = ahead == back
@@ -161,7 +159,6 @@ class Lag(Characteristic):
         return self.gaining - self.slowing
 
     @property
-    @override
     def sentence(self) -> str:
         i = int(np.argmax(np.abs(self.width)))
         at = quantity(self.frequency[i], "Hz")
@@ -181,7 +178,6 @@ class Lag(Characteristic):
             " slows down."
         )
 
-    @override
     def _values(self) -> Mapping[str, Array]:
         return {
             "frequency": np.repeat(self.frequency, self.velocity.shape[1]),
@@ -288,7 +284,6 @@ class Passivity(Characteristic):
         return self.worst >= -SMALL * self.scale
 
     @property
-    @override
     def sentence(self) -> str:
         if not self.passive:
             motion = ", ".join(

@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import ensemble, simulate
 from stickslip.engine.solver import Max, Min
@@ -80,7 +79,6 @@ class StickSlipMap(Characteristic):
     """Runs that are not certified and count as sliding."""
 
     @property
-    @override
     def sentence(self) -> str:
         place = len(self.stiffness) // 2
         at = quantity(self.stiffness[place], "N/m")
@@ -113,7 +111,6 @@ class StickSlipMap(Characteristic):
             f" or stiffer.{beyond}"
         )
 
-    @override
     def _values(self) -> Mapping[str, NDArray[Any]]:
         speed, stiffness = np.meshgrid(self.speed, self.stiffness)
         return {
@@ -362,7 +359,6 @@ class Hunting(Characteristic):
     """Distance from the target at the end [m]."""
 
     @property
-    @override
     def sentence(self) -> str:
         if self.kind in ("limit cycle", "growing", "irregular") and np.isfinite(self.amplitude):
             how = {"growing": ", and more from cycle to cycle", "irregular": " irregularly"}
@@ -448,7 +444,6 @@ class Cost(Characteristic):
         return float(self.rate.max()) if len(self.rate) else np.nan
 
     @property
-    @override
     def sentence(self) -> str:
         fast = self.largest_rate
         run = (

@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeAlias
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound, is_bound
 from stickslip.mechanisms import Mechanism, within_limit
@@ -84,7 +82,6 @@ class PID(Parametrised):
     """What is added before the limit, such as a compensation of friction."""
     _memory: _PidMemory = field(default_factory=_PidMemory, init=False, repr=False, compare=False)
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -193,7 +190,6 @@ class FrictionCompensation(Parametrised):
     velocity: str | Callable[[float], float] = "v"
     """Name of a measured rate, or the desired velocity as a function of time."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the law."""
         super().__post_init__()
@@ -364,7 +360,6 @@ class PartialLinearisation(Parametrised):
         default_factory=_LinearisationMemory, init=False, repr=False, compare=False
     )
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import END, event_driven_law, initial_state, refuse
 from stickslip.engine.solver import EventDriven, IncrementalRun
@@ -227,7 +226,6 @@ class ClosedLoop(InPanels, Tabular):
         """How the run ended."""
         return self.run.status
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured, requested and commanded as a pandas DataFrame, a row a sample.
 
@@ -245,15 +243,12 @@ class ClosedLoop(InPanels, Tabular):
             }
         return pd.DataFrame({"t": self.t, **seen, **commands})
 
-    @override
     def _over(self) -> str:
         return "t"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s", **{f"measured_{name}": self.run.units[name] for name in self.measured}}
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("time", f"{number(self.run.span[0], 6)} to {number(self.run.span[1], 6)} s"),

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.data import LawEstimates
 from stickslip.engine.simulation import GivenFriction, ensemble, event_driven_law
@@ -163,7 +162,6 @@ class Band(OnAxes, Tabular):
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
         import pandas as pd
@@ -176,11 +174,9 @@ class Band(OnAxes, Tabular):
         }
         return pd.DataFrame({"t": self.t, **columns})
 
-    @override
     def _over(self) -> str:
         return "t"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s"} | {
             f"{name}_{end}": self.units[name]
@@ -189,7 +185,6 @@ class Band(OnAxes, Tabular):
             for end in ("low", "median", "high")
         }
 
-    @override
     def _summary(self) -> Summary:
         several = len(self.travels) > 1
         rows = [

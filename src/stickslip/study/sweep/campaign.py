@@ -37,7 +37,6 @@ from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike
-from typing_extensions import override
 
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.engine.simulation import beginning_pair, ensemble, event_driven_law
@@ -193,7 +192,6 @@ class CampaignRuns(Tabular):
             counts.update(part.status)
         return dict(sorted(counts.items()))
 
-    @override
     def to_dataframe(self, columns: Sequence[str] | None = None) -> "pd.DataFrame":
         """Return the runs as a pandas DataFrame, or some columns of them.
 
@@ -217,7 +215,6 @@ class CampaignRuns(Tabular):
         found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
         return found
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return self.units
 
@@ -244,7 +241,6 @@ class CampaignRuns(Tabular):
                 " what is missing."
             ) from None
 
-    @override
     def __repr__(self) -> str:
         """Return the number of runs, and how they ended."""
         return text_of(self._summary())

@@ -30,7 +30,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 from scipy.stats import qmc
-from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, check_size, not_whole
 from stickslip.show.described import Described
@@ -87,14 +86,12 @@ class Levels(Factor):
             raise ParameterError(f"values must be finite numbers, at least one, got {self.values}.")
         object.__setattr__(self, "values", tuple(given.tolist()))
 
-    @override
     def at(self, share: Array) -> Array:
         count = len(self.values)
         places = np.minimum((share * count).astype(np.intp), count - 1)
         found: Array = self.levels()[places]
         return found
 
-    @override
     def levels(self) -> Array:
         return np.array(self.values)
 
@@ -127,7 +124,6 @@ class Uniform(Factor):
         if self.number is not None and (type(self.number) is not int or self.number < 2):
             raise ParameterError(not_whole("number", 2, self.number))
 
-    @override
     def at(self, share: Array) -> Array:
         ends = (self.low, self.high)
         if self.log:
@@ -138,7 +134,6 @@ class Uniform(Factor):
         inside: Array = np.clip(found, *ends)
         return inside
 
-    @override
     def levels(self) -> Array:
         if self.number is None:
             return super().levels()
@@ -175,7 +170,6 @@ class Normal(Factor):
                 f" about {self.mean} with sd {self.sd}."
             )
 
-    @override
     def at(self, share: Array) -> Array:
         below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
         least = np.finfo(float).tiny  # the end of a distribution without one
@@ -374,7 +368,6 @@ class SensitivityIndices(OnAxes, Tabular):
     reasons: tuple[str, ...] = ()
     """Why runs have none: a sentence for each reason."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each factor: indices and half widths of their intervals."""
         import pandas as pd
@@ -386,11 +379,9 @@ class SensitivityIndices(OnAxes, Tabular):
                 columns[f"{name}_half_width"] = self.half_widths[name]
         return pd.DataFrame(columns)
 
-    @override
     def _over(self) -> str:
         return "factor"
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (factor, *(self.text_of(name, place) for name in self.indices))

@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
-from typing_extensions import override
 
 from stickslip.engine.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
 from stickslip.engine.solver import EventDriven, Mean, Output
@@ -149,7 +148,6 @@ class VelocityMap(OnAxes):
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
         return xr.Dataset(columns, axes)
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (
@@ -317,16 +315,13 @@ class VelocityBand(OnAxes, Tabular):
         """Value with which the body is fastest, either way, with the largest median."""
         return float(self.values[int(np.nanargmax(np.abs(self.median)))])
 
-    @override
     def _over(self) -> str:
         return self.path
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         ends = dict.fromkeys(("low", "median", "high"), self.velocity_unit)
         return {self.path: self.unit} | ends
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each value: lower end, median and upper end of the velocity."""
         import pandas as pd
@@ -334,7 +329,6 @@ class VelocityBand(OnAxes, Tabular):
         ends = {"low": self.low, "median": self.median, "high": self.high}
         return pd.DataFrame({self.path: self.values, **ends})
 
-    @override
     def _summary(self) -> Summary:
         at = int(np.nanargmax(np.abs(self.median)))
         ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import (
     GivenFriction,
@@ -137,7 +136,6 @@ class OrbitDiagram(OnAxes, Tabular):
         axis, units = {self.path: self.values}, {self.path: self.unit}
         return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point of each branch."""
         import pandas as pd
@@ -145,7 +143,6 @@ class OrbitDiagram(OnAxes, Tabular):
         frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (

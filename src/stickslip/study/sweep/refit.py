@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, spread_of
 from stickslip.data import unit_on as unit_of_law
@@ -52,7 +51,6 @@ class ParameterAgreement(metaclass=Described):
             return None
         return abs(self.difference) <= Z95 * self.standard_error
 
-    @override
     def __str__(self) -> str:
         """Return both values and whether they agree, in one line."""
         ends = (self.low, self.high)

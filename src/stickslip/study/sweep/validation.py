@@ -24,7 +24,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import QUANTITIES, LawEstimates, Measurement, noise_of, step_of
 from stickslip.engine.simulation import ensemble, event_driven_law, simulate
@@ -389,7 +388,6 @@ class Validation(InPanels):
             "reasons": list(self.reasons),
         }
 
-    @override
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
         rows = [

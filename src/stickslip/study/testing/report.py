@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, TypeVar
 
-from typing_extensions import override
-
 from stickslip.errors import ConformanceError, ParameterError
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.show.described import texts_below
@@ -86,7 +84,6 @@ class Report:
             lines.append(f"Not checked until these are corrected: {'; '.join(self.skipped)}")
         return lines
 
-    @override
     def __repr__(self) -> str:
         return "<" + "\n ".join(self._lines()) + ">"
 

@@ -27,7 +27,6 @@ from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
@@ -89,22 +88,18 @@ class EquationsCode(ObjectCode):
     """Names of the functions that are called, and their numbers."""
 
     @property
-    @override
     def title(self) -> str:
         return self.pair
 
     @property
-    @override
     def name(self) -> str:
         return name_of("\n".join([maker(), repr(self.numbers), self.program]))
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return (ENTRY,)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.1
 
@@ -113,7 +108,6 @@ class EquationsCode(ObjectCode):
         """Address of a C function of (number, mode, flags, t, w, size, at, to)."""
         return self.addresses[ENTRY]
 
-    @override
     def text(self) -> str:
         functions = []
         for node in ast.parse(self.program).body:
@@ -183,26 +177,21 @@ class KernelsCode(ObjectCode):
     """Machine code of the kernels."""
 
     @property
-    @override
     def title(self) -> str:
         return "the solver"
 
     @property
-    @override
     def name(self) -> str:
         return _name()
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return entries.__all__
 
     @property
-    @override
     def seconds(self) -> float:
         return SECONDS
 
-    @override
     def text(self) -> str:
         functions = [function_of(one) for one in _reached()]
         called = [

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.kernels import observer
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
@@ -28,27 +27,22 @@ class ObserverCode(ObjectCode):
     """Machine code of `stickslip.engine.kernels.observer.observe`."""
 
     @property
-    @override
     def title(self) -> str:
         return "the observer of records"
 
     @property
-    @override
     def name(self) -> str:
         sources = [Path(one).read_text("utf-8") for one in (observer.__file__, __file__)]
         return name_of("\n".join([maker(), *sources]))
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return ("observe",)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.2
 
-    @override
     def text(self) -> str:
         parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
         own = signature_of(observer.observe)
@@ -108,11 +102,9 @@ class _Shape:
         self.law, self.inputs = law, inputs
         self.key: Hashable = (structure(_scalars(law)), inputs)
 
-    @override
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Shape) and self.key == other.key
 
-    @override
     def __hash__(self) -> int:
         return hash(self.key)
 
@@ -186,26 +178,21 @@ class StatesCode(ObjectCode):
     """Its latched switches."""
 
     @property
-    @override
     def title(self) -> str:
         return f"the states of {self.law}"
 
     @property
-    @override
     def name(self) -> str:
         return name_of("\n".join([maker(), _steps_text(), self.entry, self.program]))
 
     @property
-    @override
     def symbols(self) -> tuple[str, ...]:
         return (self.entry,)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.1
 
-    @override
     def text(self) -> str:
         own = observer.move if self.entry == FORMULA else observer.rate
         (node,) = ast.parse(self.program).body
