@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, cast, final
 
 from stickslip.errors import InputError, nearest
+from stickslip.friction import notation
 from stickslip.friction.base import (
     ALWAYS,
     BOUND,
@@ -23,18 +24,6 @@ from stickslip.friction.base import (
 )
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf, formula_of
 from stickslip.friction.containment import Contained
-from stickslip.friction.notation import (
-    Around,
-    Name,
-    Product,
-    Sum,
-    Term,
-    canonical,
-    read,
-    summed,
-    terms_of,
-    without_optional,
-)
 from stickslip.friction.parts.base import (
     Extra,
     Factor,
@@ -94,17 +83,19 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
-def one_way(term: Term) -> Term:
+def one_way(term: notation.Term) -> notation.Term:
     """Return the term of one direction."""
     match term:
-        case Around(head=Name(name="both_ways"), inner=inner):
+        case notation.Around(head=notation.Name(name="both_ways"), inner=inner):
             return inner
-        case Sum(items=items):
-            return summed(tuple(one for item in items for one in terms_of(one_way(item))))
-        case Around(head=head, inner=inner):
-            return Around(head, one_way(inner))
-        case Product(first=first, factors=factors):
-            return Product(one_way(first), factors)
+        case notation.Sum(items=items):
+            return notation.summed(
+                tuple(one for item in items for one in notation.terms_of(one_way(item)))
+            )
+        case notation.Around(head=head, inner=inner):
+            return notation.Around(head, one_way(inner))
+        case notation.Product(first=first, factors=factors):
+            return notation.Product(one_way(first), factors)
         case _:
             return term
 
@@ -462,7 +453,7 @@ class Entry:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the contact."""
-        heads = (one for one in read(self.composition).parts() if one.role == "memory")
+        heads = (one for one in notation.read(self.composition).parts() if one.role == "memory")
         return tuple(
             state for one in heads for state in cast(Memory, one.part).states(one.argument)
         )
@@ -470,7 +461,7 @@ class Entry:
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of what it asks of the contact."""
-        names = read(self.composition).parts()
+        names = notation.read(self.composition).parts()
         return tuple(dict.fromkeys(one for name in names for one in name.inputs))
 
     @property
@@ -482,14 +473,14 @@ class Entry:
     def compared(self) -> bool:
         """Whether the formula was compared with its source: that of the law, and of its parts."""
         own = getattr(self.statement, "compared", True)
-        return own and all(one.part.compared for one in read(self.composition).parts())
+        return own and all(one.part.compared for one in notation.read(self.composition).parts())
 
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
         """The class of the law."""
         said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
         space = {**said, "__module__": PUBLIC}
-        c = Composition(read(self.composition))
+        c = Composition(notation.read(self.composition))
         made = _made(c, self.statement.__name__, space)
         made.__doc__ = self._documented(made)
         return made
@@ -558,9 +549,9 @@ def _by_parts() -> Mapping[str, Entry]:
     """
     found: dict[str, Entry] = {}
     for entry in CATALOGUE.values():
-        term = read(entry.composition)
-        for form in (term, without_optional(term)):
-            found.setdefault(canonical(form), entry)
+        term = notation.read(entry.composition)
+        for form in (term, notation.without_optional(term)):
+            found.setdefault(notation.canonical(form), entry)
     return MappingProxyType(found)
 
 
@@ -619,15 +610,15 @@ def _passivity(c: Composition) -> Passivity | None:
     return Passivity(condition=" and ".join(sorted(conditions)), holds=holds)
 
 
-def class_of(term: Term) -> type[FrictionLaw]:
+def class_of(term: notation.Term) -> type[FrictionLaw]:
     """Return the class of a term: that with a name, or one that has its text as name."""
     return _by_text(str(term))
 
 
 @functools.cache
 def _by_text(text: str) -> type[FrictionLaw]:
-    c = Composition(read(text))  # refuses what cannot stand together
-    entry = _by_parts().get(canonical(c.term))
+    c = Composition(notation.read(text))  # refuses what cannot stand together
+    entry = _by_parts().get(notation.canonical(c.term))
     if entry is not None:
         return entry.law
     said = {

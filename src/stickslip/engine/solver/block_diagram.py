@@ -8,46 +8,13 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 from stickslip.engine.formulation import PAINLEVE, Model, contact_model, formulate
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.contacts.assembly import prepare, put_motion, refresh
 from stickslip.engine.kernels.contacts.decisions import strike_stops
 from stickslip.engine.kernels.contacts.motion import law_flags, slip_rate, supply
 from stickslip.engine.kernels.contacts.transitions import rubs, set_own_flags
 from stickslip.engine.kernels.equations import ENERGY, LIMITS, LOADS, evaluate, turn_states
 from stickslip.engine.kernels.mode_transitions import wall_coordinate, wall_side
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    BACKWARD,
-    BRISTLE_RATES,
-    BRISTLES,
-    CONSTANT_LOADS,
-    FIRST_WALL,
-    FLAGS,
-    FORWARD,
-    FREE,
-    FRICTION,
-    HELD_FAST,
-    LEVELS,
-    LOAD,
-    MODES,
-    MOTION_POINT,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_STATES,
-    N_SWITCHES,
-    N_WALLS,
-    NEEDED,
-    OPEN,
-    PUSHED,
-    REACTS,
-    RIGID,
-    SLIP,
-    SLIPS,
-    TIME,
-    VALUES,
-    WALL_COLUMNS,
-    WALLS,
-    Y,
-)
 from stickslip.engine.solver.backend import Equations
 from stickslip.engine.solver.starts import gather
 from stickslip.errors import InputError, SimulationError
@@ -270,7 +237,7 @@ class Diagram(BlockDiagram):
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
-        slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        slips, leads = (model.sizes.header[layout.SLIP],), leads_of(mechanism, y0)
         return cls(
             equations,
             law,
@@ -561,22 +528,22 @@ class ContactDiagram(BlockDiagram):
             )
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole
-        first, n = whole[SLIPS], whole[N_COORDINATES]
-        slips = {n + whole[first + c] for c in range(whole[N_CONTACTS])}
-        w[whole[Y] : whole[Y] + whole[N_STATES]] = y0
-        for _ in range(whole[N_SWITCHES]):
+        first, n = whole[layout.SLIPS], whole[layout.N_COORDINATES]
+        slips = {n + whole[first + c] for c in range(whole[layout.N_CONTACTS])}
+        w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]] = y0
+        for _ in range(whole[layout.N_SWITCHES]):
             set_own_flags(0, w, whole)
         prepare(0.0, w, whole)  # gives the change of coordinates, too
         walls = tuple(
             Wall(wall_coordinate(k, whole), wall_side(k, whole), *_numbers_of(k, w, whole))
-            for k in range(whole[N_WALLS])
+            for k in range(whole[layout.N_WALLS])
         )
         held = tuple(sorted(slips | {n + wall.place for wall in walls}))
         return cls(model, equations, held, walls, leads_of(mechanism, y0), break_away)
 
     @property
     def coordinates(self) -> int:
-        return int(self.equations.whole[N_COORDINATES])
+        return int(self.equations.whole[layout.N_COORDINATES])
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -591,14 +558,14 @@ class ContactDiagram(BlockDiagram):
 
     def _put(self, t: float, y: Sequence[float]) -> None:
         w, whole = self.equations.w, self.equations.whole
-        first = whole[Y]
-        w[first : first + whole[N_STATES]] = y
-        w[TIME] = t
+        first = whole[layout.Y]
+        w[first : first + whole[layout.N_STATES]] = y
+        w[layout.TIME] = t
 
     def _turned(self, y: Sequence[float], back: int) -> list[float]:
         """Return a state in coordinates of the equations, or back in those of the mechanism."""
         w, whole = self.equations.w, self.equations.whole
-        first, count = whole[Y], whole[N_STATES]
+        first, count = whole[layout.Y], whole[layout.N_STATES]
         w[first : first + count] = y
         turn_states(first, back, w, whole)
         self.asked.clear()
@@ -630,30 +597,40 @@ class ContactDiagram(BlockDiagram):
         self.equations.load_at(t)
         self._put(t, y)
         set_own_flags(0, w, whole)
-        if not whole[CONSTANT_LOADS]:
-            evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
-        for c in range(whole[N_CONTACTS]):
-            closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
-            whole[whole[OPEN] + c] = 0 if closed else 1
-        n, modes = whole[N_COORDINATES], whole[MODES]
+        if not whole[layout.CONSTANT_LOADS]:
+            evaluate(LOADS, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOAD])
+        for c in range(whole[layout.N_CONTACTS]):
+            closed = whole[whole[layout.REACTS] + c] or w[whole[layout.LOAD] + c] > 0.0
+            whole[whole[layout.OPEN] + c] = 0 if closed else 1
+        n, modes = whole[layout.N_COORDINATES], whole[layout.MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
             rate, side = y[n + i], asked[2].get(n + i, 0)
-            whole[modes + i] = FORWARD if rate > 0.0 else BACKWARD if rate < 0.0 else FREE
+            whole[modes + i] = (
+                layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
+            )
             if rate == 0.0 and side:
                 level = self.break_away == "static" and not self._bends(i)
-                whole[modes + i] = side * (PUSHED if level else FORWARD)
+                whole[modes + i] = side * (layout.PUSHED if level else layout.FORWARD)
             if kept.get(n + i):
-                whole[modes + i] = HELD_FAST
+                whole[modes + i] = layout.HELD_FAST
             elif not rubs(i, whole):
-                whole[modes + i] = FREE
-        law_flags(t, w, whole, whole[Y])
-        refresh(t, w, whole, whole[Y])
+                whole[modes + i] = layout.FREE
+        law_flags(t, w, whole, whole[layout.Y])
+        refresh(t, w, whole, whole[layout.Y])
         limits = [name for name in self.model.limits if name != PAINLEVE]
         if limits:
-            put_motion(w, whole, whole[Y])
-            evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[VALUES])
-            check_within(dict(zip(limits, w[whole[VALUES] :], strict=False)), t)
+            put_motion(w, whole, whole[layout.Y])
+            evaluate(
+                LIMITS,
+                0,
+                whole[layout.FLAGS],
+                t,
+                w,
+                whole[layout.MOTION_POINT],
+                whole[layout.VALUES],
+            )
+            check_within(dict(zip(limits, w[whole[layout.VALUES] :], strict=False)), t)
         self.asked[:] = [y, *asked]
         return w, whole
 
@@ -666,7 +643,7 @@ class ContactDiagram(BlockDiagram):
     def _decided(self, t: float, y: Sequence[float]) -> tuple[tuple[bool, ...], dict[int, int]]:
         """Return which coordinates at rest stay there, and where others are pushed."""
         whole = self.equations.whole
-        n, rigid = whole[N_COORDINATES], whole[RIGID]
+        n, rigid = whole[layout.N_COORDINATES], whole[layout.RIGID]
         kept = tuple(
             own or (y[slip] == 0.0 and bool(whole[rigid + slip - n]))
             for slip, own in zip(self.slips, self.stopped(y), strict=True)
@@ -699,8 +676,8 @@ class ContactDiagram(BlockDiagram):
         """Whether bristles carry friction along a coordinate, whatever holds them at rest."""
         whole = self.equations.whole
         return any(
-            whole[whole[SLIPS] + c] == i and whole[whole[BRISTLES] + c] >= 0
-            for c in range(whole[N_CONTACTS])
+            whole[whole[layout.SLIPS] + c] == i and whole[whole[layout.BRISTLES] + c] >= 0
+            for c in range(whole[layout.N_CONTACTS])
         )
 
     def _weakest(
@@ -708,10 +685,10 @@ class ContactDiagram(BlockDiagram):
     ) -> tuple[int, int]:
         """Return the held slip that exceeds its level most and where it is pushed, 0 if none."""
         w, whole = self._at(t, y, held, pushed)
-        n, found, excess = whole[N_COORDINATES], (0, 0), 0.0
+        n, found, excess = whole[layout.N_COORDINATES], (0, 0), 0.0
         for slip, one in zip(self.slips, held, strict=True):
-            needed = float(w[whole[NEEDED] + slip - n])
-            level = float(w[whole[LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            needed = float(w[whole[layout.NEEDED] + slip - n])
+            level = float(w[whole[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
             if not one or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
@@ -745,7 +722,7 @@ class ContactDiagram(BlockDiagram):
             y[wall.place] = wall.position
         hits = [k for k in beyond if self.walls[k].side * y[n + self.walls[k].place] > 0.0]
         w, whole = self._at(t, y, held)
-        pushes = {k: w[whole[ACCELERATION] + self.walls[k].place] for k in hits}
+        pushes = {k: w[whole[layout.ACCELERATION] + self.walls[k].place] for k in hits}
         for k in hits:
             wall = self.walls[k]
             speed, push = wall.side * y[n + wall.place], wall.side * pushes[k]
@@ -755,8 +732,8 @@ class ContactDiagram(BlockDiagram):
             w[_row_of(k, whole) + 1] = 0.0 if ends else e * met / speed
         if hits:
             before = self._energy(t)
-            strike_stops(whole[FIRST_WALL] + hits[0], w, whole)
-            y = [float(x) for x in w[whole[Y] : whole[Y] + whole[N_STATES]]]
+            strike_stops(whole[layout.FIRST_WALL] + hits[0], w, whole)
+            y = [float(x) for x in w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]]]
             self.asked.clear()
             self.losses.append(before - self._energy(t))
         stays = zip(self.slips, held, self.stopped(y), strict=True)
@@ -766,52 +743,52 @@ class ContactDiagram(BlockDiagram):
     def _energy(self, t: float) -> float:
         """Return the mechanical energy of the state at hand."""
         w, whole = self.equations.w, self.equations.whole
-        evaluate(ENERGY, 0, whole[FLAGS], t, w, whole[Y], whole[VALUES])
-        return float(w[whole[VALUES]])
+        evaluate(ENERGY, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.VALUES])
+        return float(w[whole[layout.VALUES]])
 
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
-        n, states = whole[N_COORDINATES], whole[N_STATES]
-        first, bristles = whole[ACCELERATION], whole[BRISTLE_RATES]
+        n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
+        first, bristles = whole[layout.ACCELERATION], whole[layout.BRISTLE_RATES]
         return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
 
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
-        count, friction, load = whole[N_CONTACTS], whole[FRICTION], whole[LOAD]
-        is_open = [bool(whole[whole[OPEN] + c]) for c in range(count)]
+        count, friction, load = whole[layout.N_CONTACTS], whole[layout.FRICTION], whole[layout.LOAD]
+        is_open = [bool(whole[whole[layout.OPEN] + c]) for c in range(count)]
         loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
         modes = []
         for c in range(count):
-            sticks = whole[whole[MODES] + whole[whole[SLIPS] + c]] == HELD_FAST
-            v = 0.0 if sticks else slip_rate(c, w, whole, whole[Y])
+            sticks = whole[whole[layout.MODES] + whole[whole[layout.SLIPS] + c]] == layout.HELD_FAST
+            v = 0.0 if sticks else slip_rate(c, w, whole, whole[layout.Y])
             modes.append(OPENED if is_open[c] else float((v > 0) - (v < 0)))
         forces = w[friction : friction + count]
         row = [float(x) for x in (*forces, *loads, *modes)]
         return [t, *self._turned(y, 1), *row]
 
     def lifts(self, row: Sequence[float]) -> bool:
-        whole, count = self.equations.whole, self.equations.whole[N_CONTACTS]
-        loads = row[1 + whole[N_STATES] + count :][:count]
-        return any(whole[whole[REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
+        whole, count = self.equations.whole, self.equations.whole[layout.N_CONTACTS]
+        loads = row[1 + whole[layout.N_STATES] + count :][:count]
+        return any(whole[whole[layout.REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
 
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
         w, whole = self._moving(t, y, held)
-        values, at = whole[VALUES], whole[Y]
+        values, at = whole[layout.VALUES], whole[layout.Y]
         energy = self._energy(t)
         supply(t, w, whole, at, values)
         supplied = float(w[values])
         taken = [
-            float(w[whole[FRICTION] + c] * slip_rate(c, w, whole, at))
-            for c in range(whole[N_CONTACTS])
+            float(w[whole[layout.FRICTION] + c] * slip_rate(c, w, whole, at))
+            for c in range(whole[layout.N_CONTACTS])
         ]
         return energy, supplied, *taken
 
 
 def _row_of(wall: int, whole: Sequence[int]) -> int:
     """Return where position and restitution of a stop stand."""
-    return whole[WALLS] + wall * whole[WALL_COLUMNS]
+    return whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]
 
 
 def _numbers_of(wall: int, w: Sequence[Any], whole: Sequence[int]) -> tuple[float, float]:
