@@ -175,6 +175,7 @@ def mode_equations(
 
 
 def _slip(context: _Context, mode: Mode) -> ModeEquations:
+    # A law may differ by direction; in a mode the direction is known.
     law, v = context.law.towards(int(mode)), context.velocity
     load = se.Symbol("N")
     z = tuple(context.traced(symbol) for symbol in context.bristles)
@@ -224,7 +225,7 @@ def _stick(context: _Context) -> ModeEquations:
         contact=[needed, normal, needed, level],
         power=[
             context.mechanics.power(motion, context.coordinate_rates).subs(held),
-            se.Integer(0),
+            se.Integer(0),  # friction does no work at rest
         ],
         channels={name: e.subs(held) for name, e in context.channels(motion).items()},
         limits={name: e.subs(held) for name, e in context.limits(motion).items()},
@@ -240,6 +241,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
     equations = _stick(context)
     friction, normal, needed, level = equations.contact
     rates, held = equations.rates, {context.velocity: 0}
+    # Bristles alone hold nothing: they push as they are bent, and relax.
     if not context.law.holds:
         z = tuple(context.traced(symbol) for symbol in context.bristles)
         arguments = context.traced(context.velocity), context.traced(normal), z
@@ -251,6 +253,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
         # friction resists the stop's side with the level of the other direction's slip
         leaving, holding = (context.level(normal, -side), context.level(normal, side))
         missing = leaving.subs(held) + side * needed
+        # At the stop friction takes up to its level, and the stop what is beyond.
         taken = side * needed > holding.subs(held)
         friction = se.Piecewise((side * holding.subs(held), taken), (needed, True))
     leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
@@ -266,6 +269,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
     """Add a guard for each switch that this mode's rates or guards depend on."""
     used: set[str] = set()
     guards = dict(equations.guards)
+    # A margin may have switches in turn, and so have theirs: until no new symbol appears.
     pending = [*equations.rates, *guards.values(), *equations.limits.values()]
     while pending:
         names = {str(s) for e in pending for s in e.free_symbols} - used
@@ -276,6 +280,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                 pending.append(switch.margin)
                 if context.varies(switch.margin):
                     on = switch.symbol > 0
+                    # While it is on, a latched switch has no guard: `deciding` tells its end.
                     lasts = switch.margin if switch.hold is None else se.Integer(1)
                     guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
     return replace(equations, guards=guards)
@@ -353,6 +358,7 @@ def derive_parts(
     contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
+    # Symbols stand for coordinates of the equations; the mechanism sees its own.
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
@@ -361,11 +367,16 @@ def derive_parts(
     loads = _loads(mechanism, contacts, mechanism.loads(Traced(t, board), *seen))
     informed = _informed(mechanism, rubbing, Traced(t, board), *seen)
     _check_shares(mechanism, contacts, directions, held)
+    # Guided coordinates and slips exclude each other: a prescribed motion leaves friction nothing
+    # to do.
     guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
     arms = [_along(direction_of(one.slip), held) for one in contacts]
+    # What held and guided coordinates take: rows of the equations that nothing else uses.
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
     forces, mass = _guided(rows, guides)
+    # A reaction that parameters alone give is a load like any other: no contact has to be solved
+    # for.
     fixed = _constant_load(contacts, reactions)
     traced = {name: Traced(force, board) for name, force in reactions.items()}
     limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
@@ -431,10 +442,10 @@ def _taken(
     motion: EffortSymbols,
 ) -> se.Expr:
     """Return the force that a guided or held coordinate needs beside those of the equations."""
-    total = -rows.forces[row]
+    total = -rows.forces[row]  # M a - h, with the accelerations that guided coordinates are told
     for j, entry in enumerate(rows.mass[row]):
         total += entry * guides.get(j, motion.accelerations[j])
-    held = row - len(rows.mass[row])
+    held = row - len(rows.mass[row])  # rows behind the moving ones are of held coordinates
     if held >= 0:
         for arm, friction in zip(arms, motion.friction, strict=True):
             total += arm[held] * friction
@@ -457,6 +468,8 @@ def _guided(
                 forces[i] -= entry * guides[j]
             elif i not in guides and (i >= len(row) or j <= i):
                 mass[i, j] = entry
+    # Any inertia will do: nothing couples to the row any more, and its own keeps numbers of one
+    # size.
     for i, acceleration in guides.items():
         mass[i, i] = se.Integer(1) if rows.mass[i][i] == 0 else rows.mass[i][i]
         forces[i] = mass[i, i] * acceleration
@@ -505,6 +518,7 @@ def _check_shares(
     held: Sequence[str],
 ) -> None:
     """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
+    # Prescribed loads do not depend on how friction is shared.
     if all(one.normal is None for one in contacts):
         return
     known: dict[int, tuple[str, list[se.Expr]]] = {}
@@ -640,6 +654,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}
+    # Parameters are variables as the speed is: slopes are taken along all of them.
     twin = shadow(law, "friction", lambda path: Traced(se.Symbol(f"y{place[path]}"), board))
     speed, load = se.Symbol("y0"), se.Symbol("N")
     variables = [
@@ -652,15 +667,17 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         twin, {name: Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)}
     )
     numbers, slopes = {}, {}
+    # Both directions, with the speed along the slip positive in each.
     for side in (1, -1):
         one = twin.towards(side)
+        # y0 is the speed along the direction: above 0 in slip, so that |v| needs no switch.
         board.signs = {"y0": 1}
         arguments = (
             Traced(side * speed, board),
             Traced(load, board),
             tuple(Traced(z, board) for z in states),
         )
-        friction = side * expression(one.force(*arguments))
+        friction = side * expression(one.force(*arguments))  # back to the direction of the slip
         rates = [expression(rate) for rate in one.rates(*arguments)]
         board.signs = {}
         level = expression(one.break_away(Traced(load, board)))
@@ -668,6 +685,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]
         linear = linear_where([constant, factor], [speed], flags)
+        # Series take a constant damping: neither bristles, nor damping that goes with the load.
         if rates or se.expand(collapsed(factor.diff(speed))) != 0:
             linear = se.Integer(0)
         numbers[side] = [
@@ -687,6 +705,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         if switch.hold is None:
             margins.append(switch.margin)
             continue
+        # With the margins of other switches in it: while these settle, none must make it latch.
         lasts = se.Piecewise(
             (se.Integer(1), switch.symbol > 0), (board.settled(switch.margin), True)
         )

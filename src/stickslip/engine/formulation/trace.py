@@ -57,6 +57,7 @@ class Switchboard:
         self, margin: se.Expr, events: tuple[str, str] | None, hold: se.Expr | None = None
     ) -> Switch:
         """Return the switch of a margin, a new one if it was not met before."""
+        # Expanded: the same condition may be written in several ways, and is one switch.
         key = str(se.expand(margin)) + ("" if hold is None else f" while {se.expand(hold)}")
         if key not in self.switches:
             symbol = se.Symbol(f"s{len(self.switches)}")
@@ -78,6 +79,7 @@ class Switchboard:
 
     def settled(self, e: se.Expr) -> se.Expr:
         """Put the margins of switches in place of their symbols; a margin may have switches too."""
+        # A margin may have symbols of switches that were met before it: the last one first.
         for one in reversed(self.switches.values()):
             if one.hold is None:
                 e = e.subs({one.symbol: one.margin})
@@ -89,6 +91,7 @@ class Switchboard:
             return int(bool(expr > 0)) - int(bool(expr < 0))
         if str(expr) in self.signs:
             return self.signs[str(expr)]
+        # |v| and |-v| are switched by one sign.
         if str(-expr) in self.signs:
             return -self.signs[str(-expr)]
         return None
@@ -182,6 +185,7 @@ class Traced:
 
     def __pow__(self, exponent: Any) -> Traced:
         if isinstance(exponent, (float, int)) and float(exponent).is_integer():
+            # A negative base is fine for whole powers alone.
             return self._new(self.expr ** int(exponent))
         raise TracingError(
             "** requires a whole-number exponent here; use stickslip.maths.power or sqrt"
@@ -239,9 +243,12 @@ class Traced:
         if isinstance(exponent, (float, int)) and float(exponent).is_integer():
             return self._new(b ** int(exponent))
         n = expression(exponent)
+        # A number to the power of an expression is an exponential, which has a derivative
+        # everywhere.
         if b.is_Number:
             positive = float(b) > 0.0
             return self._new(se.exp(n * math.log(float(b))) if positive else se.Integer(0))
+        # 0 where the base is not positive, as `stickslip.maths.power` has it for numbers.
         return self._new(se.Piecewise((b**n, b > 0), (se.Integer(0), True)))
 
 
@@ -286,6 +293,7 @@ def collapsed(e: se.Expr, plain: set[se.Expr] | None = None) -> se.Expr:
     def merged(switch: se.Piecewise) -> se.Expr:
         yes, condition, no, _ = switch.args
         yes, no = collapsed(yes, known), collapsed(no, known)
+        # Derivatives of |v| and its like have branches that no longer differ.
         return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
 
     return rebuilt(e, merged, known)
@@ -312,6 +320,8 @@ def rebuilt(
         else:
             old = part.args
             parts = [changed(one) for one in old]
+            # By identity: what has no switch inside is kept as it is, without a comparison of
+            # trees.
             if all(map(operator.is_, parts, old)):
                 known.add(part)
                 return part
@@ -364,6 +374,7 @@ def symbols_of(
     for k, (name, drive) in enumerate(twin.drives().items()):
         value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
         drives[name] = se.Symbol(f"d{k}")
+        # A drive is a straight line in each piece; what shapes it is traced along with it.
         linear = value + slope * (t - start)
         inputs[drives[name]] = expression(drive.shaped(Traced(linear, board), Traced(t, board)))
     given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
@@ -398,12 +409,14 @@ class Waves:
 
 def waves_of(expressions: Sequence[se.Expr], t: se.Symbol, states: Sequence[se.Symbol]) -> Waves:
     """Return the waves in expressions; none where their frequencies differ, or change."""
+    # Only what depends on time: sines of places are no waves.
     atoms = {a for e in expressions for a in e.atoms(se.sin, se.cos) if not _free_of(a, {str(t)})}
     moving = {str(t), *map(str, states)}
     squares = {se.expand(a.args[0].diff(t) ** 2) for a in atoms}
     steady = all(_free_of(square, moving) for square in squares)
     alone = all(_free_of(a.args[0], moving - {str(t)}) for a in atoms)
     if len(squares) != 1 or not (steady and alone):
+        # Steps by series know harmonics of one frequency.
         return Waves({}, se.Integer(0))
     ordered = sorted(atoms, key=str)
     return Waves({a: se.Symbol(f"wave{i}") for i, a in enumerate(ordered)}, squares.pop())
@@ -415,6 +428,7 @@ def linear_where(
     """Return 1 where all expressions are affine in the variables together, else 0."""
     names = {str(s) for e in expressions for s in e.free_symbols}
     used = [switch for switch in switches if str(switch) in names]
+    # Each switch doubles the cases: few of them are examined.
     if len(used) > MOST_SWITCHES:
         return se.Integer(0)
     return _decide(list(expressions), list(variables), used, {})
@@ -430,6 +444,7 @@ def _decide(
         affine = all(_affine(_chosen(e, fixed), variables) for e in expressions)
         return se.Integer(int(affine))
     first, *others = pending
+    # Both sides of a switch: linear where it is on, or off, or always.
     yes, no = (
         _decide(expressions, variables, others, {**fixed, str(first): value})
         for value in (True, False)
@@ -455,6 +470,7 @@ def _affine(e: se.Expr, variables: list[se.Symbol]) -> bool:
 
 
 def _free_of(e: se.Expr, names: set[str]) -> bool:
+    # Names are cheap to look at; expanding is not, and long expressions count as dependent.
     if not names & {str(s) for s in e.free_symbols}:
         return True
     if len(str(e)) > LONGEST:

@@ -173,6 +173,7 @@ class BlockDiagram(ABC):
         Steps would add up what each misses of a phase that ends within it, and the guided
         coordinate would stray: in a block diagram its motion is a source.
         """
+        # The run may begin beside the profile: its offset, and that of its rate, stay for all time.
         for place, rate, profile, ahead, faster in self.leads:
             position, speed = profile.at(t)
             y[place], y[rate] = position + ahead + faster * t, speed + faster
@@ -227,6 +228,8 @@ class Diagram(BlockDiagram):
         step: float = 0.0,
     ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
+        # The force of the contact is left open below, so that the law that equations are traced
+        # with has no part in them.
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         if model.latched:
@@ -270,6 +273,8 @@ class Diagram(BlockDiagram):
 
     def _at(self, t: float, y: Sequence[float]) -> _State:
         """Set the equations to a state, unless they stand there; lists are not written to after."""
+        # By identity: a step makes a new list for each state, and asks for friction, rates and
+        # samples at one.
         if self.asked and self.asked[0].y is y and self.asked[0].t == t:
             return self.asked[0]
         self.equations.load_at(t)
@@ -300,6 +305,7 @@ class Diagram(BlockDiagram):
         assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
         if not law.inputs:
             return law
+        # Bound once for each state: laws are frozen, and each binding is a new object.
         state = self._at(t, y)
         if state.law is None:
             n, names = self.coordinates, self.mechanism.coordinates
@@ -343,6 +349,7 @@ class Diagram(BlockDiagram):
 
     def _rests(self, t: float, y: Sequence[float], held: bool) -> bool:
         """Whether friction holds the body, by a rule or because it is at rest and not pushed on."""
+        # These have a rule of their own for rest, or none at all.
         exempt = self.break_away == "zero" or self.soft is not None or bool(self.bristles)
         if held or exempt or isinstance(self.law, PrintedForm) or y[self.slip] != 0.0:
             return held
@@ -361,6 +368,8 @@ class Diagram(BlockDiagram):
         """Return the friction of a soft constraint, at most that of the law."""
         normal, needed = self._open(t, y)
         v, viscous = y[self.slip], self.viscous * y[self.slip]
+        # MuJoCo's constraint: of the force that would hold the body and stop it at a rate, the
+        # impedance is taken, at most the level.
         mobility = self._mobilities(t, y)[self.slip - self.coordinates]
         wanted = soft.impedance * (needed - viscous + soft.damping * v / mobility)
         side = 1 if wanted > 0.0 else -1
@@ -372,6 +381,7 @@ class Diagram(BlockDiagram):
     def _mobilities(self, t: float, y: Sequence[float]) -> list[float]:
         """Return the accelerations that a unit of friction takes away (coordinates,)."""
         state, n = self._at(t, y), self.coordinates
+        # Affine in the friction force: two evaluations give the slope.
         open_, loaded = self._evaluated(state, 0.0)[:n], self._evaluated(state, 1.0)[:n]
         return [a - b for a, b in zip(open_, loaded, strict=True)]
 
@@ -382,6 +392,7 @@ class Diagram(BlockDiagram):
         normal, needed = self._open(t, y)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
+            # Equations as printed may hold by returning what is needed.
             return self.law.force(0.0, normal, z, needed) == needed
         if not self.law.holds:
             return False
@@ -395,10 +406,12 @@ class Diagram(BlockDiagram):
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
         if self.viscous and not stuck:
+            # With the velocity at the end, a' = a - (D dt / m) a', which is solved for a'.
             lag, away = self.step * self.viscous, self._mobilities(t, y)
             ahead = lag * accelerations[self.slip - n] / (1.0 + lag * away[self.slip - n])
             accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
         if stuck:
+            # Exactly: rounding of the balance would make the body creep.
             accelerations[self.slip - n] = 0.0
         moved: Sequence[float] = (0.0,) * len(z)
         if z and not stuck:
@@ -413,6 +426,7 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         normal, _ = self._open(t, y)
         law = self._informed(t, y)
+        # Within a step latches stay as they are, so that all stages see one law.
         for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
             with latches:
                 equation(v, normal, z)
@@ -432,6 +446,7 @@ class Diagram(BlockDiagram):
     ) -> tuple[float, ...]:
         friction = row[FRICTION_PLACE]
         (energy,) = self.equations.here("energy", 0, self._at(t, y).flags, t)
+        # By the friction of the sample, so that powers are those of the columns.
         *_, supplied = self._free(t, y, friction)
         return float(energy), supplied, friction * y[self.slip]
 
@@ -513,6 +528,7 @@ class ContactDiagram(BlockDiagram):
         break_away: BreakAway,
     ) -> Self:
         """Derive the parts of the equations."""
+        # Impacts are those of parts, also with a single contact.
         stops = bool(stops_of(mechanism))
         model = contact_model(mechanism, law) if stops else formulate(mechanism, law)
         if model.closing:
@@ -530,6 +546,7 @@ class ContactDiagram(BlockDiagram):
         w, whole = equations.w, equations.whole
         first, n = whole[layout.SLIPS], whole[layout.N_COORDINATES]
         slips = {n + whole[first + c] for c in range(whole[layout.N_CONTACTS])}
+        # Switches, and so the geometry, are those of the state at which the run begins.
         w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]] = y0
         for _ in range(whole[layout.N_SWITCHES]):
             set_own_flags(0, w, whole)
@@ -592,11 +609,14 @@ class ContactDiagram(BlockDiagram):
         """
         w, whole = self.equations.w, self.equations.whole
         asked: list[Any] = [t, held, dict(pushed or {})]
+        # By identity and by what is held: within a step the same state is asked for with other
+        # holds.
         if self.asked and self.asked[0] is y and self.asked[1:] == asked:
             return w, whole
         self.equations.load_at(t)
         self._put(t, y)
         set_own_flags(0, w, whole)
+        # Which contacts are open follows from the loads alone: steps locate no lift-off.
         if not whole[layout.CONSTANT_LOADS]:
             evaluate(LOADS, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOAD])
         for c in range(whole[layout.N_CONTACTS]):
@@ -610,12 +630,15 @@ class ContactDiagram(BlockDiagram):
                 layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
             )
             if rate == 0.0 and side:
+                # Bent bristles have a friction of their own at rest, beside which there is no level
+                # to break.
                 level = self.break_away == "static" and not self._bends(i)
                 whole[modes + i] = side * (layout.PUSHED if level else layout.FORWARD)
             if kept.get(n + i):
                 whole[modes + i] = layout.HELD_FAST
             elif not rubs(i, whole):
                 whole[modes + i] = layout.FREE
+        # After modes: laws whose switches depend on the slip see its sign.
         law_flags(t, w, whole, whole[layout.Y])
         refresh(t, w, whole, whole[layout.Y])
         limits = [name for name in self.model.limits if name != PAINLEVE]
@@ -649,6 +672,7 @@ class ContactDiagram(BlockDiagram):
             for slip, own in zip(self.slips, self.stopped(y), strict=True)
         )
         pushed: dict[int, int] = {}
+        # One after another: who lets go first changes what the others have to hold.
         while any(kept):
             slip, side = self._weakest(t, y, kept, pushed)
             if side == 0:
@@ -661,6 +685,8 @@ class ContactDiagram(BlockDiagram):
         self, t: float, y: Sequence[float], held: Sequence[bool]
     ) -> tuple[list[Any], list[int]]:
         """Work everything out at a state, with the friction of what breaks away there."""
+        # What is at rest and not held breaks away, or is held after all, before its friction is
+        # known.
         resting = (y[slip] == 0.0 and not one for slip, one in zip(self.slips, held, strict=True))
         if self.break_away == "zero" or not any(resting):
             return self._at(t, y, tuple(held))
@@ -689,6 +715,7 @@ class ContactDiagram(BlockDiagram):
         for slip, one in zip(self.slips, held, strict=True):
             needed = float(w[whole[layout.NEEDED] + slip - n])
             level = float(w[whole[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            # What no closed contact holds must not stay held by a level of 0 either.
             if not one or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
@@ -718,17 +745,24 @@ class ContactDiagram(BlockDiagram):
             return y, held
         depths = {k: -self.walls[k].margin(y) for k in beyond}
         y = [*y]
+        # Back onto the stop first: forces are those there, not those of the depth.
         for wall in (self.walls[k] for k in beyond):
             y[wall.place] = wall.position
         hits = [k for k in beyond if self.walls[k].side * y[n + self.walls[k].place] > 0.0]
         w, whole = self._at(t, y, held)
         pushes = {k: w[whole[layout.ACCELERATION] + self.walls[k].place] for k in hits}
         for k in hits:
+            # The speed at the stop follows from that at the end of the step by the work of the
+            # press over the depth.
             wall = self.walls[k]
             speed, push = wall.side * y[n + wall.place], wall.side * pushes[k]
             met = max(speed - push * min(dt, depths[k] / speed), 0.0)  # as it reached the stop
             e = wall.restitution
+            # A bounce that steps cannot resolve would gain from the integrator what it loses by
+            # impact.
             ends = (1.0 - e) * met <= GAINED * push * dt and e * met <= UNRESOLVED * push * dt
+            # Restitution is told relative to the speed that kernels see, which is that at the end
+            # of the step.
             w[_row_of(k, whole) + 1] = 0.0 if ends else e * met / speed
         if hits:
             before = self._energy(t)
@@ -755,6 +789,7 @@ class ContactDiagram(BlockDiagram):
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
         count, friction, load = whole[layout.N_CONTACTS], whole[layout.FRICTION], whole[layout.LOAD]
+        # What is open carries nothing, whatever its law would give.
         is_open = [bool(whole[whole[layout.OPEN] + c]) for c in range(count)]
         loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
         modes = []

@@ -120,6 +120,8 @@ def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, f
     header, limits = playback.runner.header, playback.model.limits
     guards = {"lift-off": layout.LIFT_OFF} if header[layout.CAN_LIFT] else {}
     guards |= {name: header[layout.FIRST_LIMIT] + i for i, name in enumerate(limits)}
+    # A limit ends a run by a status of its own: its margin is 0 then, whatever the least sample
+    # was.
     ends = {"lift-off": layout.LIFTED_OFF}
     ends |= {name: layout.LIMITED + i for i, name in enumerate(limits)}
     found = {}
@@ -193,6 +195,8 @@ def may_drive(law: FrictionLaw) -> bool:
     """Whether friction may be along the slip; factors that would turn it end a run before."""
     if law.passivity is ALWAYS or law.composition is None:
         return law.passivity is not ALWAYS
+    # Factors only change the size of what they multiply; their own limits end a run where they
+    # would turn it.
     parts = (name.part for name in law.composition.parts() if name.role != "factor")
     return not all(part.opposes for part in parts)
 
@@ -203,6 +207,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
     if len(starts) > MOST_ROWS:  # between evenly chosen times instead of all events
         times = np.linspace(starts[0], ends[-1], MOST_ROWS + 1)
         starts, ends = times[:-1], times[1:]
+    # Gauss's rule in each step: the power is smooth within one, and jumps between them.
     halves = 0.5 * (ends - starts)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     columns = playback((0.5 * (starts + ends) + halves * nodes[:, None]).ravel())
@@ -211,6 +216,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
     moving = {name: factor for name, factor in slip.items() if rates.get(name) in columns}
     speed = sum(float(factor) * columns[rates[name]] for name, factor in moving.items())
     name = f"friction:{contact.name}" if playback.model.contacts else "friction"
+    # Only where friction is along the slip: what it brakes elsewhere must not balance that.
     power = np.minimum(columns[name] * speed, 0.0).reshape(NODES, -1)
     return float(-(weights @ power * halves).sum())
 
@@ -261,6 +267,7 @@ def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
     """
     header = playback.runner.header
     rows, n, y = playback.rows, header[layout.N_COORDINATES], header[layout.Y]
+    # The last row has no follower: its end is the state with which the run ended.
     end = np.array([float(x) for x in w[y : y + n]])
     places = np.vstack([rows[:, layout.ROW_DENSE + 1 : layout.ROW_DENSE + 1 + n], end])
     modes = _modes(playback)
@@ -269,6 +276,7 @@ def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
     if not closing.size:
         return float(moved.max(initial=0.0))
     sums = np.diff(places @ closing.T, axis=0)
+    # Rounding of a sum is that of its largest parts.
     allowed = ROUNDED * np.abs(places).max(axis=0) @ np.abs(closing).T
     beyond = np.maximum(np.abs(sums) - allowed, 0.0)
     beyond = beyond[modes[:, n : n + len(closing)] == layout.HELD_FAST]
@@ -299,12 +307,14 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
     slips = header[header[layout.SLIPS] : header[layout.SLIPS] + len(names)]
     holds = header[header[layout.HOLDS] : header[layout.HOLDS] + len(names)]
     n = header[layout.N_COORDINATES]
+    # With one contact a direction, and without loops, what holds is what is needed.
     if len(set(slips)) == len(slips) and not playback.model.closing:
         return ()
     every = np.vstack([np.eye(n), _closing_slips(playback, w)])
     width, count = playback.rows.shape[1], len(names)
     states = np.hstack([_modes(playback)[:, : len(every)], playback.rows[:, width - count :]])
     found: dict[tuple[str, ...], None] = {}
+    # Few states of contacts occur in a run: each is looked at once.
     for state in np.unique(states, axis=0):
         held = [
             c
@@ -320,12 +330,14 @@ def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
     """Return the sets of rows in which each follows from others, those apart from each other."""
     if len(rows) == 0:
         return []
+    # Of the transposed rows, so that right singular vectors are weights of rows.
     _, sizes, right = np.linalg.svd(rows.T)
     rank = int((sizes > sizes[0] * len(rows) * DEPENDENT).sum())
     # weights with which rows add up to nothing; a row without one follows from no others
     shared = np.abs(right[rank:].T @ right[rank:]) > SHARED
     sets: list[list[int]] = []
     for k in range(len(rows)):
+        # Sets that have a row in common are one: a loop may close another.
         if shared[k, k]:
             own = {k, *np.flatnonzero(shared[k]).tolist()}
             apart = [one for one in sets if not own & set(one)]
@@ -339,7 +351,7 @@ def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
         return _contact_drift(playback, w)
-    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()
+    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()  # modes -1 and 1 slip
     if not held.size:
         return 0.0
     coordinate = header[layout.SLIP] - header[layout.N_COORDINATES]
@@ -411,6 +423,7 @@ def directions_of(
             own[c] = numbers + model.parameter_paths.index(path)
         else:
             start[model.states.index(path.removeprefix("initial.")), c] = 1.0
+    # States that begin where the mechanism says change with its parameters.
     for state, slope in start_slopes(mechanism, columns, paths, told).items():
         start[model.states.index(state)] += slope
     driven = {path: column for path, column in columns.items() if len(column) == len(tables)}
@@ -450,8 +463,10 @@ class Sensing:
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
         log, events = record.log, record.events
+        # The record may be of the other tier, whose vectors are lists or arrays.
         if runner.compiled is not record.runner.compiled:
             log, events = runner.flat(log), runner.flat(events)
+        # Time of the interpreter alone: it decides when machine code would have paid.
         begun = 0.0 if runner.compiled else thread_time()
         runner.kernels.enter_sense(
             log,
@@ -470,6 +485,7 @@ class Sensing:
         )
         if not runner.compiled:
             work_of(model).add(thread_time() - begun)
+        # Kernels answer in increasing times; users ask in any order.
         found = np.empty((len(t), len(model.states), len(full)))
         found[order] = np.reshape(out, found.shape)
         return found
