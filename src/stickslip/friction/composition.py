@@ -95,6 +95,7 @@ class _Values:
 
     def __getattr__(self, name: str) -> Any:
         field = self._leaf.names.get(name, name)
+        # The directions have fields of their own, between which the sign of the slip chooses.
         if isinstance(field, tuple):
             assert self._choose is not None
             value = self._choose(*(getattr(self._law, one) for one in field))
@@ -132,6 +133,8 @@ class Composition:
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
         self._refuse_twice()
+        # A memory has its levels inside, where its equations divide by them; all else stands beside
+        # it.
         for item in terms_of(term):
             if isinstance(item, Around) and item.head.role == "memory":
                 self._remember(item)
@@ -354,6 +357,8 @@ class Composition:
         names: dict[str, str | tuple[str, str]] = {}
         for one in name.parameters:
             given = name.meaning(one.name, stem)
+            # Without brackets both_ways doubles all parameters, with [levels] those that scale with
+            # levels.
             doubled = sides == "all" or (bool(sides) and one.quantity.scale in PER_DIRECTION)
             made = []
             for prefix, mark in SIDES.values() if doubled else (("", ""),):
@@ -381,11 +386,14 @@ class Composition:
         if mark:
             stem, _, index = symbol.partition("_")
             symbol = f"{stem}_{mark}" if index in ("k", "2", "") else f"{symbol}{mark}"
+        # Parts may have a symbol in common: the later one gets the first letter of its part, then
+        # numbers.
         taken = {one.quantity.symbol for one in self.fields.values()}
         if symbol in taken:
             first = f"{symbol}_{part.lstrip('(')[0]}"
             others = (f"{first}{i}" for i in range(2, len(taken) + 3))
             symbol = next(one for one in (first, *others) if one not in taken)
+        # A memory divides by its levels: inside one they must be above 0, not only at least 0.
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
             q,
@@ -443,6 +451,7 @@ def formula_of(c: Composition) -> str:
     """
     if c.directional and c.memory is None:
         ahead, back = (_force(c, side) for side in (0, 1))
+        # In each case the sign of v is known, and no sgn is left to write.
         forward = ahead.replace(f" {SGN}", "")
         backward = f"-{back}".replace(f" {SGN}", "") if SGN in back else back
         return rf"F = \begin{{cases}} {forward} & v > 0 \\ {backward} & v < 0 \end{{cases}}"
@@ -566,6 +575,7 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
         if one is not None and standard is not None and (renamed or factors):
             before, after = _tex(standard), _tex(one.quantity.symbol)
             after = rf"({' '.join([after, *factors])})" if factors else after
+            # Whole symbols only: not within another word, nor where an index goes on.
             there = rf"(\^)?(?<![A-Za-z\\]){re.escape(before)}(?![A-Za-z_])"
             text = re.sub(there, functools.partial(_raised, after), text)
     return text

@@ -329,6 +329,8 @@ def _canonical(term: Term) -> Iterator[str]:
                 yield from _canonical(one)
         case Around(head=Name(name="both_ways") as head, inner=inner):
             for one in terms_of(inner):
+                # Where all parameters scale with levels, both_ways and both_ways[levels] are the
+                # same.
                 scales = {p.quantity.scale for name in one.parts() for p in name.part.parameters}
                 whole = Name(BOTH_WAYS) if scales <= {*PER_DIRECTION} else head
                 yield from (f"{whole}({text})" for text in _canonical(one))
@@ -368,6 +370,7 @@ def read(text: str) -> Term:
     >>> read("lugre(level+stribeck)+power")
     lugre(level + stribeck) + power
     """
+    # Before anything is read: the reader calls itself for each bracket.
     if len(text) > LONGEST or text.count("(") > DEEPEST:
         raise InputError(
             f"the friction law {text[:40]!r}... cannot be read: a law has at most {LONGEST}"

@@ -327,7 +327,7 @@ class RateState(Parametrised):
         a = self.direct_effect
         with np.errstate(divide="ignore"):
             log = np.log(np.abs(V) / V_0)
-        moving = np.where(V == 0.0, 0.0, log)
+        moving = np.where(V == 0.0, 0.0, log)  # the sign of 0 makes it 0 at rest
         # arsinh(e^x / 2) = x + ln((1 + sqrt(1 + 4 e^-2x)) / 2), without overflow where x is large
         x = (mu_0 + self.rate * moving) / a
         large = x + np.log1p(np.sqrt(1.0 + 4.0 * np.exp(-2.0 * np.maximum(x, 0.0)))) - math.log(2.0)

@@ -222,6 +222,7 @@ class TwoMassAxis(LinearOrRotary):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         motor, load = self._sides
+        # What joins both sides drives the load, and is an external force to the motor.
         wound = self.stiffness * (q[motor] - q[load])
         wound = wound + self.damping * (q_dot[motor] - q_dot[load])
         sides = {

@@ -760,6 +760,7 @@ def static_normal_force(mechanism: Mechanism) -> float:
     if normal is None:
         return float(1.0 if contact.load is None else contact.load)
     places = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
+    # Weight along the normal is what the energy grows by over 1 m: it is linear in the place.
     raised = mechanism.potential_energy(0.0, places | {normal: 1.0})
     return float(raised - mechanism.potential_energy(0.0, places))
 
@@ -791,6 +792,7 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
         up, down = ends
         return float(up - down) / 2e-3
 
+    # The normal forces balance the weight along all held coordinates.
     rows = [[_factor(one, name) for one in carried] for name in held]
     forces, _, rank, _ = np.linalg.lstsq(
         np.array(rows, dtype=float), np.array([weight(name) for name in held]), rcond=None
@@ -941,6 +943,7 @@ def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
     >>> input_names(given_inputs(SpringBlock(mass=1.0), {"temperature": 20.0}))[-1:]
     ('temperature',)
     """
+    # Any name has a value here: asked for are the names of the inputs alone.
     anywhere: Mapping[str, float] = defaultdict(float)
     return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
 
@@ -1072,6 +1075,7 @@ def _bare(kind: type[Mechanism]) -> type[Mechanism]:
 @functools.cache
 def _told(kind: type[Mechanism], inputs: tuple[tuple[str, str, bool], ...]) -> type[Mechanism]:
     """Return the type of a mechanism with contact inputs: numbers, and drives where it says so."""
+    # Cached: mechanisms with the same inputs are of one type.
     moving = {input_field(contact, name) for contact, name, drive in inputs if drive}
 
     def drives(self: Any) -> Mapping[str, Drive]:

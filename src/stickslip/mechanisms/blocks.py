@@ -105,6 +105,7 @@ class SpringBlock(BoundedMechanism):
         """Return what the spring does: nothing where the block has left it."""
         if self.attached:
             return of_spring
+        # On the side on which the spring is, whichever that is.
         pushes = gap * self.compression > 0.0
         return where(pushes, of_spring, 0.0, ("spring touches", "block leaves the spring"))
 
@@ -306,6 +307,7 @@ class TwoFeet(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
+        # Friction acts below the centre of mass, and so turns the body.
         slip = {"x": 1.0, "phi": self.height}
         return (
             Contact(slip=slip, normal={"y": 1.0, "phi": self.front}, name="front"),
@@ -413,6 +415,7 @@ class BlockChain(Mechanism):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         places = [q[x] for x in self.coordinates]
+        # Places count along with the belt: springs to the ground also see how far that has moved.
         moved = 0.0 if self.speed is None else self.speed * t
         stretched = [place + moved for place in places]
         apart = [after - before for before, after in itertools.pairwise(places)]

@@ -86,6 +86,7 @@ def planar_bodies(links: Sequence[Link]) -> list[Body]:
     found: list[Body] = []
     reach: Scalar = 0.0
     for i, link in enumerate(links):
+        # Of motion in a plane, the inertia about the axis is all that counts.
         inertia = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, link.inertia))
         place, moment = (reach, 0.0, 0.0), (link.mass * link.centre, 0.0, 0.0)
         motor = link.torque if isinstance(link.torque, DCMotor) else link
@@ -263,7 +264,7 @@ class TwoLinkArm(JointedMechanism):
         lower = unchecked(
             Link,
             mass=self.lower_mass,
-            length=0.0,
+            length=0.0,  # nothing is joined behind it
             centre=self.lower_centre,
             inertia=self.lower_inertia,
             torque=None,
@@ -503,6 +504,7 @@ class RobotJoint(Parametrised):
             symmetric(*(getattr(self, f"{name}_{entry}") for entry in ENTRIES))
             for name in ("inertia", "added_inertia")
         )
+        # About the joint: that about the centre of mass, and mass times distance squared.
         inertia = both(both(own, about(self.mass, NONE, centre)), added)
         return Body(
             parent,
@@ -616,6 +618,7 @@ class Robot(BoundedMechanism, JointedMechanism):
 
     def _check_masses(self) -> None:
         """Refuse a joint that moves no mass: its acceleration would not be determined."""
+        # Away from 0, where links may line up so that a joint moves nothing in that pose alone.
         places = [0.3 + 0.1 * i for i in range(len(self.joints))]
         rows = [[float(x) for x in row] for row in mass_matrix_of(self.bodies(), places)]
         largest = max(rows[i][i] for i in range(len(rows)))
@@ -669,6 +672,8 @@ class Robot(BoundedMechanism, JointedMechanism):
         for i, one in enumerate(self.joints):
             row = [float(i == j) for j in range(len(self.joints))]
             for name, factor in dict(one.coupling).items():
+                # The coordinate is the angle plus these multiples: the angle is the coordinate less
+                # them.
                 row = [a - factor * b for a, b in zip(row, rows[name], strict=True)]
             rows[one.joint] = row
         return list(rows.values())

@@ -101,6 +101,7 @@ def _moved(profile: Profile, pieces: Sequence[Piece], t: float) -> tuple[float, 
         h = min(t, end) - float(piece.start)
         if h <= 0.0:
             break
+        # The acceleration is a straight line in a piece: its integrals are exact.
         value, slope = float(piece.value), float(piece.slope)
         position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
         rate += value * h + slope * h * h / 2.0
@@ -166,6 +167,7 @@ class ThreePhase(Stepped):
         sizes = outer, middle, outer if self.last is None else self.last
         if self.frequency is None:
             return sizes
+        # Accelerations go with the square of the speed at which the same way is covered.
         quicker = self.frequency * self._duration(sizes)
         first, middle, last = (quicker * quicker * size for size in sizes)
         return first, middle, last
@@ -173,6 +175,7 @@ class ThreePhase(Stepped):
     def _rates_of(self, sizes: tuple[float, float, float]) -> tuple[float, float]:
         """Return the largest rates on the way there and on the way back."""
         first, middle, last = sizes
+        # Both ramps cover the way: v^2 / 2 (1 / a + 1 / b) = 2 theta_m.
         there: float = sqrt(4.0 * self.amplitude / (1.0 / first + 1.0 / middle))
         back: float = sqrt(4.0 * self.amplitude / (1.0 / middle + 1.0 / last))
         return there, back
@@ -339,6 +342,7 @@ class SevenStep(Stepped):
 
     def _cruise(self, rate: float) -> float:
         """Return the duration of a cruise at a rate [s]."""
+        # What the ramps leave of the way, over the rate.
         ramps = 0.5 * rate * (1.0 / self.fast + 1.0 / self.slow)
         return 2.0 * self.amplitude / rate - ramps
 
@@ -533,7 +537,7 @@ class SplineSwing(Stepped):
     def cycle(self) -> tuple[Piece, ...]:
         _, knots = self._scaled
         n, length = len(self.positions), self.duration
-        square = length * length
+        square = length * length  # accelerations go with 1 / T^2
         return tuple(
             Piece(i * length / n, a / square, (b - a) * n / (square * length))
             for i, (a, b) in enumerate(itertools.pairwise(knots))
@@ -707,6 +711,7 @@ def _smoothed(
         count = max(COARSEST, round(end / spacing))
     else:
         counts = [COARSEST]
+        # Not so many that the corrected criterion has no samples left to divide by.
         while counts[-1] * FINER < min((n - 6) // 2, MOST_INTERVALS):
             counts.append(max(counts[-1] + 1, int(counts[-1] * FINER)))
         tiny = n * (1e-14 * float(np.ptp(y) or 1.0)) ** 2  # rounding of floats
@@ -724,6 +729,7 @@ def _smoothed(
             f" {number(end / count, 4)} s: increase it."
         )
     h, c = end / count, found.weights
+    # Second derivative and value of cubic B-splines at their knots, from three weights each.
     bends = ((c[:-2] - 2.0 * c[1:-1] + c[2:]) / h**2).tolist()
     noise = math.sqrt(found.squares / max(n - (count + 3), 1))
     return _Smoothed(
@@ -753,6 +759,7 @@ class _Spline:
             u**3 / 6.0,
         )
         size = count + 3
+        # Each sample sees four splines: the normal equations have four bands.
         bands = np.zeros((4, size))
         for i, one in enumerate(basis):
             for k, other in enumerate(basis[i:]):
@@ -783,6 +790,7 @@ def _banded_factor(a: list[list[float]]) -> list[list[float]]:
     size = len(a[0])
     for j in range(size):
         square = a[0][j] - sum(a[k][j - k] ** 2 for k in range(1, min(4, j + 1)))
+        # Knots without samples between them leave a weight undetermined.
         if square <= 1e-12 * a[0][j]:
             return []
         a[0][j] = math.sqrt(square)
