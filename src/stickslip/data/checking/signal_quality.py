@@ -83,6 +83,7 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
                 continue
             rows = slice(place - LOBE, place + LOBE + 1)
             share = float(power[rows].sum()) / variance
+            # Between bins: the mean of three, weighted by their power.
             center = float(np.average(np.arange(place - 1, place + 2), weights=power[rows][2:5]))
             lines.append(
                 MainsLine(
@@ -93,6 +94,7 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
                     amplitude=float(np.sqrt(2.0 * min(share, 1.0) * variance)),
                 )
             )
+        # A rectifier may leave the second harmonic alone; higher ones alone are of other motions.
         if any(line.order <= 2 for line in lines):
             found.append(tuple(lines))
     return max(found, key=lambda lines: sum(line.share for line in lines), default=())
@@ -118,11 +120,13 @@ def _spectrum(values: Array, step: float) -> tuple[Array, float]:
     """Return the power in each bin (m,), averaged over half overlapping blocks, and their width."""
     length = min(len(values), max(round(BLOCK / step), 2))
     starts = range(0, len(values) - length + 1, max(length // 2, 1))
+    # The window keeps strong lines from leaking over the band beside them.
     window = np.hanning(length)
     total = np.zeros(length // 2 + 1)
     ramp = np.linspace(-1.0, 1.0, length)
     for start in starts:
         part = values[start : start + length]
+        # Without mean and trend, whose leaking would hide lines.
         part = part - part.mean() - ramp * (ramp @ part) / (ramp @ ramp)
         total += np.abs(np.fft.rfft(window * part)) ** 2
     weight = float(window @ window) or 1.0  # a window of two samples has none
@@ -147,6 +151,7 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     reach = round(WANDER / width) + 1
     middle = round(frequency / width)
     aside = round(NEAR * middle)
+    # The band must be wider than line and lobe, and end below half the sampling frequency.
     if aside < 2 * (reach + LOBE) or middle + reach + 2 * LOBE >= len(power):
         return None
     place = middle - reach + int(np.argmax(power[middle - reach : middle + reach + 1]))
@@ -467,7 +472,9 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     beside = np.stack([size[:-4], size[1:-3], size[3:-1], size[4:]])
     allowed = np.partition(beside, 2, axis=0)[2]
     change = np.diff(speed)
+    # 1.4826 median absolute deviations are a standard deviation of normal noise.
     spread = 1.4826 * float(np.median(np.abs(change - np.median(change))))
+    # Noise of the speeds, and two counts of the sensor within a sample, are no jump.
     doubt = 10 * spread + 2 * max(step_of(position), _count_size(position)) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
@@ -505,6 +512,7 @@ def _count_size(position: Array) -> float:
 
 def _runs(values: Array) -> tuple[Array, Array]:
     """Return the levels a signal holds one after the other, and for how many samples each."""
+    # NaN differs from all: the first value begins a run.
     first = np.flatnonzero(np.diff(values, prepend=np.nan) != 0)
     return values[first], np.diff(np.append(first, values.size))
 
@@ -524,6 +532,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
         levels, lengths = _runs(values)
         for way, end, extreme in _ends(values):
             there = levels == extreme
+            # Levels within a tenth of the range tell how long a rounded peak stays.
             near = (np.abs(levels - extreme) < 0.1 * span) & ~there
             longest = int(lengths[there].max())
             beside = int(lengths[near].max()) if near.any() else 1
@@ -612,6 +621,7 @@ def held(record: Measurement) -> Iterator[Finding]:
             continue
         if len(lengths) < LEVELS:  # a constant, or a few levels of a command
             continue
+        # A value held for n samples is (n - 1) / 2 samples late on average.
         late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
         yield Finding(
             kind="held samples",

@@ -96,6 +96,7 @@ class _Rates:
         self.y = np.array(self.w[self.first : self.first + self.n])
         reached = np.abs(self.w[self.whole[layout.SCALE] : self.whole[layout.SCALE] + self.n])
         self.sizes = np.maximum(reached, np.abs(self.y))
+        # What has never moved is given the largest size: its differences must not be divided by 0.
         self.sizes[self.sizes == 0.0] = self.sizes.max(initial=0.0) or 1.0
 
     def slip(self) -> None:
@@ -128,6 +129,7 @@ class _Rates:
         largest = float((np.abs(direction) / self.sizes).max())
         if largest == 0.0:
             return np.zeros(self.n)
+        # A share of the sizes, whatever the length of the direction is.
         step = STATE_STEP / largest
         after, before = self.at(self.y + step * direction), self.at(self.y - step * direction)
         return (after - before) / (2.0 * step)
@@ -171,6 +173,7 @@ def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     values, vectors = np.linalg.eig(scaled)
     at = int(np.argmax(np.abs(values)))
     try:
+        # Rows of the inverse of the right vectors are the left ones, with product 1.
         left = np.linalg.inv(vectors)[at]
     except np.linalg.LinAlgError:  # a double eigenvalue with one vector
         left = np.full(rates.n, math.nan)
@@ -188,7 +191,7 @@ def _power(
     left: NDArray[Any],
 ) -> float:
     """Return the power with which a parameter enters the time scale."""
-    if value == 0.0:
+    if value == 0.0:  # a relative change leaves it 0
         return 0.0
     sides = []
     for sign in (1.0, -1.0):
@@ -197,6 +200,7 @@ def _power(
         sides.append(rates.along(right))
     rates.w[place] = value
     rates.prepare()
+    # s (p dJ/dp) r by central differences; p cancels, as the change is relative.
     slope = complex(left @ (sides[0] - sides[1])) / (2.0 * PARAMETER_STEP)
     return -(slope / eigenvalue).real
 
@@ -224,6 +228,7 @@ def cause_of_step_limit(
     if pieces > OFTEN * steps:
         return f"{taken} The drives have changed their course {pieces} times. {advice}"
     fastest = fastest_motion(model, inputs, record)
+    # Steps last a sixth of that scale at most: the shorter of both is the cause.
     if inputs.time_scale < (math.inf if fastest is None else fastest.time_scale):
         scale = quantity(inputs.time_scale, "s", 2)
         return f"{taken} A drive changes within {scale}, and a step takes a sixth of that. {advice}"
@@ -280,6 +285,7 @@ def cause_of_zeno(events: Sequence[Event], t: float) -> str:
     names: list[str] = []
     for event in reversed(events):
         name = f"{event.reason} at {event.contact}" if event.contact else event.reason
+        # Only what happened at that very instant counts.
         if event.t != t or len(names) == MOST_NAMED + 1:
             break
         if name not in names:
@@ -604,6 +610,7 @@ def _with_masses(mechanism: Mechanism, playback: Playback, certificate: Certific
     """Return a certificate that also knows whether matrices given were masses all along the run."""
     if not isinstance(mechanism, MatrixMechanism):
         return certificate
+    # Ends of steps, thinned to about PLACES: a run may have a million of them.
     times = playback.times()
     states = playback.played(times[:: 1 + len(times) // PLACES])[0]
     for state in states[:, : len(mechanism.coordinates)]:

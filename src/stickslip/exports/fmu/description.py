@@ -307,6 +307,7 @@ def variables_of(
     found += _parameters(mechanism, law, model, len(found))
     first_state = len(found)
     inputs_of = [i for i, one in enumerate(found) if one.role == "input"]
+    # Forces may depend on all states and inputs.
     every = (*inputs_of, *range(first_state, first_state + len(model.states)))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
         found.append(
@@ -473,6 +474,7 @@ def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
 
 def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:
     """Whether a parameter stands in what is made before a run: tables, starts, largest steps."""
+    # Another value, and NaN, which spreads to all that is made of it.
     other = value * SHIFT if value else SHIFT - 1.0
     before = _made_before(mechanism, path, value)
     return any(_made_before(mechanism, path, one) != before for one in (other, math.nan))
@@ -504,6 +506,7 @@ def _drive_unit(mechanism: Mechanism, name: str) -> str:
     if name in told_fields(mechanism):
         turning = set(mechanism.units) == {"rad"}
         return unit_of_input(told_fields(mechanism)[name][1], turning=turning)
+    # A unit of the drive shows on which coordinates it acts, and so its unit.
     q = dict.fromkeys(mechanism.coordinates, 0.0)
     still = dict.fromkeys(mechanism.drives(), 0.0)
     pushed = {**still, name: 1.0}
@@ -624,6 +627,7 @@ def _typed(variable: Variable) -> dict[str, str]:
         found["unit"] = variable.unit
     quantity = variable.quantity
     if variable.role in ("parameter", "constant"):
+        # There is no attribute for an exclusive bound: the binary refuses the bound itself.
         low = max(quantity.low, -math.inf if quantity.above is None else quantity.above)
         if low > -math.inf:
             found["min"] = repr(float(low))
@@ -652,6 +656,7 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
     if initial is not None and causality != "independent":
         common["initial"] = initial
     typed = _typed(variable)
+    # A reference in FMI 3, an index from 1 in FMI 2.
     if variable.state is not None:
         typed["derivative"] = str(variable.state + (fmi == 2))
     if fmi == 3:

@@ -160,6 +160,7 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     force = run.at(times)["friction"]
     least = 1e-9 * np.abs(force).max()
     inner = (force[1:-1] > force[:-2] + least) & (force[1:-1] >= force[2:])
+    # A peak counts only where friction falls below it later, by more than ripples do.
     lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
     falls = lowest_later < force[1:-1] - FALL * np.abs(force).max()
     found = np.flatnonzero(inner & falls)
@@ -355,9 +356,11 @@ def _balanced(bench: Bench, force: float) -> float:
     def excess(speed: float) -> float:
         return float(bench.curve.steady(speed, bench.load)) - force
 
+    # Over fifteen decades: a curve may cross the force anywhere.
     speeds = bench.speed * np.geomspace(1e-9, 1e6, 301)
     if float(bench.curve.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
         return 0.0
+    # The first crossing: beyond it friction may fall and rise again.
     above = [speed for speed in speeds if excess(speed) >= 0.0]
     if not above:
         return float("inf")

@@ -145,11 +145,13 @@ def stick_slip_map(
     told(1, HALVINGS + 1)
     shape = len(k), len(v)
     sticks, amplitude = sticks.reshape(shape), amplitude.reshape(shape)
+    # The highest speed of each row at which it sticks: the boundary lies behind it.
     last = np.array([np.flatnonzero(row)[-1] if row.any() else -1 for row in sticks])
     inner = (last >= 0) & (last < len(v) - 1)
     low, high = v[np.maximum(last, 0)], v[np.minimum(last + 1, len(v) - 1)]
     for n in range(HALVINGS):
         if inner.any():
+            # Speeds span decades: halved by their ratio.
             middle = np.sqrt(low * high)
             stuck = np.zeros(len(k), dtype=bool)
             stuck[inner] = _runs(bench, middle[inner], k[inner])[1]
@@ -181,6 +183,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     needed = STRETCHES * stretched + RUN_PERIODS * 2.0 * np.pi * np.sqrt(bench.mass / stiffness)
     amplitude, sticks = np.zeros(len(speed)), np.zeros(len(speed), dtype=bool)
     bad = 0
+    # Runs of one ensemble end together: those of about one duration are made in one.
     group = np.floor(np.log(needed) / np.log(RATIO)).astype(int)
     for one in np.unique(group):
         chosen = np.flatnonzero(group == one)
@@ -202,6 +205,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
         good = runs.certified
         bad += int((~good).sum())
         amplitude[chosen] = np.where(good, 0.5 * (fast - slow), np.nan)
+        # Late in the run it nearly rests, and it overtakes the belt.
         sticks[chosen] = good & (slow < STUCK) & (fast > 1.0 + STUCK)
     return amplitude, sticks, bad
 
@@ -260,6 +264,7 @@ def _grows(bench: Bench, stiffness: float, speed: float) -> bool:
     matrix[1:, 1:] = inner
     matrix[1, 1] -= float(_damper(bench, stiffness)) / bench.mass
     values = np.linalg.eigvals(matrix)
+    # Growth beyond the rounding of the largest eigenvalue.
     return bool(values.real.max() > 1e-9 * np.abs(values).max())
 
 
@@ -299,6 +304,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return ()
     length = presliding_length(law, load)
     z, latches = (0.0,) * len(law.states), Latches(off=True)
+    # Twice as long each time, until nothing changes any more.
     for doublings in range(DOUBLINGS):
         with latches:
             known = law.moved(speed, load, z, 2.0**doublings * length / speed)

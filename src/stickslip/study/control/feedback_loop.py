@@ -54,6 +54,7 @@ class Timing(Parametrised):
 
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
+        # Rounding of the end must not add a sample there.
         return [k * self.period for k in range(math.ceil(t_end / self.period - SAME))]
 
     def lag(self) -> tuple[int, float]:
@@ -81,6 +82,8 @@ class Commands:
         self.whole, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
         self.told: list[float] = []
+        # Pieces of the drive begin at samples, and where commands act that are late by part of a
+        # period.
         ends = [*samples[1:], t_end]
         middle = [t + self.rest for t in samples if self.rest > 0.0]
         inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
@@ -104,6 +107,7 @@ class Commands:
         value, slope = self._line(index - self.whole)
         if self.rest <= 0.0:
             return [(start, value, slope)]
+        # The command before goes on until the new one acts.
         old, steep = self._line(index - self.whole - 1)
         first = (start, old + steep * (self.period - self.rest), steep)
         middle = start + self.rest
@@ -374,6 +378,7 @@ def closed_loop(
     several = drive is not None and not isinstance(drive, str)
     walk = _Walk(onward, controller, sensors, commands, timing, several)
     book = walk.made([*samples, last], progress)
+    # Once more with all that was commanded: `simulate` makes the same run of it.
     driven = mechanism
     for name, place in places.items():
         driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
@@ -632,6 +637,7 @@ def limit_cycle(
             f"limit_cycle: since must lie between {number(first, 6)} and {number(last, 6)} s, got"
             f" {number(begin, 6)}."
         )
+    # Ends of steps too: fast extremes lie between even times.
     times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
     values = run.at(times)[state]
     starts = _crossings(times, values)
@@ -652,12 +658,14 @@ def _crossings(t: Any, x: Any) -> Any:
     import numpy as np
 
     middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
+    # With hysteresis: a side is known only beyond a tenth of the range from the middle.
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
     told = np.flatnonzero(side)
     ups = [k for k in range(1, len(told)) if side[told[k]] > 0 > side[told[k - 1]]]
     found = []
     for k in ups:
         a, b = told[k - 1], told[k]
+        # The first sample above the middle, and a straight line from the one before.
         i = a + int(np.flatnonzero(x[a + 1 : b + 1] > middle)[0])
         found.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))
     return np.array(found)

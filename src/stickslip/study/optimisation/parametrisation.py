@@ -172,6 +172,7 @@ class SevenSteps(Space):
     def profile(self, u: Array) -> SevenStep:
         fast, slow = (_between(*self.accelerations, x) for x in u[1:3])
         amplitude = self.amplitude(u[0])
+        # Rates are shares of what is reached: any point of the cube is a motion.
         most = min(_reachable(amplitude, fast, slow), self.limits.rate)
         there, back = (most * (LEAST_SHARE + (1.0 - LEAST_SHARE) * x) for x in u[3:5])
         return SevenStep(

@@ -270,6 +270,7 @@ def band_of(
     if has_one_slip(mechanism):
         pairs = dict([slip_names(mechanism)])
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
     grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, asked]))
     runs = ensemble(
@@ -374,6 +375,7 @@ def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
         return None
     spread = np.sqrt(np.diag(table))
     scale = np.where(spread > 0.0, spread, 1.0)
+    # Without the diagonal; what has no spread has no correlation.
     matrix = table / np.outer(scale, scale) - np.diag((spread > 0.0).astype(float))
     one, other = np.unravel_index(int(np.argmax(np.abs(matrix))), matrix.shape)
     return f"friction.{names[one]}", f"friction.{names[other]}", float(matrix[one, other])

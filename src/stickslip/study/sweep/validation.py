@@ -593,6 +593,7 @@ def _record(
     read = values - predicted
     zero = float(origin(read)[0])
     stated = record.uncertainty.get(compared)
+    # Half widths of rounding, or of a 95 % interval, are no standard deviations yet.
     kinds = {"rounding": math.sqrt(3.0), "interval": Z95}
     noise = (
         noise_of(read, step_of(values))
