@@ -425,6 +425,7 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
             raise InputError(f"the friction law {law.name} depends on {name}; given: {given}.")
     if not law.inputs:
         return law
+    # Laws do not change: whoever has this one does not see the inputs.
     twin = copy.copy(law)
     vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
     return twin
@@ -468,6 +469,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
         if unit != quantity.unit or unit.startswith("N"):
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
+            # `at_least` names a coefficient, and what is told is a force: the law itself checks it.
             own = dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)
             found[key] = name, own
     return MappingProxyType(found)

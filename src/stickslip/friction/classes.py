@@ -418,6 +418,8 @@ def _dispatching(
         function: Callable[..., Scalar] = space["made"]
         return function
 
+    # Whether the short text serves is asked of each argument: `float` itself, neither array nor
+    # symbol.
     asked = [name for name in arguments if name != "states"]
     asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
     floats = " and ".join(f"type({one}) is float" for one in asked)
@@ -562,6 +564,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind: Any = type(base)(name, (base,), dict(space))
     for field, hint in inspect.get_annotations(kind).items():
         c.fields[field] = Parameter(name=field, hint=hint, default=dataclasses.MISSING)
+    # Parameters with a range first: exponents stand last in signatures and tables.
     fields = sorted(c.fields.values(), key=lambda one: one.quantity.structural)
     for one in fields:
         if one.default is not dataclasses.MISSING and one.name not in space:
@@ -574,12 +577,14 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind.composition, kind.made_of = c.term, c
     kind.directional, kind.inputs = c.directional, c.inputs
     kind.on_request = bool(space.get("on_request", True))
+    # A formula is as well compared as the least of its parts.
     kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
     kind.contained = Contained(c, _by_parts)
     if kind.passivity is None:
         kind.passivity = _passivity(c)
     if "formula" not in space:
         kind.formula = formula_of(c)
+    # Methods came after the class: what is abstract has to be found anew.
     abc.update_abstractmethods(kind)
     made: Any = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
     for key, arguments in FLOATS.items():

@@ -66,6 +66,7 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
             found = _containment(kind.made_of, simpler, *reached[form])
             known = fields_of(kind)
             fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
+            # Not with a value that the richer law does not allow, as at the open end of a range.
             return found if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
 
@@ -190,6 +191,8 @@ def _containment(
     gone = [one for one in limits if one in mine]
     for field in values:
         value = values[field]
+        # What a parameter becomes on the way may itself have got a value later: followed to the
+        # end.
         while isinstance(value, str) and value in values:
             value = values[value]
         if field not in mine:
@@ -200,6 +203,7 @@ def _containment(
             found[field] = value
     defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
+    # What nothing leads to must have its default in the simpler law.
     where: dict[str, Any] = {
         field: defaults[field]
         for field in theirs

@@ -283,6 +283,7 @@ class ClutchTrain(Mechanism):
 
     def _turning(self) -> dict[str, tuple[str, Lining]]:
         """Return clutches and brake by name, with the angle along which each slips."""
+        # Clutches slip along psi, the brake along phi, which stays over without one.
         linings, angles = self._linings(), (*self.coordinates[1:], "phi")
         return {name: (x, linings[name]) for name, x in zip(linings, angles, strict=False)}
 

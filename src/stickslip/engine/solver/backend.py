@@ -186,6 +186,7 @@ class Equations:
     def load_at(self, t: float) -> None:
         """Load the piece of the drives that holds at a time; times mostly go forwards."""
         begun = self.piece * self.width
+        # From the first piece again only where time has gone back.
         first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
         self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
 

@@ -104,6 +104,8 @@ class IncrementalRun:
     def advance(self, until: float, lines: Sequence[tuple[float, float]]) -> bool:
         """Run on to a time, each drive along a line; return whether it was reached."""
         last, now = bisect_left(self._starts, until), self.t
+        # In all pieces of the stretch: lines are told from now on, and rows count from their
+        # starts.
         for row in range(self._row, last):
             for column, (value, slope) in zip(self._columns, lines, strict=True):
                 at = row * self._width + column
@@ -226,6 +228,7 @@ class IncrementalEnsemble:
         """Get code and threads of this process."""
         vars(self).update(state)
         self._work()
+        # Addresses of this process in place of those of the pickle.
         self._kept[:, layout.ADDRESS : layout.SEVERAL + 1] = self._fresh[
             layout.ADDRESS : layout.SEVERAL + 1
         ]
@@ -280,6 +283,7 @@ class IncrementalEnsemble:
 
     def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
         """Let some runs go no further until they begin anew."""
+        # A status with which the kernels pass over a run.
         self._wholes[rows, layout.STATUS] = layout.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
@@ -291,6 +295,7 @@ class IncrementalEnsemble:
         flat = self._runner.flat
         told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
         runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory
+        # This thread takes the first share itself.
         first, *others = self._shares
         waiting = [self._pool.submit(share.go_on, told, runs) for share in others]
         first.go_on(told, runs)

@@ -161,6 +161,7 @@ class Mean(Output):
         if not np.all(length > 0.0):
             raise InputError(f"Mean.last [s] must be above 0 s, got {number(length.min(), 6)} s.")
         since = t_end - length
+        # Of the shape of `since`, which may have a number for each run.
         return Columns(state_layout.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 
 

@@ -139,6 +139,7 @@ class HalfSine(Drive):
             Piece(self.start, 0.0, math.pi / width),
             Piece(self.start + width, 0.0, 0.0),
         )
+        # A cycle more, as in `Square`.
         span = until - least(self.start) + least(self.period)
         return repeated(type(self).__name__, cycle, self.period, span)
 
@@ -356,7 +357,7 @@ class PiecewiseAffine(Straight):
         t, u = _series(type(self).__name__, self.times, self.values)
         _, k = _series(type(self).__name__, self.times, self.slopes)
         if k[-1] != 0.0:
-            raise ParameterError(f"StraightPieces.slopes must end with 0, got {k[-1]:g}.")
+            raise ParameterError(f"PiecewiseAffine.slopes must end with 0, got {k[-1]:g}.")
         for name, found in (("times", t), ("values", u), ("slopes", k)):
             object.__setattr__(self, name, tuple(found))
 

@@ -95,6 +95,7 @@ def _trusted(folder: Path) -> Path:
             mode = status.st_mode & OTHERS_WRITE
             if mode & stat.S_IWGRP and _is_private(status.st_gid):
                 mode &= ~stat.S_IWGRP
+            # With the sticky bit, as in /tmp, nobody renames what is another's.
             if mode and not status.st_mode & stat.S_ISVTX:
                 raise _not_trusted(parent, _open_to_others(parent, "go-w"))
     return folder
@@ -102,7 +103,7 @@ def _trusted(folder: Path) -> Path:
 
 def _refuse_foreign(path: Path, status: os.stat_result, modes: int) -> None:
     """Refuse what is another user's, or has one of these mode bits."""
-    if status.st_uid not in (os.geteuid(), 0):
+    if status.st_uid not in (os.geteuid(), 0):  # root may write anywhere anyway
         raise _not_trusted(path, f"{path} belongs to another user")
     if status.st_mode & modes:
         raise _not_trusted(path, _open_to_others(path, "-R go-w"))
@@ -304,6 +305,7 @@ class ObjectCode(ABC):
         Two processes that do so at once both compile: to wait for each other would take as long.
         """
         with _LOCK:
+            # Code may be in this process whose file was removed since: it is made for others then.
             if self.is_ready() and self.is_kept():
                 return False
             image, compiled = self._image(None)

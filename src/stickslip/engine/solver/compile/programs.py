@@ -218,6 +218,7 @@ KERNELS = KernelsCode()
 def _name() -> str:
     """Return the name of the file: a hash of the text of all kernels."""
     folder = Path(kernels.__file__).parent
+    # What translates them counts as well.
     sources = [path.read_text("utf-8") for path in (Path(__file__), *sorted(folder.rglob("*.py")))]
     return name_of("\n".join([maker(), *sources]))
 
@@ -306,6 +307,7 @@ def as_function(address: int, signature: Signature) -> Callable[..., Any]:
     result = NUMBERS[signature.results[0]] if signature.results else None
     bare = ctypes.CFUNCTYPE(result, *types)(address)
     wanted = [(name, ARRAYS.get(kind)) for name, kind in signature.parameters]
+    # Looked up once, and not in each call.
     from_buffer, addressof = PLACE.from_buffer, ctypes.addressof
 
     def call(*arguments: Any) -> Any:

@@ -86,6 +86,7 @@ def states_along(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start
     table = np.empty((copies, len(code.paths)))
     for k, path in enumerate(code.paths):
         table[:, k] = getattr(law, path)
+    # Room for the step, parameters, states and flags of one copy.
     size = columns + len(code.paths) + states + code.flags
     sizes = (columns, len(code.paths), *((states, code.flags) if code.entry == FORMULA else ()))
     given = (motion.ravel(), table.ravel(), out.ravel(), np.zeros(size))
@@ -134,11 +135,13 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
         z = tuple(Written(f"z{i}", lines) for i in range(len(law.states)))
         found = own.moved(v, n, z, h)
         entry = RATES if found is None else FORMULA
+        # The entry for rates integrates one state.
         if found is None and len(z) > 1:
             return None
         found = own.rates(v, n, z) if found is None else found
         results = [lines.word(one) for one in found]
     except (TypeError, ValueError, ArithmeticError, AttributeError, CompilationError):
+        # Equations of others may ask of numbers what no program can do: they run in NumPy.
         return None
     names = [*STEP, *(f"x_{name}" for name in shape.inputs), *(f"p_{path}" for path in paths)]
     reads = [f"{name} = w[{i}]" for i, name in enumerate(names)]
@@ -154,6 +157,7 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
             f"w[{place}] = {hold} >= 0.0 and ({margin} > 0.0 or (f{k} and {hold} > 0.0))"
             for k, (place, (margin, hold)) in enumerate(zip(places, flags, strict=True))
         ]
+        # Latches turn last: all of a step sees the sides on which it began.
         body = [*reads, *lines.written]
         body += [f"w[{at + i}] = {one}" for i, one in enumerate(results)]
         body += [line.replace(" = ", " = 1.0 if ", 1) + " else 0.0" for line in turned]
@@ -302,7 +306,7 @@ class Written:
         return self._of("abs({})", self)
 
     def __pow__(self, exponent: Any) -> "Written":
-        if float(exponent) == 2.0:
+        if float(exponent) == 2.0:  # as NumPy squares: the same bits
             return self * self
         return self._of("math.pow({}, {})", self, exponent)
 
