@@ -75,6 +75,7 @@ def velocity_of(record: Measurement, *, cutoff: float | None = None) -> Array:
         measured = np.asarray(record.values("velocity"))
         return measured if cutoff is None else smooth(time, measured, cutoff)
     position = _position(record, "velocity")
+    # Central differences, which are of second order where times are uneven, too.
     return np.gradient(smooth(time, position, cutoff), time)
 
 
@@ -177,6 +178,7 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
             f" Hz, got {cutoff!r}."
         )
     sections = butter(ORDER, 2 * corner, output="sos")
+    # A filter would carry what is on one side of a gap to the other.
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
     if cuts.size > MOST_PIECES:  # such a record is more gaps than samples: left as it is
         return values
@@ -301,10 +303,13 @@ def unit_differences(values: Array, time: Array, order: int) -> Array:
     >>> unit_differences(np.array([0.0, 0.0, 1.0]), np.arange(3.0), 2).round(3).tolist()
     [0.408]
     """
+    # Row i holds for each difference the sample i places on.
     columns = [np.arange(i, max(len(values) - order, 0) + i) for i in range(order + 1)]
     weights = np.ones((order + 1, len(columns[0])))
     for i, j in itertools.permutations(range(order + 1), 2):
+        # Weights of Newton's divided differences, one over the product of all other distances.
         weights[i] /= time[columns[i]] - time[columns[j]]
+    # The sum of squares of the weights is the variance that white noise has in the difference.
     weights /= np.linalg.norm(weights, axis=0)
     return np.asarray(
         np.sum([w * values[rows] for w, rows in zip(weights, columns, strict=True)], axis=0)

@@ -58,6 +58,7 @@ def levels_at(mechanism: Mechanism) -> Levels:
     """
     contacts = mechanism.contacts()
     if len(contacts) > 1:
+        # Levels are forces only where the load of each contact is left at 1.
         if any(one.load != 1.0 for one in contacts):
             return "per load"
         units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
@@ -268,6 +269,7 @@ class LawEstimates:
         def short(names: Iterable[str]) -> tuple[str, ...]:
             return tuple(one.removeprefix(prefix) for one in own(names))
 
+        # Rows and columns of the others are left out: the marginal distribution of a normal one.
         rows = [self.covariance_of.index(one) for one in own(self.covariance_of)]
         speed = self.largest_speed
         return dataclasses.replace(
@@ -308,6 +310,7 @@ class LawEstimates:
                 "estimates.covariance must consist of finite numbers, with variances of at least 0"
                 f" on its diagonal, got {table.tolist()}."
             )
+        # Scaled to variances of 1: tolerances hold whatever the units are.
         scale = np.where(spreads > 0.0, spreads, 1.0)
         scaled = table / np.outer(scale, scale)
         if np.max(np.abs(scaled - scaled.T)) > SAME:
@@ -316,6 +319,7 @@ class LawEstimates:
                 f" {number(np.max(np.abs(table - table.T)))}."
             )
         least = float(np.linalg.eigvalsh(scaled)[0])
+        # Rounding in a file may make an eigenvalue a little less than 0.
         if least < -SAME * len(names):
             raise InputError(
                 "estimates.covariance must be positive semi-definite; scaled to unit variances,"
@@ -406,6 +410,7 @@ class LawEstimates:
         values = _values(law)
         others = self.without(tuple(uncertainties))
         hard = bool(others.intervals) and others.interval in HARD
+        # Half the width of an even distribution is sqrt(3) standard deviations.
         reach = math.sqrt(3.0) if hard else NORMAL_95
         intervals = dict(others.intervals)
         for name, doubt in uncertainties.items():
@@ -486,6 +491,7 @@ class LawEstimates:
                     law, dict(zip(paths, row.tolist(), strict=True))
                 ):
                     kept.append(row)
+            # Counted over all that was tried, so that the loop ends where hardly any draw is valid.
             if len(kept) < FEWEST * tried:
                 raise InputError(
                     f"nearly all samples of {', '.join(names)} are invalid for {law.name}: the"
@@ -526,10 +532,12 @@ class LawEstimates:
             even: Array = random.uniform(ends[:, 0], ends[:, 1], size=(count, len(names)))
             return even
         centre = np.array([values[name] for name in names])
+        # By eigenvectors, and not as Cholesky: a covariance may be singular.
         share, axes = np.linalg.eigh(self._whole(centre, ends, names))
         root = axes * np.sqrt(np.maximum(share, 0.0))
         apart = random.standard_normal((count, len(names))) @ root.T
         sides = np.abs(ends - centre[:, None])
+        # The distribution is split at its centre, and each half scaled to the side of its interval.
         share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST)
         share[share > EVEN] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
@@ -552,6 +560,7 @@ class LawEstimates:
         table = np.diag(np.square(spreads))
         at = [names.index(name) for name in self.covariance_of]
         if at:
+            # Variances of rows stay as they are told; only those without a row come from intervals.
             table[np.ix_(at, at)] = self.covariance
         return table
 

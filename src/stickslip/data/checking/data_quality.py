@@ -169,6 +169,7 @@ def check(
         )
     if mechanism is not None:
         measurement = as_turning(measurement, mechanism.units)
+    # Findings of a joint that turns have units of turning.
     found = _findings(measurement, mechanism, conditions)
     return Checks(findings=tuple(_beside_mass(found, vary)), name=measurement.name)
 
@@ -231,6 +232,7 @@ def _of_records(
             yield from _joints(record, mechanism, label, grave)
             own = fits
         else:
+            # Where a record does not fit its mechanism, comparisons of both would say so once more.
             own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
 
@@ -242,6 +244,7 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     for one in findings:
         if one.kind == "reversals" and FORWARD in one.numbers:
             shares.setdefault(_joint_of(one), []).append(one.numbers[FORWARD])
+    # Trials in one direction only are no fault where others go the other way.
     both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for one in findings:
         if _still(one) and len(still) < trials:
@@ -277,6 +280,7 @@ def _joints(
         }
     said = [{one.sentence for one in found[name]} for name in moving or found]
     shared = set.intersection(*said)
+    # What all moving joints share is said once, in the place of the first.
     first = (moving or [*found])[0]
     for name, own in found.items():
         for one in own:
@@ -316,10 +320,12 @@ def _agreement(
     agree = [*motion.velocity_and_position(record)]
     yield from agree
     yield from motion.friction_sign(record, moving)
+    # Where signals contradict each other, energies would only repeat it.
     if not _wrong(agree) and not coupled:
         yield from motion.energy(record, mechanism)
         size = [*motion.proportion(record, mechanism)]
         yield from size
+        # Where its size is wrong, its sign tells no more.
         if not size:
             yield from motion.direction(record, moving)
 
@@ -349,6 +355,7 @@ def _record(
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
     rubbed = isinstance(record.friction, np.ndarray)
+    # What only asks for errors needs a motion only to compare it with friction.
     moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
     enough = record.time.size >= signal_quality.FEWEST
     if not grave:
@@ -424,6 +431,7 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
         return
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
+    # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
     inside = any(one.coordinate not in slip_names(mechanism) for one in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
@@ -600,5 +608,6 @@ def with_doubts(
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
+        # The class tells callers what went wrong: it stays.
         said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
         raise type(error)(said) from None
