@@ -44,6 +44,7 @@ from stickslip.exports.program import (
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import turned
 
+# With it both methods, of slip with and without bristles, are of second order and L-stable.
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
@@ -87,6 +88,7 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
     made = [_turned(one) if rotary else one for one in _Writer(law).functions()]
+    # Inputs go behind the load, wherever a function has it.
     places = {
         one.name: 1 + [v.name for v in one.inputs].index("load")
         for one in made
@@ -384,12 +386,14 @@ class _Writer:
         if not any(z in one.free_symbols for one in slopes):
             names = ("rate", "drop")
             pairs = zip(rates, slopes, strict=True)
+            # Rates affine in the deflection: the implicit step is a division.
             ahead, back = (Assign(names, (rate, slope)) for rate, slope in pairs)
             rest = Assign(names, (slip.rest[1 + place].subs({LOAD: NORMAL}), ZERO))
             drop = se.Symbol("drop")
             step = PERIOD * se.Symbol("rate") / (1 + PERIOD * drop)
             return (
                 *_loaded((_senses(ahead, back, rest),)),
+                # A deflection that grows by itself is stepped explicitly: divisors stay at least 1.
                 Branch(drop, ZERO, (Assign(("drop",), (ZERO,)),)),
                 Assign((str(end),), (z + step,)),
             )
@@ -530,6 +534,7 @@ class _Writer:
 
     def _stepped(self) -> Body:
         velocity_end, sense = se.Symbol("velocity_end"), se.Symbol("sense")
+        # What the body was given less what it kept: the mean force, whatever the steps within were.
         closing = Assign(("friction",), (APPLIED - MASS * (velocity_end - VELOCITY) / PERIOD,))
         if not self.law.holds:
             moved = (
@@ -570,7 +575,9 @@ class _Writer:
         sense, end = se.Symbol("sense"), se.Symbol("velocity_end")
         share, used, rest = map(se.Symbol, ("share", "used", "rest"))
         z_ends = tuple(map(se.Symbol, self.ends))
+        # A trapezium: velocities are known at both ends.
         through: Body = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
+        # A step of friction alone does not turn a body round.
         backwards = Branch(sense * end, ZERO, (Assign(("velocity_end",), (ZERO,)),))
         on: Body = (
             *self._sliding(ZERO, z_ends, rest),
@@ -579,6 +586,7 @@ class _Writer:
         )
         passed: Body = (
             Assign(("share",), (ZERO,)),
+            # Where a straight line between both velocities crosses 0.
             Branch(ZERO, sense * VELOCITY, (Assign(("share",), (VELOCITY / (VELOCITY - end),)),)),
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),
             Assign(("displacement",), (VELOCITY * used / 2,)),
@@ -663,6 +671,8 @@ def _root(name: str, evaluated: Body) -> Body:
     """
     at, low, miss, miss_low = map(se.Symbol, (name, "low", "miss", "miss_low"))
     tried, miss_at = se.Symbol("tried"), se.Symbol("miss_tried")
+    # The square of a share of the first bracket: misses are compared as squares, which need no
+    # root.
     scale = CLOSE * CLOSE * (at - low) * (at - low)
     return (
         *evaluated,
@@ -683,6 +693,8 @@ def _root(name: str, evaluated: Body) -> Body:
                             miss * miss_at,
                             ZERO,
                             (Assign(("low", "miss_low"), (tried, miss_at)),),
+                            # Illinois: the end that stays twice is halved, so that the bracket
+                            # shrinks from both sides.
                             (Assign(("miss_low",), (miss_low / 2,)),),
                         ),
                         Assign(("tried", "miss_tried"), (at, miss)),

@@ -174,6 +174,7 @@ def presliding_loop(
     ends = [sign * amplitude * (n + 1) / swings for n in range(swings) for sign in (1.0, -1.0)]
     x, friction = [np.zeros(1)], [np.zeros(1)]
     z, latches = np.zeros(len(law.states)), Latches(off=True)
+    # The last piece goes back to where the widest swing began, which closes its loop.
     for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
         x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
         v = SLOW if end > start else -SLOW
@@ -189,6 +190,7 @@ def _moved(
     """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
     found = []
     for time in times:
+        # Flags of latches stay as they were at the beginning of the piece.
         with latches:
             found.append(law.moved(v, load, tuple(map(float, z)), float(time)))
     latches.turn()
@@ -200,6 +202,7 @@ def _moved(
 
     from scipy.integrate import solve_ivp
 
+    # Absolute errors count where deflections go through 0.
     nothing = ACCURATE * presliding_length(law, load)
     span = (0.0, times[-1])
     run = solve_ivp(rates, span, z, "DOP853", times, rtol=ACCURATE, atol=nothing)
@@ -258,6 +261,7 @@ class Bench(Parametrised):
                 f" taken, got {type(rig).__name__}."
             )
         mass = rig.inertia if isinstance(rig, Axis) else rig.mass
+        # Without a spring of its own, one of 10 rad/s stands for it.
         stiffness = rig.stiffness or 100.0 * mass
         return cls(
             law=law,
@@ -329,6 +333,7 @@ class Bench(Parametrised):
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
         contact = GuidedContact(
+            # m = k T^2 and c = 2 k T: critically damped, with that time constant.
             mass=stiffness * time * time,
             stiffness=stiffness,
             damping=2.0 * stiffness * time,
@@ -379,6 +384,7 @@ class GuidedContact(Mechanism):
         return 0.5 * self.mass * q_dot["x"] * q_dot["x"]
 
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        # The far end stands for the path, whose reaction is the measured force.
         stretch = q["u"] - q["x"]
         return 0.5 * self.stiffness * stretch * stretch
 
@@ -417,6 +423,7 @@ def there_and_back(
         pauses or [0.0] * len(places),
         strict=True,
     ):
+        # Half the time speeding up, half slowing down: the peak speed is twice the mean one.
         lasts = 2.0 * abs(place - here) / float(fastest)
         acceleration = 4.0 * (place - here) / (lasts * lasts)
         times += [now, now + 0.5 * lasts]
@@ -427,6 +434,7 @@ def there_and_back(
             times.append(now)
             values.append(0.0)
             now += pause
+    # After the last arrival it rests, from the next number on.
     if times[-1] < now or not pauses:
         times.append(math.nextafter(now, math.inf))
         values.append(0.0)

@@ -241,6 +241,7 @@ def average_velocity(
     _check(parameters, cycles, settle)
     mechanism, law = beginning_pair(mechanism, law, parameters)
     if period is None:
+        # Cycles of a period that was given need not be those of the drives.
         whole_run("average_velocity", mechanism, settle + cycles)
     axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
     columns = product(axes)
@@ -305,6 +306,7 @@ class VelocityBand(OnAxes, Tabular):
         return self._quantile(0.5 + 0.5 * self.level)
 
     def _quantile(self, share: float) -> Array:
+        # Quantiles of the error at even probabilities, with every law.
         # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
@@ -441,6 +443,7 @@ def _check(parameters: object, cycles: int, settle: int) -> None:
 
 
 def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
+    # The late half tells whether the mean still drifts.
     return {
         "all": Mean(rate, last=cycles * periods),
         "late": Mean(rate, last=cycles // 2 * periods),
@@ -479,6 +482,7 @@ class _Table:
             units=units,
             unit=unit,
             velocity=self.velocity.reshape(shape),
+            # Half of what the mean changes between both halves.
             unsettled=np.abs(self.late - self.velocity).reshape(shape),
             period=periods.reshape(shape),
             status=self.status.reshape(shape),
