@@ -195,6 +195,7 @@ def equations_of(law: FrictionLaw) -> Equations:
             " fit, a verdict, or a rig with one law."
         )
     found = list(parameters(law, "friction"))
+    # In this order: what comes later steps out of the way of names that are taken.
     states = identifiers((*law.states, *_flags(law)), LOCAL)
     own = identifiers(law.inputs, (*LOCAL, *states))
     inputs = dict(zip(own, law.inputs, strict=True))
@@ -256,6 +257,7 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
 
 
 def _has_formula(law: FrictionLaw) -> bool:
+    # Any state tells whether there is a formula.
     with Latches():
         return _told(law).moved(0.0, 1.0, (0.0,) * len(law.states), 1.0) is not None
 
@@ -291,12 +293,14 @@ def _by_sense(
     """Evaluate a law in both senses of slip and at rest, where no latched switch is on."""
 
     def traced(sense: int) -> Values:
+        # Signs of the velocity are known in each sense, and decide its switches.
         board = Switchboard(signs={"velocity": sense} if sense else {})
         velocity = Traced(VELOCITY, board) if sense else 0.0
         twin = law(board)
         count = len(twin.states)
         z = tuple(Traced(se.Symbol(name), board) for name in states[:count])
         values = evaluate(twin, (velocity, board), Traced(LOAD, board), z)
+        # At rest no latch is on: its flag is 0, and not a symbol.
         flags = [se.Symbol(name) if sense else se.Integer(0) for name in states[count:]]
         return tuple(_closed(expression(value), board, flags) for value in values)
 
@@ -585,6 +589,7 @@ class Subject:
         yield f"Law (LaTeX): {printable(self.law.formula)}"
         yield "Parameters in SI units:"
         for one in self.constants():
+            # To the last bit, so that a program has the very law.
             yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
         ratio = self.levels == "per load"
         if ratio or self.has_normal_force:
@@ -656,6 +661,7 @@ class Export:
         """Write the files into a folder, all or none."""
         place = Path(folder)
         paths = {place / name: text for name, text in self.files.items()}
+        # All paths are looked at before any file is written.
         for path in paths:
             try:
                 there = path.exists() or path.is_symlink()

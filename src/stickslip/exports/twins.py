@@ -160,6 +160,7 @@ def _kept(found: Simplified) -> tuple[str, ...]:
 def _level_and_damping(subject: Subject) -> tuple[Simplified, float]:
     """Return level and damping of a law, and its largest force at rest."""
     found = simplified(subject)
+    # Bodies at rest are held in both senses: the larger level counts.
     rest = max(float(subject.law.towards(side).break_away(found.load)) for side in (1, -1))
     return found, max(rest, found.joint.level)
 
@@ -211,6 +212,7 @@ class MuJoCo(Program):
         inertia = inertia_of(subject)
         if inertia is None:
             return math.nan
+        # Largest impedance enters by b alone; the soft constraint acts at the first one.
         held = self.impedance * self.damping * inertia / (1.0 - self.impedance)
         return force / (held + float(vars(taken.law)["damping"]))
 
@@ -279,6 +281,7 @@ class MuJoCoMotor(Program):
         step = TIMESTEP
         if found is not None and inertia is not None:
             step = bristle_step(found, subject.needed_load(), inertia)[0]
+        # A tenth of a step that is merely stable: errors are proportional to it.
         return MuJoCoMotor(timestep=min(self.timestep, step) / 10.0)
 
 
@@ -319,7 +322,9 @@ class Drake(Program):
 
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         share = force / taken.level
+        # F = mu N v / sqrt(v^2 + v_s^2), solved for v.
         undamped = self.stiction_tolerance * share / math.sqrt(1.0 - share**2)
+        # Damping of the joint only slows it: the speed lies between 0 and that without it.
         return _steady_speed(subject, taken, force, undamped)
 
     def settings(self, subject: Subject, taken: Taken) -> str:
@@ -363,10 +368,12 @@ class Simscape(Program):
             "viscous_coefficient": found.joint.damping,
         }
         smooth = composed("simscape + viscous")(**values)
+        # The block has a breakaway force of its own, so that static friction is not lost.
         lost = tuple(line for line in _kept(found) if not line.startswith("Static friction"))
         return Taken(law=smooth, solver=None, level=rest, lost=lost)
 
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
+        # The force is largest at the breakaway velocity: creep is below it.
         return _steady_speed(subject, taken, force, self.breakaway_velocity)
 
     def settings(self, subject: Subject, taken: Taken) -> str:
@@ -416,6 +423,7 @@ class Karnopp(Program):
         inertia = inertia_of(subject)
         if self.band is None and inertia is None:
             raise InputError(f"{self.name}: the inertia of the slip is not known: give a band.")
+        # Wider than what one step changes, so that a body cannot step over the band.
         band = WIDER * level * self.step / inertia if inertia and not self.band else self.band
         assert band is not None
         bristles = bool(subject.law.states)
@@ -605,6 +613,7 @@ def twin(
         )
     slip, rate = slip_names(mechanism)
     exact = simulate(mechanism, law, t_end=t_end, y0=y0)
+    # Even times beside those of the steps, between which extremes may lie.
     even = np.linspace(0.0, t_end, TIMES)
     levels = levels_at(mechanism)
     subject = Subject(
@@ -614,6 +623,7 @@ def twin(
         rotary=slips_by_angle(mechanism),
         levels=levels,
         load=static_normal_force(mechanism) if levels == "per load" else 1.0,
+        # A body that never moves has no range: any speed serves.
         largest_speed=float(np.abs(exact.at(even)[rate]).max()) or REFERENCE_SPEED,
     )
     taken = chosen.taken(subject)

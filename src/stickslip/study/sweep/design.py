@@ -88,6 +88,7 @@ class Levels(Factor):
 
     def at(self, share: Array) -> Array:
         count = len(self.values)
+        # A share of exactly 1 belongs to the last value.
         places = np.minimum((share * count).astype(np.intp), count - 1)
         found: Array = self.levels()[places]
         return found
@@ -131,6 +132,7 @@ class Uniform(Factor):
             found = np.exp(low + share * (high - low))
         else:
             found = self.low + share * (self.high - self.low)
+        # Rounding must not put a value beyond an end that a parameter may not exceed.
         inside: Array = np.clip(found, *ends)
         return inside
 
@@ -171,6 +173,7 @@ class Normal(Factor):
             )
 
     def at(self, share: Array) -> Array:
+        # Cut off: shares are of what lies between the ends.
         below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
         least = np.finfo(float).tiny  # the end of a distribution without one
         inside = np.clip(below + share * (above - below), least, 1.0 - np.finfo(float).eps)
@@ -212,6 +215,7 @@ class Design(metaclass=Described):
         if type(self.seed) is not int or self.seed < 0:
             raise InputError(not_whole("seed", 0, self.seed))
         for path, factor in self.factors.items():
+            # One step only: no chains of multiples, which might be circles.
             other = self.factors.get(factor.times)
             if factor.times and (other is None or other.times):
                 raise InputError(
@@ -284,6 +288,7 @@ class Design(metaclass=Described):
         dict of str to array (runs,)
             Values of each factor [SI].
         """
+        # The last part of a campaign may be shorter.
         stop = min(stop, len(self))
         if self.kind == "grid":
             levels = [one.levels() for one in self.factors.values()]
@@ -294,6 +299,7 @@ class Design(metaclass=Described):
         else:
             columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
             found = {path: one.at(share) for (path, one), share in columns}
+        # Multiples last, once all other factors have their values.
         for path, one in self.factors.items():
             if one.times:
                 found[path] = found[path] * found[one.times]
@@ -435,6 +441,7 @@ def indices_of(
             f" in all their runs, {FEWEST} are needed: ask for more runs, or narrow the factors."
             + "".join(f" {reason}" for reason in reasons)
         )
+    # All runs of a base point, or none: indices are differences within it.
     left = blocks[good].ravel()
     _refuse_constant(output, left)
     many = len(design.factors)
@@ -482,6 +489,7 @@ def first_order_of(
     _refuse_constant(output, values)
     names = list(draws)
     for one, other in itertools.combinations(range(many), 2):
+        # Of many pairs one may seem correlated by chance: the level is shared among all of them.
         # ranges of the law may tie draws whose estimates are independent
         pairs = many * (many - 1) / 2
         limit = NormalDist().inv_cdf(1.0 - 0.5 * FALSE_ALARMS / pairs) / math.sqrt(count)
