@@ -449,6 +449,7 @@ class Measurement(Tabular, InPanels):
             "parameter_uncertainties",
             _positive("parameter_uncertainties", self.parameter_uncertainties),
         )
+        # What is given by joint becomes records of joints, and is then not kept twice.
         joints = _joints(self)
         _check_inputs(self, joints)
         self._set("joints", _with_own_inputs(joints, self))
@@ -502,6 +503,7 @@ class Measurement(Tabular, InPanels):
             {name for own in (one, *one.joints.values()) for name in own.contact_inputs()}
             for one in self.records()
         ]
+        # In the order of the table of inputs, whatever order records have.
         return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
 
     def contact_inputs(self, joint: str = "") -> dict[str, Array | float]:
@@ -529,6 +531,7 @@ class Measurement(Tabular, InPanels):
             for target in [unit_of_input(name, turning=self.turning)]
         }
         own = self.joints[joint].inputs if joint in self.joints else {}
+        # What was measured goes before what was stated, and a joint's own before what all share.
         return {**stated, **self.inputs, **own}
 
     @property
@@ -563,6 +566,7 @@ class Measurement(Tabular, InPanels):
             return self.trials[0].kind
         if self.time is not None:
             return "series"
+        # Friction against velocity without times is a map; single numbers are readings.
         both = isinstance(self.friction, np.ndarray) and isinstance(self.velocity, np.ndarray)
         return "friction-map" if both else "scalars"
 
@@ -645,6 +649,7 @@ class Measurement(Tabular, InPanels):
                 for name, held in one.inputs.items():
                     unit = unit_of_input(name, turning=record.turning)
                     columns[f"{name}{joint and '.'}{joint} [{unit}]"] = held
+            # A record of single numbers is one row, which pandas wants an index for.
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
 
