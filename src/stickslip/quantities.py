@@ -52,7 +52,7 @@ __all__ = [
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-LARGEST = 1e100
+LARGEST_COEFFICIENT = 1e100
 """Largest coefficient; where it has to be above 0, its inverse is the smallest."""
 
 T = TypeVar("T", bound="Parametrised")
@@ -318,8 +318,8 @@ class Quantity:
         """Whether a coefficient has a square, and an inverse with one where it divides."""
         if self.above == 0.0:
             # A divisor must have an inverse with a square, too.
-            return 1.0 / LARGEST <= value <= LARGEST
-        return self.low == -math.inf or abs(value) <= LARGEST
+            return 1.0 / LARGEST_COEFFICIENT <= value <= LARGEST_COEFFICIENT
+        return self.low == -math.inf or abs(value) <= LARGEST_COEFFICIENT
 
     @property
     def range(self) -> str:
@@ -351,8 +351,8 @@ class Quantity:
             The range, which begins with "finite" if the value is infinite or NaN.
         """
         if math.isfinite(value) and self._is_within(value):
-            least = f"between {1.0 / LARGEST:g} and" if self.above == 0.0 else "at most"
-            return f"{self.range}, and {least} {LARGEST:g}"
+            least = f"between {1.0 / LARGEST_COEFFICIENT:g} and" if self.above == 0.0 else "at most"
+            return f"{self.range}, and {least} {LARGEST_COEFFICIENT:g}"
         told = math.isfinite(value) or self.range.startswith("a finite")
         return self.range if told else f"finite and {self.range}"
 

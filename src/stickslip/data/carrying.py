@@ -27,7 +27,7 @@ BRISTLES: Final = {"stiffness", "damping"}
 """Sizes in the scale of parameters of bristles."""
 SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
 """Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
-SAME: Final = 1e-6
+FRICTION_TOLERANCE: Final = 1e-6
 """How far apart both may be, over the friction: beyond rounding, which offsets of speeds leave."""
 SAMPLES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
@@ -360,7 +360,7 @@ def _check_divided(rig: Rig, forces: FrictionLaw, law: FrictionLaw, load: float)
     # At several speeds: levels, fading and viscosity all have to fit.
     for speed in SPEEDS:
         wanted, got = float(before.steady(speed, 1.0)), float(after.steady(speed, load))
-        if abs(got - wanted) > SAME * abs(wanted):
+        if abs(got - wanted) > FRICTION_TOLERANCE * abs(wanted):
             silent = [name for name, one in fields_of(type(law)).items() if not one.scale]
             raise InputError(
                 f"{rig.path}: the levels of {law.name} cannot be divided by {quantity(load, 'N')}:"

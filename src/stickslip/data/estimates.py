@@ -28,12 +28,12 @@ NORMAL_95: Final = 1.959963984540054
 HARD: Final = ("rounding range", "stated interval")
 """Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
 KINDS: Final = ("95 %", *HARD)
-SAME: Final = 1e-9
+SYMMETRY_TOLERANCE: Final = 1e-9
 """How far apart the two halves of a covariance may be, over their standard deviations."""
 EVEN = 0.9
 """Share of the longer side of an interval from which both sides count as the same."""
-LEAST = 1e-300
-FEWEST: Final = 0.01
+LEAST_SIDE = 1e-300
+VALID_SHARE: Final = 0.01
 """Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
 
 
@@ -313,14 +313,14 @@ class LawEstimates:
         # Scaled to variances of 1: tolerances hold whatever the units are.
         scale = np.where(spreads > 0.0, spreads, 1.0)
         scaled = table / np.outer(scale, scale)
-        if np.max(np.abs(scaled - scaled.T)) > SAME:
+        if np.max(np.abs(scaled - scaled.T)) > SYMMETRY_TOLERANCE:
             raise InputError(
                 "estimates.covariance must be symmetric; its two halves differ by up to"
                 f" {number(np.max(np.abs(table - table.T)))}."
             )
         least = float(np.linalg.eigvalsh(scaled)[0])
         # Rounding in a file may make an eigenvalue a little less than 0.
-        if least < -SAME * len(names):
+        if least < -SYMMETRY_TOLERANCE * len(names):
             raise InputError(
                 "estimates.covariance must be positive semi-definite; scaled to unit variances,"
                 f" its smallest eigenvalue is {number(least)}."
@@ -492,7 +492,7 @@ class LawEstimates:
                 ):
                     kept.append(row)
             # Counted over all that was tried, so that the loop ends where hardly any draw is valid.
-            if len(kept) < FEWEST * tried:
+            if len(kept) < VALID_SHARE * tried:
                 raise InputError(
                     f"nearly all samples of {', '.join(names)} are invalid for {law.name}: the"
                     " intervals extend beyond the allowed range of the parameters. Narrow the"
@@ -538,7 +538,7 @@ class LawEstimates:
         apart = random.standard_normal((count, len(names))) @ root.T
         sides = np.abs(ends - centre[:, None])
         # The distribution is split at its centre, and each half scaled to the side of its interval.
-        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST)
+        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST_SIDE)
         share[share > EVEN] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found

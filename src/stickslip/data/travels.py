@@ -104,7 +104,7 @@ BINS = 4
 AS_GOOD = 0.9
 """Share of the oscillation that the best frequency explains from which a higher one, of which that
 is a fraction, is taken instead."""
-SHOWN = 0.5
+OSCILLATION_SHARE = 0.5
 """Share of the motion about a smooth curve from which it is an oscillation."""
 OTHER = 0.5
 """Share of what the drive explains in a film below which it is another drive's, where the best
@@ -181,7 +181,7 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         cycles = float(np.rint(drive / best))
         near = abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
         repeats = near and 1.0 < cycles <= CYCLES
-        if share > SHOWN and own < OTHER * share and not repeats:
+        if share > OSCILLATION_SHARE and own < OTHER * share and not repeats:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"
                 f" drive has {number(drive, 3)} Hz: one of the two is not of this run."

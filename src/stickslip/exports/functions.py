@@ -52,7 +52,7 @@ DROPS: Final = (
     " Where a bristle gives way, friction falls at once: the velocity may then err by that fall"
     " times the period over the mass."
 )
-CLOSE: Final = 1e-13
+ROOT_TOLERANCE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
@@ -673,7 +673,7 @@ def _root(name: str, evaluated: Body) -> Body:
     tried, miss_at = se.Symbol("tried"), se.Symbol("miss_tried")
     # The square of a share of the first bracket: misses are compared as squares, which need no
     # root.
-    scale = CLOSE * CLOSE * (at - low) * (at - low)
+    scale = ROOT_TOLERANCE * ROOT_TOLERANCE * (at - low) * (at - low)
     return (
         *evaluated,
         Assign(("scale",), (scale,)),

@@ -35,13 +35,13 @@ SPEEDS: Final = 2001
 """Speeds in each direction at which the law is compared with its simplification."""
 TIMES: Final = 2001
 """Times at which two runs are compared."""
-LEAST: Final = 1e-6
+LEAST_SPEED_SHARE: Final = 1e-6
 """Smallest speed over the largest: what sliding begins with."""
 ROUNDING: Final = 1e-12
 """Relative residual that roundings leave."""
 ROOTS: Final = 4.0 * np.linspace(0.0, 1.0, 201) ** 2
 """Speeds over the largest at which the damping may vanish, of polynomials that are tried."""
-SAME: Final = 1e-9
+FORCE_TOLERANCE: Final = 1e-9
 """Relative difference below which two forces count as equal."""
 
 
@@ -246,7 +246,7 @@ def steady_of(subject: Subject) -> Steady:
     """Return the friction of steady sliding over the range in which a law is used."""
     load, most = subject.needed_load(), subject.needed_speed()
     # Nothing from rest itself, where the law may be any force up to break-away.
-    speed = np.linspace(LEAST * most, most, SPEEDS)
+    speed = np.linspace(LEAST_SPEED_SHARE * most, most, SPEEDS)
     velocity = np.concatenate([-speed[::-1], speed])
     ahead, back = (float(subject.law.towards(side).break_away(load)) for side in (1, -1))
     return Steady(
@@ -299,17 +299,17 @@ def _lost(subject: Subject, joint: SetValuedLaw, steady: Steady, called: str) ->
     back = -steady.force[SPEEDS - 1 :: -1]
     held = float(joint.break_away(load))
     scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), held)
-    same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
+    same = np.allclose(ahead, back, rtol=FORCE_TOLERANCE, atol=FORCE_TOLERANCE * scale)
     levels = steady.break_away
     for level in dict.fromkeys(levels):
-        if abs(level - held) > SAME * scale:
+        if abs(level - held) > FORCE_TOLERANCE * scale:
             yield (
                 f"Static friction: rest holds {quantity(level, unit)}, with {called}"
                 f" {quantity(held, unit)}."
             )
     for forces in (ahead,) if same else (ahead, back):
         drop = float(forces[0] - forces.min())
-        if drop > SAME * scale:
+        if drop > FORCE_TOLERANCE * scale:
             yield (
                 f"Friction that falls with speed (Stribeck): by {quantity(drop, unit)} up to"
                 f" {quantity(float(speed[forces.argmin()]), speed_unit)}."

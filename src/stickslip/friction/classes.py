@@ -39,7 +39,7 @@ from stickslip.friction.sources import SOURCES
 from stickslip.maths import Scalar, latched, power, sign, where
 from stickslip.quantities import fields_of, unchecked
 
-LEAST = 1e-3
+LEAST_FACTOR = 1e-3
 """Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
 NAMES: Mapping[str, Any] = {
     name: getattr(math, name)
@@ -273,7 +273,7 @@ def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
                 for text, margin in self.towards(side).limits().items()
             }
         return {
-            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            f"{text} falls below {LEAST_FACTOR:g}": leaf.factor(self, STILL, None) - LEAST_FACTOR
             for text, leaf in found.items()
         }
 

@@ -358,7 +358,7 @@ TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+*])|(?P<other>\S))"
 )
 
-LONGEST, DEEPEST = 2_000, 20
+MOST_CHARACTERS, MOST_BRACKETS = 2_000, 20
 """Characters and brackets of a law: one with all parts and a curve of measured levels has fewer."""
 
 
@@ -371,10 +371,10 @@ def read(text: str) -> Term:
     lugre(level + stribeck) + power
     """
     # Before anything is read: the reader calls itself for each bracket.
-    if len(text) > LONGEST or text.count("(") > DEEPEST:
+    if len(text) > MOST_CHARACTERS or text.count("(") > MOST_BRACKETS:
         raise InputError(
-            f"the friction law {text[:40]!r}... cannot be read: a law has at most {LONGEST}"
-            f" characters and {DEEPEST} brackets, got {len(text)} and {text.count('(')}."
+            f"the friction law {text[:40]!r}... cannot be read: a law has at most {MOST_CHARACTERS}"
+            f" characters and {MOST_BRACKETS} brackets, got {len(text)} and {text.count('(')}."
         )
     return _Reader(text).whole()
 

@@ -572,7 +572,7 @@ def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
 
 # Facts of the only contact of a mechanism: what slips there, and what presses at rest.
 
-MOST = 1000
+MOST_CONTACTS = 1000
 """Contacts for which equations are derived: the time grows with their square, to half a minute."""
 PRESSING = ("load", "mass", "gravity")
 """Parameters of a mechanism that its load may come from."""
@@ -595,10 +595,10 @@ def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
             f"{owner}: the contacts cannot be worked out at these values of its parameters"
             f" ({error}). Change the values, or write slips and loads that are finite there."
         ) from error
-    if len(found) > MOST:
+    if len(found) > MOST_CONTACTS:
         raise InputError(
-            f"{owner} has {len(found)} contacts, but no more than {MOST} can be simulated: leave"
-            " some out."
+            f"{owner} has {len(found)} contacts, but no more than {MOST_CONTACTS} can be simulated:"
+            " leave some out."
         )
     for one in found:
         for name, factor in {} if isinstance(one.slip, str) else one.slip.items():

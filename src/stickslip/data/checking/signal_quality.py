@@ -22,7 +22,7 @@ WANDER: Final = 0.2
 """Mains keep to this [Hz] nearly all the time (EN 50160: 0.5 Hz for 99.5 % of a year)."""
 BLOCK: Final = 20.0
 """Length of the blocks whose spectra are averaged [s]: mains wander more in longer ones."""
-NEAR: Final = 0.15
+BAND_HALF_WIDTH: Final = 0.15
 """Half width, over its frequency, of the band that a line must stand out of. That of 50 Hz does not
 reach 60 Hz, and 45 and 55 Hz, of a motion of 5 Hz with all its harmonics, lie within it."""
 STANDS: Final = 8.0
@@ -150,7 +150,7 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     """Return the bin of a line near a frequency that stands out of the band about it."""
     reach = round(WANDER / width) + 1
     middle = round(frequency / width)
-    aside = round(NEAR * middle)
+    aside = round(BAND_HALF_WIDTH * middle)
     # The band must be wider than line and lobe, and end below half the sampling frequency.
     if aside < 2 * (reach + LOBE) or middle + reach + 2 * LOBE >= len(power):
         return None
@@ -212,7 +212,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
         )
 
 
-FEWEST: Final = 10
+FEWEST_SAMPLES: Final = 10
 FEW: Final = 50
 EVEN: Final = 0.01
 """Deviation of a step of time from the usual one, over it, that still counts as even."""
@@ -231,11 +231,11 @@ def length(time: Array) -> Iterator[Finding]:
     if n >= FEW:
         return
     sentence = "estimates from so few samples are unreliable."
-    if n < FEWEST:
-        sentence = f"a fit needs at least {FEWEST}."
+    if n < FEWEST_SAMPLES:
+        sentence = f"a fit needs at least {FEWEST_SAMPLES}."
     yield Finding(
         kind="length",
-        severity="error" if n < FEWEST else "warning",
+        severity="error" if n < FEWEST_SAMPLES else "warning",
         sentence=f"The record has only {count(n, 'sample')}: {sentence}",
         measure="Record more samples",
         numbers={"samples": n},
@@ -342,7 +342,7 @@ def usual(record: Measurement) -> Iterator[Finding]:
 LIMITED: Final = ("force", "spring_force")
 """What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
 NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
-LARGEST: Final = {
+LARGEST_VALUES: Final = {
     **{"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7},
     **{"V": 1e4, "A": 1e4},
 }
@@ -371,7 +371,7 @@ REPEATED: Final = 3
 """Times that each value is repeated at least, where a signal was logged more slowly ..."""
 LEVELS: Final = 8
 """Values at least of a signal that was logged more slowly; fewer may have been commanded."""
-ALIKE: Final = 0.8
+REPEATED_SHARE: Final = 0.8
 """... and share of the values that are repeated just as often."""
 
 
@@ -507,7 +507,7 @@ def _count_size(position: Array) -> float:
     Between counts it goes in a straight line within a sample, but where it stays it stays at one.
     """
     held = position[1:][np.diff(position) == 0.0]
-    return step_of(held) if np.unique(held).size >= FEWEST else 0.0
+    return step_of(held) if np.unique(held).size >= FEWEST_SAMPLES else 0.0
 
 
 def _runs(values: Array) -> tuple[Array, Array]:
@@ -617,7 +617,7 @@ def held(record: Measurement) -> Iterator[Finding]:
     for name, values in arrays(record):
         _, lengths = _runs(values)
         usual = int(np.median(lengths))
-        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < ALIKE:
+        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < REPEATED_SHARE:
             continue
         if len(lengths) < LEVELS:  # a constant, or a few levels of a command
             continue
@@ -643,7 +643,7 @@ def _own_step(values: Array) -> float:
     """
     step = step_of(values)
     repeated = np.unique(values[1:][np.diff(values) == 0.0])
-    if step == 0.0 or repeated.size < FEWEST:
+    if step == 0.0 or repeated.size < FEWEST_SAMPLES:
         return step
     return max(step, step_of(repeated))
 
@@ -677,7 +677,7 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         if unit in SPANNED:
             largest = span
         slid = name == "position" and record.friction is not None  # hundreds of metres, on a disc
-        if largest > LARGEST[unit] and not slid:
+        if largest > LARGEST_VALUES[unit] and not slid:
             words = WORDS.get(unit, unit)
             what = "spans" if unit in SPANNED else "reaches"
             yield _doubted(
@@ -696,7 +696,7 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     if record.turning:  # as fast as it likes
         return
     spans = float(np.ptp(record.values("position")))
-    if spans <= LARGEST["m"] and motion.fastest > LARGEST["m/s"]:
+    if spans <= LARGEST_VALUES["m"] and motion.fastest > LARGEST_VALUES["m/s"]:
         speed = motion.fastest
         text = (
             f"changes at {quantity(speed, 'm/s')}: check that the values are in metres and seconds."

@@ -20,8 +20,8 @@ from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
 from stickslip.data.travels import (
     HARMONICS,
+    OSCILLATION_SHARE,
     OTHER,
-    SHOWN,
     frequency_of,
     is_filmed,
     oscillation,
@@ -279,7 +279,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     named = IN_NAME.search(path.stem)
     stated = float(re.sub("[,_p]", ".", named[1].lower())) if named else math.nan
     doubt = ""
-    if share < SHOWN and not named:
+    if share < OSCILLATION_SHARE and not named:
         raise InputError(
             f"{path.name} shows no oscillation: the best frequency explains {share:.0%} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"

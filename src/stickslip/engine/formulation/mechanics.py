@@ -53,9 +53,9 @@ from stickslip.show.formatting import number
 
 # Reads the equations of a mechanism that gives matrices.
 
-FEW = 3
+MOST_ELIMINATED = 3
 """Coordinates that are eliminated by symbols, at most."""
-SAME = 1e-9
+ENTRY_TOLERANCE = 1e-9
 """Difference of two entries, over their size, that is the rounding of two ways to write them."""
 VANISHED = 1e-6
 """Share of the mass of a motion that is next to nothing: it is a thousand times as fast then."""
@@ -89,7 +89,7 @@ def matrix_rows(
             raise InputError(_asymmetry(mechanism, row, column, _shown(one), _shown(other)))
     free = [i for i in range(n) if mechanism.coordinates[i] not in mechanism.guided()]
     # Leading minors up to a size that symbols can take; numbers are checked where a run begins.
-    for k in range(1, min(len(free), FEW) + 1):
+    for k in range(1, min(len(free), MOST_ELIMINATED) + 1):
         part = free[:k]
         minor = se.DenseMatrix(k, k, [found[i][j] for i in part for j in part])
         if is_zero(minor.det()):
@@ -117,7 +117,7 @@ def _differ(one: se.Expr, other: se.Expr) -> bool:
             a, b = (float(e.subs(numbers)) for e in (one, other))
         except (RuntimeError, TypeError, ValueError):
             return False  # with switches: the state at hand tells
-        if abs(a - b) > SAME * (abs(a) + abs(b)):
+        if abs(a - b) > ENTRY_TOLERANCE * (abs(a) + abs(b)):
             return True
     return False
 
@@ -148,7 +148,7 @@ def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
         q.items(), mechanism.units, strict=True
     ))  # fmt: skip
     for i, j in itertools.combinations(range(n), 2):
-        if abs(mass[i, j] - mass[j, i]) > SAME * (abs(mass[i, j]) + abs(mass[j, i])):
+        if abs(mass[i, j] - mass[j, i]) > ENTRY_TOLERANCE * (abs(mass[i, j]) + abs(mass[j, i])):
             values = number(mass[i, j], 6), number(mass[j, i], 6)
             return _asymmetry(mechanism, names[i], names[j], *values, f" at {at}")
     moving = [i for i in range(n) if names[i] not in mechanism.guided()]

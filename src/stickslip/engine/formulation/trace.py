@@ -23,7 +23,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.maths import NO_COMPARISON
 from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 
-LONGEST = 2000
+LONGEST_EXPRESSION = 2000
 """Characters of an expression beyond which it is not expanded to look for cancellations."""
 
 EXACT = 1024
@@ -283,7 +283,7 @@ class Condition:
 
 def is_zero(e: se.Expr) -> bool:
     """Whether the terms of an expression cancel; long ones are not examined."""
-    return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
+    return bool(e == 0) or (len(str(e)) <= LONGEST_EXPRESSION and bool(se.expand(e) == 0))
 
 
 def collapsed(e: se.Expr, plain: set[se.Expr] | None = None) -> se.Expr:
@@ -473,7 +473,7 @@ def _free_of(e: se.Expr, names: set[str]) -> bool:
     # Names are cheap to look at; expanding is not, and long expressions count as dependent.
     if not names & {str(s) for s in e.free_symbols}:
         return True
-    if len(str(e)) > LONGEST:
+    if len(str(e)) > LONGEST_EXPRESSION:
         return False
     return not names & {str(s) for s in se.expand(e).free_symbols}
 

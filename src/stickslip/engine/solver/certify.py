@@ -44,7 +44,7 @@ from stickslip.show.formatting import number, percent, quantity
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
-CLOSE = 0.1
+NEAR_LIMIT_SHARE = 0.1
 """Share of its largest margin at which a run is said to come near to a limit."""
 ROUNDED = 2e-15
 """Share of the largest places by which a sum of them may change by rounding, within a row."""
@@ -99,7 +99,11 @@ def certify(
         **books,
         margins=margins,
         warnings=(
-            *(_warning(name, share) for name, share in margins.items() if 0.0 < share < CLOSE),
+            *(
+                _warning(name, share)
+                for name, share in margins.items()
+                if 0.0 < share < NEAR_LIMIT_SHARE
+            ),
             *_doubts(whole),
         ),
         work=_works(playback, w),

@@ -164,7 +164,7 @@ class IncrementalRun:
 
 # Many runs of one mechanism that go on together, stretch by stretch, in machine code.
 
-FEWEST = 16
+FEWEST_RUNS = 16
 """Runs of a thread below which one more thread costs more than it saves."""
 
 Array = NDArray[np.float64]
@@ -213,7 +213,7 @@ class IncrementalEnsemble:
         w = runner.working(self._p)
         self._fresh = np.concatenate([w[: layout.POLYNOMIAL], w[layout.NUMBERS :]])
         most = os.cpu_count() or 1 if self.threads is None else self.threads
-        shares = max(1, min(most, self.count // FEWEST))
+        shares = max(1, min(most, self.count // FEWEST_RUNS))
         cuts = [self.count * k // shares for k in range(shares + 1)]
         self._shares = [_Share(runner, a, b) for a, b in itertools.pairwise(cuts)]
         self._pool = ThreadPoolExecutor(max(1, shares - 1))  # starts no thread before it has work

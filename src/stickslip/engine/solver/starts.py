@@ -177,9 +177,9 @@ def refuse_masses(mechanism: Mechanism, y0: Sequence[float]) -> None:
 # Everything is made for many runs at once, whose parameters are arrays; one run is a case of that.
 
 
-ALIKE = 1e-9
+SLOPE_TOLERANCE = 1e-9
 """Share of a start's derivative within which another one is the same."""
-SHORTEST = 8
+SHORTEST_PIECE = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
 
 MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
@@ -396,7 +396,7 @@ def _moved_starts(
         for j in range(table.shape[1]):
             own = table[:, j : j + 1]
             here = begins == own.real
-            moved = np.abs(starts.imag - own.imag) > ALIKE * np.abs(own.imag)
+            moved = np.abs(starts.imag - own.imag) > SLOPE_TOLERANCE * np.abs(own.imag)
             apart |= here & seen & moved
             starts += np.where(here & ~seen, 1j * own.imag, 0.0)
             seen |= here
@@ -430,13 +430,15 @@ def _starts(tables: Sequence[Array], count: int) -> Array:
         starts = np.sort(np.concatenate([beginning, *each], axis=1), axis=1)
     # From the end on: what is too short joins the next piece, and may do so again.
     for i in range(starts.shape[1] - 2, -1, -1) if _too_short(starts).any() else ():
-        short = starts[:, i + 1] - starts[:, i] <= SHORTEST * np.spacing(np.abs(starts[:, i + 1]))
+        short = starts[:, i + 1] - starts[:, i] <= SHORTEST_PIECE * np.spacing(
+            np.abs(starts[:, i + 1])
+        )
         starts[short, i] = starts[short, i + 1]
     return starts
 
 
 def _too_short(starts: Array) -> NDArray[np.bool_]:
-    return np.asarray(np.diff(starts, axis=1) <= SHORTEST * np.spacing(np.abs(starts[:, 1:])))
+    return np.asarray(np.diff(starts, axis=1) <= SHORTEST_PIECE * np.spacing(np.abs(starts[:, 1:])))
 
 
 def _merged(tables: Sequence[NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:

@@ -26,7 +26,7 @@ require_library("control", "control")
 import control  # noqa: E402  # after the message of where to get it
 
 Array = NDArray[np.float64]
-FEW = 1e-12
+INTEGRAL_TOLERANCE = 1e-12
 """Relative error of the integrals of a describing function."""
 
 
@@ -289,7 +289,7 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
         # what falls steeply from rest does so at small angles
         parts = (0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.5 * math.pi)
         pieces = [
-            quad(along, a, b, epsrel=FEW, epsabs=0.0, limit=200)[0]
+            quad(along, a, b, epsrel=INTEGRAL_TOLERANCE, epsabs=0.0, limit=200)[0]
             for a, b in itertools.pairwise(parts)
         ]
         return 2.0 * math.fsum(pieces) / (math.pi * amplitude)

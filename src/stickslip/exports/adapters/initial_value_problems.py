@@ -64,7 +64,7 @@ Array = NDArray[np.float64]
 EventFunction: TypeAlias = Callable[[float, Sequence[float]], float]
 Change: TypeAlias = tuple[float, int, int] | tuple[float, int, int, str]
 
-MOST = 100_000
+MOST_STRETCHES = 100_000
 """Stretches after which `ModeProblem.solve` gives up."""
 FINE = 200
 """Steps that `ModeProblem.solve` takes at least."""
@@ -393,7 +393,7 @@ class ModeProblem:
         longest = self.t_end / FINE if max_step is None else max_step
         times, states, modes = [np.array([self.t])], [self.y[None]], [np.array([self.mode])]
         evaluations = 0
-        for _ in range(MOST):
+        for _ in range(MOST_STRETCHES):
             if self.status is not None:
                 break
             found = solve_ivp(
@@ -416,8 +416,8 @@ class ModeProblem:
         status = self.status
         if status is None:
             raise SimulationError(
-                f"the mode changed {MOST} times until t = {self.t:g} s: run it with simulate, which"
-                " says why."
+                f"the mode changed {MOST_STRETCHES} times until t = {self.t:g} s: run it with"
+                " simulate, which says why."
             )
         return ModeSolution(
             names=self.names,

@@ -325,7 +325,7 @@ class BengisuAkay(SmoothLevel):
 
 MOST_POINTS = 32
 """More points are noise, and every one is a place that a run steps onto."""
-LARGEST = 100_000
+LARGEST_FILE = 100_000
 """Bytes of a file with a curve."""
 POINT = r"\s*([-+.\deE]+)\s*:\s*([-+.\deE]+)\s*"
 SPEEDS, LEVELS = ("m/s", "rad/s"), ("1", "N", "N m")
@@ -503,12 +503,12 @@ def _read(name: str) -> list[tuple[float, float]]:
     said = f"the curve {name!r} of a table"
     try:
         with open_regular(Path(name)) as file:
-            text = file.read(LARGEST + 1).decode("utf-8-sig")
+            text = file.read(LARGEST_FILE + 1).decode("utf-8-sig")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise InputError(f"{said} cannot be read: {reason}.") from None
-    if len(text) > LARGEST:
-        raise InputError(f"{said} has more than {LARGEST} characters: average it.")
+    if len(text) > LARGEST_FILE:
+        raise InputError(f"{said} has more than {LARGEST_FILE} characters: average it.")
     written = [line for line in text.splitlines() if line.strip()]
     lines = [line for line in written if not line.startswith("#")]
     scales = (1.0, 1.0)

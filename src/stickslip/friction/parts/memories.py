@@ -14,11 +14,11 @@ from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
 """Share of the level that is nothing: broken powers are rounded within its root."""
-LEAST = 1e-300
+LEAST_DIVISOR = 1e-300
 """What keeps quotients finite, and nothing else."""
 
 ABOVE_ONE = 1.0 + 1e-15
-"""1 and little more, in one number: in symbolic equations 1 + `LEAST` is 1."""
+"""1 and little more, in one number: in symbolic equations 1 + `LEAST_DIVISOR` is 1."""
 
 BENT = 1e-18
 """Square of the share of the friction level within which a loop is rounded."""
@@ -400,7 +400,7 @@ class BlimanSorine(Memory):
 
     @override
     def peak(self, p: Values) -> Scalar:
-        b, eta = p.surplus_share + LEAST, p.distance_ratio
+        b, eta = p.surplus_share + LEAST_DIVISOR, p.distance_ratio
         x = log((1.0 + b) / (b * eta)) / (ABOVE_ONE - eta)  # where the force falls again
         return 1.0 + b * (1.0 - eta) * exp(-eta * x)
 

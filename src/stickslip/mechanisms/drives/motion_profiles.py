@@ -16,9 +16,9 @@ from stickslip.mechanisms.drives.base import Drive, Piece, Straight, repeated
 from stickslip.quantities import Numbers, Quantity
 from stickslip.show.formatting import number
 
-GAP = 3.0
+GAP_STEPS = 3.0
 """Step of time over the usual one from which on a recorded motion has a gap."""
-FEWEST = 8
+FEWEST_SAMPLES = 8
 """Samples of a recorded motion at least."""
 COARSEST = 2
 """Intervals of the coarsest spline that is tried."""
@@ -659,9 +659,9 @@ def _series(label: str, values: Any) -> tuple[float, ...]:
 
 def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
     """Refuse samples through which no motion can be laid."""
-    if len(times) != len(positions) or len(times) < FEWEST:
+    if len(times) != len(positions) or len(times) < FEWEST_SAMPLES:
         raise ParameterError(
-            f"SampledSwing.times and positions must be as many, at least {FEWEST}, got"
+            f"SampledSwing.times and positions must be as many, at least {FEWEST_SAMPLES}, got"
             f" {len(times)} and {len(positions)}."
         )
     steps = [b - a for a, b in itertools.pairwise(times)]
@@ -677,7 +677,7 @@ def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
             f"SampledSwing.times must begin at 0 s, when runs begin, got {number(times[0], 6)} s:"
             " subtract the first time, from all that was recorded with it."
         )
-    if max(steps) > GAP * usual:
+    if max(steps) > GAP_STEPS * usual:
         at = steps.index(max(steps))
         raise ParameterError(
             f"SampledSwing.times have a gap of {number(max(steps), 4)} s after"

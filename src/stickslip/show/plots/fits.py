@@ -197,7 +197,7 @@ SEED: Final = 0
 BINS: Final = 16
 DOTS: Final = 1000
 """Residuals drawn in each panel at most."""
-FEWEST: Final = 10
+FEWEST_ROWS: Final = 10
 """Rows of a bin from which its mean is shown."""
 STEADY: Final = 0.05
 """Changes of speed below this share of what is rarely exceeded count as none."""
@@ -402,7 +402,7 @@ def panel_of(
     centre, mean, doubt = [], [], []
     for number in range(BINS):
         own = residual[place == number]
-        if len(own) < FEWEST:
+        if len(own) < FEWEST_ROWS:
             continue
         independent = max(len(own) * min(effective / len(residual), 1.0), 1.0)
         centre.append(0.5 * (edges[number] + edges[number + 1]))

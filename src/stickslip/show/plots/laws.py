@@ -70,7 +70,7 @@ SIZE: Final = (880, 320)
 PANEL: Final = (440, 260)
 """Size of a panel of a page with all tests [CSS px]."""
 FILL: Final = LinearSegmentedColormap.from_list("amplitude", [SURFACE, STICK, C2])
-LONG: Final = 36
+LONG_NAME: Final = 36
 """Letters of a name from which on names stand below each other."""
 LEGEND: Final = 2
 """Curves from which on a legend names them."""
@@ -100,7 +100,7 @@ def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels
         panels[0].legend(handles, labels, fontsize="small")
         return
-    columns = 1 if narrow or max(map(len, labels)) > LONG else min(len(labels), 3)
+    columns = 1 if narrow or max(map(len, labels)) > LONG_NAME else min(len(labels), 3)
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize="small")
 
 
@@ -632,7 +632,7 @@ LOW: Final = 0.25
 """Largest speed of the second panel over that of the first, before rounding."""
 ONE_WAY: Final = 0.01
 """Share of the points below which a direction counts as not measured."""
-FEW: Final = 30
+SLOW_POINTS: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
@@ -642,7 +642,7 @@ SPREAD: Final = 100.0
 """Largest speed over the smallest from which readings in one direction have a logarithmic axis."""
 TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
-LEAST: Final = 8
+FEWEST_POINTS: Final = 8
 """... with so many points at least."""
 WIDTH: Final = 22
 """Letters of a line of a name."""
@@ -694,7 +694,7 @@ def draw_friction_map(
     spread = _is_spread(velocity)
     spans = [_span(velocity, spread)]
     turn = np.zeros(len(velocity)) if trend is None else np.asarray(trend)
-    if low_speeds and not spread and int(slow.sum()) >= FEW and not slow.all():
+    if low_speeds and not spread and int(slow.sum()) >= SLOW_POINTS and not slow.all():
         spans.append(_span(velocity[slow], spread=False))
 
     def draw(figure: Figure, narrow: bool) -> None:

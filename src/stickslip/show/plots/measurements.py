@@ -552,7 +552,7 @@ _SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _car
 # Parameters and laws of several trials, coloured by a condition.
 
 TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
-MOST: Final = 2
+MOST_PARAMETERS: Final = 2
 """Parameters that have a panel: those whose lines are clearest come first."""
 WORDS: Final = (C1, C2, C3, C4, INK, MUTED)
 
@@ -641,7 +641,7 @@ def _order(comparison: TrialComparison, condition: str) -> list[int]:
         for i in range(len(paths))
         if any(math.isfinite(trial.errors[i]) for trial in comparison.trials)
     ]
-    shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST]
+    shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST_PARAMETERS]
     return sorted(shown)
 
 

@@ -190,7 +190,7 @@ STACKED = (520.0, 560.0)
 """Scene above time plots, in a column of the page [CSS px]."""
 PHONE = (358.0, 560.0)
 """The same on a phone."""
-SHORTEST, LONGEST = 3.0, 8.0
+SHORTEST_ANIMATION, LONGEST_ANIMATION = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
 ANIMATED_CYCLES = 2
@@ -356,7 +356,7 @@ def animation_section(about: RunReport) -> Section | None:
     length = until - first
     if length <= 0.0:
         return None
-    speed = length / min(max(length, SHORTEST), LONGEST)
+    speed = length / min(max(length, SHORTEST_ANIMATION), LONGEST_ANIMATION)
     pace = "in real time"
     if abs(speed - 1.0) > 1e-9:
         pace = (

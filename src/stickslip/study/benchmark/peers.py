@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 ORDER: Final = 4
 """Of the Butterworth filter of motion and force."""
-SLOW: Final = 0.02
+SLIP_SHARE: Final = 0.02
 """Share of the largest speed below which a row does not slip for sure, and is left out."""
 ENDS: Final = 2.0
 """Periods of the filter at the ends of a record, which are left out."""
@@ -45,7 +45,7 @@ NORMAL: Final = 1.96
 WHITE: Final = "intervals of white noise"
 STEP: Final = 1e-6
 """Relative step of differences."""
-MOST: Final = 20_000
+MOST_ROWS: Final = 20_000
 """Rows of a regression at most."""
 
 
@@ -131,7 +131,7 @@ def samples(
             cut = min(math.ceil(ENDS / (task.cutoff * dt)), len(time) // 4)
             inner = slice(cut, len(time) - cut)
             for j in range(len(names)):
-                fast = np.abs(v[inner, j]) > SLOW * np.max(np.abs(v[inner, j]))
+                fast = np.abs(v[inner, j]) > SLIP_SHARE * np.max(np.abs(v[inner, j]))
                 number = np.full(len(time), j)
                 volts = np.full(len(time), np.nan) if opened or motor is None else _on(one, time)
                 columns = (force[:, j], slopes[:, j], number, v[:, j], load, volts)
@@ -139,7 +139,7 @@ def samples(
     force, slopes, joint, velocity, load, voltage = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    rows = slice(None, None, max(1, math.ceil(len(force) / MOST)))
+    rows = slice(None, None, max(1, math.ceil(len(force) / MOST_ROWS)))
     return Samples(
         force=force[rows],
         terms={path: slopes[rows, k] for k, path in enumerate(linear)},

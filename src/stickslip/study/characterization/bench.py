@@ -101,7 +101,7 @@ def _plain(value: Any) -> Any:
 
 Array: TypeAlias = NDArray[np.float64]
 
-SLOW = 1e-6
+LOOP_SPEED = 1e-6
 """Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
 LOOP_POINTS = 200
 """Points of each straight piece of the path."""
@@ -146,8 +146,8 @@ def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     """
     rest = tuple(0.0 for _ in law.states)
     with Latches(off=True):  # where nothing has slipped yet
-        rates = law.rates(SLOW, load, rest)
-        moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+        rates = law.rates(LOOP_SPEED, load, rest)
+        moved = tuple(float(rate) / LOOP_SPEED for rate in rates)  # deflection per displacement
         # The laws are affine in their deflection at a given speed, so any step gives the slope.
         stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
     return float(law.break_away(load)) / stiffness
@@ -177,8 +177,8 @@ def presliding_loop(
     # The last piece goes back to where the widest swing began, which closes its loop.
     for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
         x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
-        v = SLOW if end > start else -SLOW
-        states = _moved(law, v, z, load, np.abs(x[-1] - start) / SLOW, latches)
+        v = LOOP_SPEED if end > start else -LOOP_SPEED
+        states = _moved(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
         friction.append(np.array([law.force(v, load, tuple(map(float, one))) for one in states]))
         z = states[-1]
     return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
@@ -221,7 +221,7 @@ STIFF, QUICK = 1e5, 1e-6
 """Stiffness of the load cell over that of the contact, and its time constant [s]."""
 SOFT, SLUGGISH = 1e2, 1e-4
 """The same where the contact has no state that only the path may move."""
-NEAR = 1e-9
+START_SHARE = 1e-9
 """Share of the presliding length at which states begin: some laws switch at exactly 0."""
 
 
@@ -353,7 +353,7 @@ class Bench(Parametrised):
         """What a force below the levels stays below, in words."""
         return "break-away" if self.sticks else "its level of sliding"
 
-    def deflected(self, share: float = NEAR) -> dict[str, float]:
+    def deflected(self, share: float = START_SHARE) -> dict[str, float]:
         """Return states of the law at a share of the presliding length."""
         return dict.fromkeys(self.law.states, share * self.reach)
 

@@ -23,7 +23,7 @@ DWELLS = (0.1, 1.0, 10.0, 100.0)
 """Times at rest [s]."""
 FINE = 4001
 """Times at which a peak is looked at."""
-ALIKE = 0.01
+PEAK_TOLERANCE = 0.01
 """Share by which peaks have to differ to depend on anything."""
 MOST_STEPS = 100_000
 """Steps after which a run with a rest is given up: some laws switch without end at rest."""
@@ -60,7 +60,7 @@ class BreakAway(Characteristic):
             )
         peaked = ~np.isnan(self.force)
         seen = self.force[peaked]
-        if np.ptp(seen) > ALIKE * seen.max():
+        if np.ptp(seen) > PEAK_TOLERANCE * seen.max():
             slow, fast = (quantity(self.rate[peaked][i], "N/s") for i in (0, -1))
             verb = "falls" if seen[-1] < seen[0] else "rises"
             by_rate = (
@@ -73,7 +73,7 @@ class BreakAway(Characteristic):
                 f"Break-away takes {quantity(seen.max(), 'N', 4)} however fast the force grows."
             )
         after = self.force_after[~np.isnan(self.force_after)]
-        if len(after) > 1 and np.ptp(after) > ALIKE * after.max():
+        if len(after) > 1 and np.ptp(after) > PEAK_TOLERANCE * after.max():
             return (
                 f"{by_rate} It goes from {quantity(after[0], 'N')} after"
                 f" {quantity(self.dwell[0], 's')} at rest to {quantity(after[-1], 'N')} after"
@@ -181,7 +181,7 @@ DRIFT_SAMPLES = 2000
 FOREVER = 1e9
 GROWN = 0.2
 """Share of a run in which a constant force is reached: a sudden one would set swings off."""
-STILL = 1e-3
+DRIFT_TOLERANCE = 1e-3
 """Drift over the presliding length that counts as none."""
 
 
@@ -210,7 +210,7 @@ class Drift(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return abs(self.distance) <= STILL * self.length
+        return abs(self.distance) <= DRIFT_TOLERANCE * self.length
 
     @property
     def rate(self) -> float:
@@ -288,7 +288,7 @@ class Creep(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return bool(abs(self.speed * self.t[-1]) <= STILL * self.length)
+        return bool(abs(self.speed * self.t[-1]) <= DRIFT_TOLERANCE * self.length)
 
     @property
     def sentence(self) -> str:

@@ -130,7 +130,7 @@ MEAN, SWING = 1.5, 1.0
 """Mean and amplitude of the velocity, over the one at which friction changes."""
 LAG_CYCLES = 5
 LAG_POINTS = 201
-NOTHING = 1e-3
+WIDTH_TOLERANCE = 1e-3
 """Width over the force that counts as none."""
 
 
@@ -162,7 +162,7 @@ class Lag(Characteristic):
     def sentence(self) -> str:
         i = int(np.argmax(np.abs(self.width)))
         at = quantity(self.frequency[i], "Hz")
-        if abs(self.width[i]) < NOTHING * abs(self.gaining[i]):
+        if abs(self.width[i]) < WIDTH_TOLERANCE * abs(self.gaining[i]):
             return (
                 "Friction follows the velocity without lag: what it does at a speed does not depend"
                 " on whether the body becomes faster or slower."
@@ -251,7 +251,7 @@ SEARCHED = 3
 """The same in the search."""
 LENGTH_STEPS = 32
 """Steps of Runge-Kutta for each presliding length."""
-FEWEST = 64
+FEWEST_STEPS = 64
 """Steps of each piece at least."""
 CHECKED, FINER, AGREED = 10, 4, 1e-3
 """Motions that are looked at with shorter steps, how much shorter these are, and how far their
@@ -366,7 +366,7 @@ def cycle_energy(
         for speed, lasts in zip(v, t, strict=True):
             way = float(np.abs(speed * lasts).max()) / length
             # So many steps for each presliding length, over which states relax.
-            count = finer * max(FEWEST, int(np.ceil(LENGTH_STEPS * way)))
+            count = finer * max(FEWEST_STEPS, int(np.ceil(LENGTH_STEPS * way)))
             z, work = _moved(law, load, speed, lasts / count, count, z, flags)
             energy = energy + work
     return energy

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # Closes the loop: a controller that samples, computes and holds, around an exact simulation.
 
-SAME = 1e-9
+PERIOD_TOLERANCE = 1e-9
 """Share of a period that counts as none: delays are multiples of it or are not."""
 Stretch: TypeAlias = tuple[float, float, float]
 """Start of a stretch of constant or straight command [s], its value there, its slope."""
@@ -55,12 +55,12 @@ class Timing(Parametrised):
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
         # Rounding of the end must not add a sample there.
-        return [k * self.period for k in range(math.ceil(t_end / self.period - SAME))]
+        return [k * self.period for k in range(math.ceil(t_end / self.period - PERIOD_TOLERANCE))]
 
     def lag(self) -> tuple[int, float]:
         """Return the delay as whole periods and a rest [s]."""
         whole = round(self.delay / self.period)
-        if abs(self.delay - whole * self.period) <= SAME * self.period:
+        if abs(self.delay - whole * self.period) <= PERIOD_TOLERANCE * self.period:
             return whole, 0.0
         whole = math.floor(self.delay / self.period)
         return whole, self.delay - whole * self.period
@@ -536,7 +536,7 @@ SAMPLES = 20_000
 """Evenly spaced times at which a run is looked at, beside the ends of its steps."""
 HYSTERESIS = 0.2
 """Share of the range that a crossing must pass on either side of the middle."""
-FEWEST = 3
+FEWEST_CYCLES = 3
 """Cycles that tell whether they are alike."""
 TOLERANCE = Quantity("eps", above=0, high=1)
 
@@ -641,7 +641,7 @@ def limit_cycle(
     times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
     values = run.at(times)[state]
     starts = _crossings(times, values)
-    if len(starts) <= FEWEST or 0.5 * float(np.ptp(values)) < least:
+    if len(starts) <= FEWEST_CYCLES or 0.5 * float(np.ptp(values)) < least:
         return _described("none", np.empty((0, 3)), run, (begin, last))
     edges = np.searchsorted(times, starts)
     parts = [values[a:b] for a, b in itertools.pairwise(edges)]

@@ -29,7 +29,7 @@ SLOWEST, FASTEST = 1.0 / 50.0, 200.0
 """Accelerations, over the one that just reaches the rate allowed within the position allowed."""
 LEAST_SHARE = 0.05
 """Least top rate over the one that could be reached."""
-SHORTEST, LONGEST = 0.5, 30.0
+SHORTEST_SPLINE, LONGEST_SPLINE = 0.5, 30.0
 """Durations of a spline, over the time for there and back at the rate allowed."""
 BELOW = 1.0 - 1e-12
 """A top rate must be reached, rounding included."""
@@ -260,7 +260,7 @@ class Splines(Space):
     @property
     def _durations(self) -> tuple[float, float]:
         unit = 4.0 * self.limits.position / self.limits.rate
-        return SHORTEST * unit, LONGEST * unit
+        return SHORTEST_SPLINE * unit, LONGEST_SPLINE * unit
 
     def profile(self, u: Array) -> SplineSwing:
         positions = tuple((self.limits.position * (2.0 * u[1:] - 1.0)).tolist())

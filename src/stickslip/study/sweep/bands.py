@@ -51,7 +51,7 @@ Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
-FEWEST = 0.01
+VALID_SHARE = 0.01
 """Share of draws that must lie in the valid ranges of a mechanism, or too few are left of them."""
 POINTS = 601
 """Evenly spaced times of a band, beside those asked for."""
@@ -360,7 +360,7 @@ def draws_of(
         with contextlib.suppress(ParameterError):
             vary(mechanism, "mechanism", one)
             kept.append(one)
-        if tried > count and len(kept) < FEWEST * tried:
+        if tried > count and len(kept) < VALID_SHARE * tried:
             raise InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."

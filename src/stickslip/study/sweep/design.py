@@ -343,7 +343,7 @@ FALSE_ALARMS = 1e-3
 NEARLY_INDEPENDENT = 0.05
 """Correlation of estimates up to which each has a share of its own: its square goes from one to the
 other."""
-FEWEST = 8
+FEWEST_POINTS = 8
 """Base points or trajectories without which an interval says nothing."""
 
 
@@ -435,11 +435,11 @@ def indices_of(
     """
     blocks = values.reshape(-1, design.block)
     good = np.array([bool(np.isfinite(block).all()) for block in blocks])
-    if good.sum() < FEWEST:
+    if good.sum() < FEWEST_POINTS:
         raise InputError(
             f"{output}: {int(good.sum())} of {len(good)} base points or trajectories have a value"
-            f" in all their runs, {FEWEST} are needed: ask for more runs, or narrow the factors."
-            + "".join(f" {reason}" for reason in reasons)
+            f" in all their runs, {FEWEST_POINTS} are needed: ask for more runs, or narrow the"
+            " factors." + "".join(f" {reason}" for reason in reasons)
         )
     # All runs of a base point, or none: indices are differences within it.
     left = blocks[good].ravel()

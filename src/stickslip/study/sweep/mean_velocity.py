@@ -56,7 +56,7 @@ FREEDOM, ERRORS = 4.0, 400
 """Degrees of freedom of errors of predictions, and quantiles that stand for them."""
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
-STILL = 1e-3
+STILL_SHARE = 1e-3
 """Share of the largest velocity of a map below which a body counts as staying where it is."""
 
 
@@ -108,7 +108,7 @@ class VelocityMap(OnAxes):
 
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
-        least = STILL * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        least = STILL_SHARE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
         with np.errstate(invalid="ignore"):
             found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
                 least, 2.0 * self.unsettled

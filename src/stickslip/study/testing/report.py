@@ -19,7 +19,7 @@ Case = TypeVar("Case")
 Suite = Mapping[str, Callable[[Case], Iterable[str]]]
 """Checks by what should be; each yields what is not so."""
 
-MOST = 3
+MOST_PROBLEMS = 3
 """Problems that are told of one check."""
 
 
@@ -113,7 +113,7 @@ def _found(case: Case, suite: "Suite[Case]") -> list[ConformanceFinding]:
     found = []
     for name, check in suite.items():
         try:
-            problems = list(islice(check(case), MOST))
+            problems = list(islice(check(case), MOST_PROBLEMS))
         except Exception as error:  # code of somebody else may raise anything
             problems = [f"{type(error).__name__}: {error}"]
         found += [ConformanceFinding(check=name, problem=problem) for problem in problems]

@@ -438,7 +438,7 @@ def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
 
 # Animations inside HTML: a GIF of bounded size on screen, a still picture in print.
 
-MOST: Final = 1_500_000
+MOST_BYTES: Final = 1_500_000
 """Bytes of a GIF in a page, if nothing else is asked for."""
 PHONE: Final = 620
 """Width of a window up to which the narrow animation is shown [CSS px]."""
@@ -457,7 +457,7 @@ def animation_html(
     size: Size = ANIMATION_SIZE,
     narrow: Size | None = None,
     still: float | None = None,
-    most_bytes: int = MOST,
+    most_bytes: int = MOST_BYTES,
     scene: Scene[Drawn] | None = None,
 ) -> str:
     """Return an animation of a run as HTML that needs no other file.

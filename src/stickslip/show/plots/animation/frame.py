@@ -33,7 +33,7 @@ ROLE_COLOURS: Final[MappingProxyType[scenes.Role, str]] = MappingProxyType(
 BODY: Final = SURFACE
 HATCH: Final = 11.0
 """Distance of hatches, about [CSS px]."""
-SHORTEST: Final = 3.0
+SHORTEST_ARROW: Final = 3.0
 """Arrows below this length are left out: only a head would be seen [CSS px]."""
 
 
@@ -154,7 +154,7 @@ def _wall(shape: scenes.Wall, brush: _Brush) -> list[Artist]:
 
 def _arrow(shape: scenes.Arrow, brush: _Brush) -> list[Artist]:
     length = brush.scales.metres * shape.value
-    if abs(length) < SHORTEST * brush.pixel:
+    if abs(length) < SHORTEST_ARROW * brush.pixel:
         return []
     (x, y), (dx, dy) = shape.at, shape.along
     return [

@@ -34,7 +34,7 @@ TALL: Final = 0.6
 """Height of a block over its length."""
 Drawn = TypeVar("Drawn", bound=mechanisms.Mechanism, default=Any)
 """The mechanism that a scene is of."""
-LONGEST: Final = 0.32
+LONGEST_ARROW: Final = 0.32
 """Length of the largest force of a run over the size of the mechanism."""
 WALL: Final = 0.03
 """Depth of the hatching behind a wall over its length."""
@@ -258,7 +258,7 @@ def scales_of(moments: Sequence[Sequence[Shape]], size: float) -> Scales:
     forces = [abs(s.value) for m in moments for s in m if isinstance(s, Arrow)]
     torques = [abs(s.value) for m in moments for s in m if isinstance(s, Turn)]
     largest = max(forces, default=0.0)
-    return Scales(LONGEST * size / largest if largest else 0.0, max(torques, default=0.0))
+    return Scales(LONGEST_ARROW * size / largest if largest else 0.0, max(torques, default=0.0))
 
 
 def nice(value: float) -> float:
