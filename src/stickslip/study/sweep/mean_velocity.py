@@ -31,22 +31,8 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import percent, quantity, span
-from stickslip.study.sweep.parameter_grid import (
-    Array,
-    Progress,
-    Tally,
-    axis_of,
-    compiled,
-    counted,
-    cycles_of,
-    early_ends,
-    names_of,
-    near,
-    product,
-    reasons_of,
-    unit_of,
-    whole_run,
-)
+from stickslip.study.sweep import parameter_grid as grid
+from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -119,11 +105,11 @@ class VelocityMap(OnAxes):
         """Return a row for each point of the grid, with the reason where it has no velocity."""
         import pandas as pd
 
-        columns: dict[str, object] = dict(product(self.axes))
+        columns: dict[str, object] = dict(grid.product(self.axes))
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
         columns |= {"unsettled": self.unsettled.ravel()}
-        columns["status"] = names_of(self.status).ravel()
-        columns["reason"] = reasons_of(self.status)
+        columns["status"] = grid.names_of(self.status).ravel()
+        columns["reason"] = grid.reasons_of(self.status)
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
 
     def to_xarray(self) -> "xr.Dataset":
@@ -142,7 +128,7 @@ class VelocityMap(OnAxes):
             "velocity": (over, self.velocity, {"units": self.unit}),
             "unsettled": (over, self.unsettled, {"units": self.unit}),
             "period": (over, self.period, {"units": "s"}),
-            "status": (over, names_of(self.status)),
+            "status": (over, grid.names_of(self.status)),
             "certified": (over, self.certified),
         }
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
@@ -242,13 +228,13 @@ def average_velocity(
     mechanism, law = beginning_pair(mechanism, law, parameters)
     if period is None:
         # Cycles of a period that was given need not be those of the drives.
-        whole_run("average_velocity", mechanism, settle + cycles)
-    axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
-    columns = product(axes)
-    periods = cycles_of(mechanism, columns, period)
-    table, tally = _Table(len(periods)), Tally(len(periods), progress)
+        grid.whole_run("average_velocity", mechanism, settle + cycles)
+    axes = dict(grid.axis_of(mechanism, law, path, values) for path, values in parameters.items())
+    columns = grid.product(axes)
+    periods = grid.cycles_of(mechanism, columns, period)
+    table, tally = _Table(len(periods)), grid.Tally(len(periods), progress)
     # an ensemble has one end: rows of short periods would run on for those of long ones
-    for rows in near(periods, TOGETHER):
+    for rows in grid.near(periods, TOGETHER):
         if not tally.going:
             break
         runs = ensemble(
@@ -258,12 +244,12 @@ def average_velocity(
             t_end=float((settle + cycles) * periods[rows].max()),
             outputs=_means(rate, cycles, periods[rows]),
             y0=y0,
-            solver=compiled(solver),
+            solver=grid.compiled(solver),
             executor=executor,
             progress=tally.part(),
         )
         table.keep(rows, runs)
-    units = {path: unit_of(mechanism, law, path) for path in axes}
+    units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
     return table.mapped(axes, units, shape, periods, unit, coordinate or "")
@@ -411,7 +397,7 @@ def velocity_band(
             f"velocity_band takes laws and one parameter, got {len(laws)} laws and"
             f" {len(parameters)} parameters."
         )
-    tally, maps = Tally(len(laws), progress), list[VelocityMap]()
+    tally, maps = grid.Tally(len(laws), progress), list[VelocityMap]()
     for law in laws:
         if not tally.going:
             break
@@ -435,8 +421,8 @@ def velocity_band(
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:
-    counted("average_velocity", "settle", settle, 0)
-    if counted("average_velocity", "cycles", cycles, 2) % 2:
+    grid.counted("average_velocity", "settle", settle, 0)
+    if grid.counted("average_velocity", "cycles", cycles, 2) % 2:
         raise InputError(f"average_velocity: cycles must be even, got {cycles}.")
     if not isinstance(parameters, Mapping) or not parameters:
         raise InputError(f"parameters must map at least one path to numbers, got {parameters!r}.")
