@@ -342,7 +342,7 @@ def _picked(record: Measurement, rows: slice) -> Measurement:
         name: one[rows] if isinstance(one, np.ndarray) else one
         for name, one in record.inputs.items()
     }
-    joints = {name: _picked(one, rows) for name, one in record.joints.items()}
+    joints = {name: _picked(joint, rows) for name, joint in record.joints.items()}
     return replace(record, **columns, inputs=inputs, joints=joints)
 
 

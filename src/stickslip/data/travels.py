@@ -122,7 +122,7 @@ def is_filmed(measurement: Measurement) -> bool:
     ... )
     (True, False)
     """
-    return all(one.quantities() == ("position",) for one in measurement.records())
+    return all(record.quantities() == ("position",) for record in measurement.records())
 
 
 def oscillation(time: Array, position: Array, frequency: float, harmonics: int = 3) -> float:
@@ -235,10 +235,10 @@ def travels_of_films(
     if not is_filmed(measurement):
         raise InputError("travels are read off films, which have positions in time and no more.")
     t_end = math.inf if t_end is None else t_end
-    t_end = min(t_end, *(float(np.asarray(one.time)[-1]) for one in records))
+    t_end = min(t_end, *(float(np.asarray(record.time)[-1]) for record in records))
     if said := list(other_drives(mechanism, measurement)):
         raise InputError(" ".join(said))
-    found = [_read(mechanism, one, t_end, i) for i, one in enumerate(records, 1)]
+    found = [_read(mechanism, record, t_end, i) for i, record in enumerate(records, 1)]
     if len(found) == 1:
         doubts = {**measurement.parameter_uncertainties, **found[0].parameter_uncertainties}
         return replace(found[0], parameter_uncertainties=doubts), t_end

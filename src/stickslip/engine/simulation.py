@@ -408,7 +408,7 @@ def _states(mechanism: Mechanism, law: FrictionLaw | Laws | PrintedForm) -> dict
     if isinstance(law, PrintedForm):
         bristles = law.states
     else:
-        bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
+        bristles = bristle_names(tuple(contact.name for contact in mechanism.contacts()), law)
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)
     return {name: _state(name) for name in names}
 

@@ -87,7 +87,7 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
-    made = [_turned(one) if rotary else one for one in _Writer(law).functions()]
+    made = [_turned(function) if rotary else function for function in _Writer(law).functions()]
     # Inputs go behind the load, wherever a function has it.
     places = {
         one.name: 1 + [v.name for v in one.inputs].index("load")
@@ -218,16 +218,16 @@ class _Writer:
     def __init__(self, law: Equations) -> None:
         self.law = law
         self.states = [se.Symbol(name) for name in (*law.bristles, *law.flags)]
-        self.ends = [f"{one}_end" for one in self.states]
+        self.ends = [f"{state}_end" for state in self.states]
         kinds = [("m", "bristle state")] * len(law.bristles)
         kinds += [("", "1 while the element slips, else 0")] * len(law.flags)
         self.bristles = tuple(
-            Variable(name=str(one), unit=unit, meaning=meaning)
-            for one, (unit, meaning) in zip(self.states, kinds, strict=True)
+            Variable(name=str(state), unit=unit, meaning=meaning)
+            for state, (unit, meaning) in zip(self.states, kinds, strict=True)
         )
         self.new_bristles = tuple(
-            replace(one, name=f"{one.name}_end", meaning=f"{one.meaning} at the end")
-            for one in self.bristles
+            replace(bristle, name=f"{bristle.name}_end", meaning=f"{bristle.meaning} at the end")
+            for bristle in self.bristles
         )
         # of forward slip, as a function of the speed; the other sense is turned round
         self.ahead = self._local(law.slip.ahead, 1)
@@ -257,7 +257,7 @@ class _Writer:
         """Return what holds in one sense of slip as seen along it."""
         deflections = self.states[: len(self.law.bristles)]
         turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in deflections}}
-        return tuple(side * one.subs(turned_round).subs({LOAD: NORMAL}) for one in values)
+        return tuple(side * value.subs(turned_round).subs({LOAD: NORMAL}) for value in values)
 
     def _friction(self) -> Function:
         forces = BySense(
@@ -463,8 +463,8 @@ class _Writer:
         ratio = (1.0 - GAMMA) / GAMMA
         states = (VELOCITY, *self.states)
         between: list[Statement] = [
-            Assign((end,), (one + ratio * (se.Symbol(end) - one),))
-            for end, one in zip(outputs, states, strict=True)
+            Assign((end,), (state + ratio * (se.Symbol(end) - state),))
+            for end, state in zip(outputs, states, strict=True)
         ]
         if self.law.moved is not None:  # a straight line would lead elements past their limits
             rest = (1.0 - GAMMA) * PERIOD
@@ -645,7 +645,7 @@ def _by_velocity(names: tuple[str, ...], values: BySense) -> Body:
         Assign(names, tuple(one.subs({LOAD: NORMAL}) for one in side))
         for side in (values.ahead, values.back, values.rest)
     )
-    still = tuple(one.subs({VELOCITY: ZERO}) for one in ahead.values)
+    still = tuple(value.subs({VELOCITY: ZERO}) for value in ahead.values)
     if ahead == back and still == rest.values:
         return (ahead,)
     return (_senses(ahead, back, rest),)

@@ -415,7 +415,7 @@ def inertia_of(subject: Subject) -> float | None:
     """Return the inertia [kg] of what slips while all else rests at 0; None if it is not known."""
     mechanism = subject.mechanism
     contacts = () if mechanism is None else mechanism.contacts()
-    slips = [one.slip for one in contacts if subject.contact in ("", one.name)]
+    slips = [contact.slip for contact in contacts if subject.contact in ("", contact.name)]
     if mechanism is None or len(slips) != 1 or not isinstance(slips[0], str):
         return None
     # Kinetic energy at a velocity of 1 is half the inertia.

@@ -144,11 +144,11 @@ def written(
         function.body
     )
     lines = tuple(block.lines)
-    own = {one.name for one in function.outputs}
+    own = {output.name for output in function.outputs}
     kept = [name for name in dict.fromkeys(assigned(function.body)) if results or name not in own]
     names = [*kept, *block.temporaries]
     indent = "    " * depth
-    used = [one for one in constants if contains(lines, one.name)]
+    used = [constant for constant in constants if contains(lines, constant.name)]
     return Written(
         constants=tuple(
             indent

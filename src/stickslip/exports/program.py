@@ -249,9 +249,9 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
     """Return the states after a period, and whether each latched switch is on then."""
     found = law.moved(at[0], load, states, Traced(PERIOD, at[1]))
     after = (
-        se.Piecewise((se.Integer(1), at[1].deciding(one) > 0), (se.Integer(0), True))
-        for one in at[1].switches.values()
-        if one.hold is not None
+        se.Piecewise((se.Integer(1), at[1].deciding(switch) > 0), (se.Integer(0), True))
+        for switch in at[1].switches.values()
+        if switch.hold is not None
     )
     return (*found, *(Traced(one, at[1]) for one in after))
 
@@ -319,7 +319,7 @@ def _closed(e: se.Expr, board: Switchboard, flags: Sequence[se.Expr] = ()) -> se
 
     In place of those of latched ones stand their flags, in their order.
     """
-    latched = [one.symbol for one in board.switches.values() if one.hold is not None]
+    latched = [switch.symbol for switch in board.switches.values() if switch.hold is not None]
     return collapsed(board.settled(e).subs(dict(zip(latched, flags, strict=False))))
 
 
@@ -441,7 +441,7 @@ def renamed(body: tuple[Statement, ...], names: Mapping[str, str]) -> tuple[Stat
         return tuple(names.get(one, one) for one in old)
 
     def in_new(values: tuple[se.Expr, ...]) -> tuple[se.Expr, ...]:
-        return tuple(se.sympify(one).subs(symbols) for one in values)
+        return tuple(se.sympify(value).subs(symbols) for value in values)
 
     def of(one: Statement) -> Statement:
         match one:
@@ -560,12 +560,14 @@ class Subject:
         """Return the parameters with units and with how well they are known."""
         return tuple(
             Constant(
-                name=one.identifier,
-                value=one.value,
-                unit=self.unit(one.quantity),
-                meaning=", ".join(filter(None, (parameter_words(one.name), self.known(one.name)))),
+                name=parameter.identifier,
+                value=parameter.value,
+                unit=self.unit(parameter.quantity),
+                meaning=", ".join(
+                    filter(None, (parameter_words(parameter.name), self.known(parameter.name)))
+                ),
             )
-            for one in self.equations.parameters
+            for parameter in self.equations.parameters
         )
 
     def known(self, name: str) -> str:
@@ -588,9 +590,9 @@ class Subject:
             yield f"Source: {printable(self.source)}"
         yield f"Law (LaTeX): {printable(self.law.formula)}"
         yield "Parameters in SI units:"
-        for one in self.constants():
+        for constant in self.constants():
             # To the last bit, so that a program has the very law.
-            yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
+            yield f"  {constant.name} = {constant.value!r} [{constant.unit}] ({constant.meaning})"
         ratio = self.levels == "per load"
         if ratio or self.has_normal_force:
             yield LOAD_TEXT["torques per load" if ratio and self.rotary else self.levels]

@@ -149,7 +149,7 @@ def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = 
 
 def _total(values: Sequence[Scalar]) -> Scalar | None:
     """Return the sum; None where nothing is summed."""
-    there = [one for one in values if one is not None]
+    there = [value for value in values if value is not None]
     return functools.reduce(lambda one, other: one + other, there) if there else None
 
 
@@ -455,7 +455,7 @@ class Entry:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the contact."""
-        heads = (one for one in notation.read(self.composition).parts() if one.role == "memory")
+        heads = (part for part in notation.read(self.composition).parts() if part.role == "memory")
         return tuple(
             state for one in heads for state in cast(Memory, one.part).states(one.argument)
         )
@@ -475,7 +475,7 @@ class Entry:
     def compared(self) -> bool:
         """Whether the formula was compared with its source: that of the law, and of its parts."""
         own = getattr(self.statement, "compared", True)
-        return own and all(one.part.compared for one in notation.read(self.composition).parts())
+        return own and all(head.part.compared for head in notation.read(self.composition).parts())
 
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
@@ -578,7 +578,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind.directional, kind.inputs = c.directional, c.inputs
     kind.on_request = bool(space.get("on_request", True))
     # A formula is as well compared as the least of its parts.
-    kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
+    kind.compared = kind.compared and all(head.part.compared for head in c.term.parts())
     kind.contained = Contained(c, _by_parts)
     if kind.passivity is None:
         kind.passivity = _passivity(c)
@@ -595,8 +595,8 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
 
 def _passivity(c: Composition) -> Passivity | None:
     """Return when the parts of a composition take energy alone; None where they do not tell."""
-    parts = [one.part for one in c.term.parts()]
-    doubtful = [one for one in parts if not (one.opposes or getattr(one, "dissipates", False))]
+    parts = [head.part for head in c.term.parts()]
+    doubtful = [part for part in parts if not (part.opposes or getattr(part, "dissipates", False))]
     conditions = {getattr(one, "positive_if", "") for one in doubtful}
     # an input that changes scales stiffness too, and with it what springs hold already
     if (c.memory and c.inputs) or "" in conditions:

@@ -193,12 +193,12 @@ class Name(Term):
         over = CONTACT_INPUTS[self.input].over
         return tuple(
             dataclasses.replace(
-                one,
+                parameter,
                 hint=with_marks(
-                    one.hint, lambda mark: over(mark) if isinstance(mark, Quantity) else mark
+                    parameter.hint, lambda mark: over(mark) if isinstance(mark, Quantity) else mark
                 ),
             )
-            for one in self.part.parameters
+            for parameter in self.part.parameters
         )
 
 
@@ -295,12 +295,12 @@ def _titles(term: Term) -> Iterator[tuple[str, bool]]:
             title = term.part.title or term.name
             yield (f"{term.input} {title}" if term.input else title), False
         case Sum(items=items):
-            falls = any(isinstance(one, Name) and isinstance(one.part, Surplus) for one in items)
-            for one in items:
-                if not (falls and one == Name("level")):
-                    yield from _titles(one)
+            falls = any(isinstance(item, Name) and isinstance(item.part, Surplus) for item in items)
+            for item in items:
+                if not (falls and item == Name("level")):
+                    yield from _titles(item)
         case Product(first=first, factors=factors):
-            inputs = dict.fromkeys(one.input for one in factors)
+            inputs = dict.fromkeys(factor.input for factor in factors)
             yield f"{_title(first)} by {' and '.join(inputs)}", False
         case Around(head=head, inner=inner):
             within = list(_titles(inner))
@@ -325,8 +325,8 @@ def canonical(term: Term) -> str:
 def _canonical(term: Term) -> Iterator[str]:
     match term:
         case Sum(items=items):
-            for one in items:
-                yield from _canonical(one)
+            for item in items:
+                yield from _canonical(item)
         case Around(head=Name(name="both_ways") as head, inner=inner):
             for one in terms_of(inner):
                 # Where all parameters scale with levels, both_ways and both_ways[levels] are the

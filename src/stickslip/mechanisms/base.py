@@ -690,7 +690,7 @@ def slipping(mechanism: Mechanism) -> tuple[str, ...]:
     >>> slipping(PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0))
     ('x', 'theta')
     """
-    slips = {name for one in mechanism.contacts() for name in one.slips}
+    slips = {name for contact in mechanism.contacts() for name in contact.slips}
     return tuple(name for name in mechanism.coordinates if name in slips)
 
 
@@ -780,8 +780,10 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     contacts = mechanism.contacts()
     if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
         return {contacts[0].name: static_normal_force(mechanism)}
-    found = {one.name: float(1.0 if one.load is None else one.load) for one in contacts}
-    carried = [one for one in contacts if one.normal is not None]
+    found = {
+        contact.name: float(1.0 if contact.load is None else contact.load) for contact in contacts
+    }
+    carried = [contact for contact in contacts if contact.normal is not None]
     held = list(dict.fromkeys(name for one in carried for name in one.normals))
     if not held:
         return found
@@ -1008,7 +1010,7 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
             raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)
     key = tuple((*at, isinstance(one, Drive)) for at, one in told.items())
     kind = _told(_bare(type(mechanism)), key)
-    fields = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(mechanism)}
+    fields = {field.name: getattr(mechanism, field.name) for field in dataclasses.fields(mechanism)}
     found: Any = kind(**{**fields, **{input_field(*at): one for at, one in told.items()}})
     return found  # type: ignore[no-any-return]
 

@@ -12,8 +12,25 @@ from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.identify.candidates import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.identify.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
-from stickslip.paper import printed
-from stickslip.paper.printed import consequences, requirements, springbacks, step_travels
+from stickslip.paper.printed import (
+    BREAK_AWAY_RULES,
+    CART_STEP,
+    STIFFNESS,
+    BristleRow,
+    Consequence,
+    Creep,
+    PrintedRun,
+    Requirement,
+    Springback,
+    StepTravel,
+    bristle_rows,
+    consequences,
+    lugre_row,
+    requirements,
+    springbacks,
+    step_travels,
+    stribeck_creeps,
+)
 from stickslip.paper.rigs import (
     CART,
     CartStudy,
@@ -80,21 +97,21 @@ class PaperAudit:
     """Measured travel [m]."""
     table: tuple[TableRow, ...]
     """Table II."""
-    requirements: tuple[printed.Requirement, ...]
+    requirements: tuple[Requirement, ...]
     """What the unpublished parameters would have to be."""
-    step_travels: tuple[printed.StepTravel, ...]
+    step_travels: tuple[StepTravel, ...]
     """What steps of 10 ms make of the push."""
     viscous_travels: Mapping[str, float]
     """Travel in reading B [m] of the laws whose viscous part was left out, with that of (10)."""
-    consequences: tuple[printed.Consequence, ...]
+    consequences: tuple[Consequence, ...]
     """What the printed equations do where they are wrong."""
     fixed_steps: tuple[FixedStepRow, ...]
     """The released spring with fixed steps and exactly."""
-    bristles: tuple[printed.BristleRow, ...]
+    bristles: tuple[BristleRow, ...]
     """Travels by the stiffness of the bristles."""
-    springbacks: tuple[printed.Springback, ...]
+    springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
-    creeps: tuple[printed.Creep, ...]
+    creeps: tuple[Creep, ...]
     """What (5) makes of the push in steps of 10 ms, with the sgn that it lacks."""
     rest_rules: tuple[RestRule, ...]
     """Zero-velocity bands and other rules for rest, beside the exact switch."""
@@ -107,7 +124,7 @@ class PaperAudit:
     verdict: TravelVerdict
     """What our selection says of the rig."""
 
-    def requirement(self, law: str) -> printed.Requirement | None:
+    def requirement(self, law: str) -> Requirement | None:
         """Return what would give the published travel of a law; None if nothing does.
 
         That of reading A, in which the other values are nearest; that of B if A has none.
@@ -211,7 +228,7 @@ def _stick_slip_dict(pulled: StickSlip) -> dict[str, Any]:
     }
 
 
-def _consequence_dict(consequence: printed.Consequence) -> dict[str, Any]:
+def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
     return {
         **published_dict(consequence.form),
         "values": {path: value for path, _, value in parameters(consequence.printed, "printed")},
@@ -230,7 +247,7 @@ def _consequence_dict(consequence: printed.Consequence) -> dict[str, Any]:
     }
 
 
-def _printed_dict(run: printed.PrintedRun) -> dict[str, Any]:
+def _printed_dict(run: PrintedRun) -> dict[str, Any]:
     return {**asdict(run), "criteria": _finite(asdict(run.criteria))}
 
 
@@ -271,7 +288,7 @@ def audit(
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     rows = tuple(_row(rig, values, published.get(name) or Published(law=name)) for name in MODELS)
-    creeps = () if own else printed.stribeck_creeps(values, t_end=rig.t_end)
+    creeps = () if own else stribeck_creeps(values, t_end=rig.t_end)
     return PaperAudit(
         rig=rig,
         own=own,
@@ -283,7 +300,7 @@ def audit(
         viscous_travels=_viscous_travels(rig, values),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
-        bristles=() if own else printed.bristle_rows(values, t_end=rig.t_end),
+        bristles=() if own else bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
         creeps=creeps,
         rest_rules=rest_rules(values, cart),
@@ -293,7 +310,7 @@ def audit(
             _named(verdict),
             rig.laws["coulomb-viscous"],
             levels=(values.mu_k, values.mu_s),
-            bristles=printed.lugre_row(values, printed.STIFFNESS),
+            bristles=lugre_row(values, STIFFNESS),
             cart=cart,
         ),
         verdict=verdict,
@@ -358,8 +375,8 @@ def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     push = readings[0]
     largest = largest_step(push.mechanism, law, push.run)
     coarse: dict[BreakAway, float] = {}
-    for rule in printed.BREAK_AWAY_RULES if largest is None or largest >= printed.CART_STEP else ():
-        solver = FixedStep(dt=printed.CART_STEP, break_away=None if law.states else rule)
+    for rule in BREAK_AWAY_RULES if largest is None or largest >= CART_STEP else ():
+        solver = FixedStep(dt=CART_STEP, break_away=None if law.states else rule)
         run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)
         coarse[rule] = float(run["x"][-1])
     return TableRow(

@@ -81,4 +81,4 @@ def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
     >>> sentences_of(found, "drift")
     ('It drifts.',)
     """
-    return tuple(str(one) for one in findings if not kinds or one.kind in kinds)
+    return tuple(str(finding) for finding in findings if not kinds or finding.kind in kinds)

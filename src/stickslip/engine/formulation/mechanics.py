@@ -205,7 +205,10 @@ def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Seque
 def _mass_at(mechanism: MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
     """Return the mass matrix of the moving coordinates (n, n) at a place (n,)."""
     names = mechanism.coordinates
-    held = [*mechanism.held(), *(name for one in mechanism.contacts() for name in one.normals)]
+    held = [
+        *mechanism.held(),
+        *(name for contact in mechanism.contacts() for name in contact.normals),
+    ]
     q = dict(zip(names, map(float, places), strict=True))
     rows = mechanism.mass_matrix({**dict.fromkeys(held, 0.0), **q})
     return np.array([[float(entry) for entry in row] for row in rows[: len(names)]])
@@ -638,13 +641,13 @@ class JointTorques:
         rows = lagrange_rows(twin, t, q, rates, drives, mechanism.held(), board)
         # What drives the motion is what is looked for.
         undriven = dict.fromkeys(drives.values(), 0)
-        if any(one.hold is not None for one in board.switches.values()):
+        if any(switch.hold is not None for switch in board.switches.values()):
             raise InputError(
                 f"{type(mechanism).__name__} has latched switches, which a measured motion does not"
                 " tell of: use stickslip.maths.where."
             )
         # A measured motion tells the sides of all switches: margins stand in their places.
-        shown = {one.symbol: one.margin for one in board.switches.values()}
+        shown = {switch.symbol: switch.margin for switch in board.switches.values()}
         count = len(q)
         forces = []
         for row, force in zip(rows.mass[:count], rows.forces[:count], strict=True):

@@ -97,7 +97,7 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
         shared = tuple(range(len(laws)))
         distinct = tuple((f"friction.{name}", one) for name, one in law.members)
     else:
-        names = tuple(one.name for one in mechanism.contacts())
+        names = tuple(contact.name for contact in mechanism.contacts())
         laws, shared = (law,) * len(names), (0,) * len(names)
         distinct = (("friction", law),)
     keys = list(dict.fromkeys(structure(one) for one in laws))
@@ -168,7 +168,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         states=(
             *mechanism.coordinates,
             *mechanism.rates,
-            *bristle_names(tuple(one.name for one in mechanism.contacts()), law),
+            *bristle_names(tuple(contact.name for contact in mechanism.contacts()), law),
         ),
         parameter_paths=(*paths, *law_paths),
         places=tuple(places),
@@ -212,7 +212,7 @@ def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
 
 
 def _titles(own: _Own) -> str:
-    return " and ".join(dict.fromkeys(type(one).__name__ for one in own.laws))
+    return " and ".join(dict.fromkeys(type(law).__name__ for law in own.laws))
 
 
 class _Equations:
@@ -385,10 +385,10 @@ def _contact_sizes(
         kinds=own.kinds,
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
-        inputs_of=tuple(len(one.inputs) for one in own.laws),
+        inputs_of=tuple(len(law.inputs) for law in own.laws),
         bristles_of=tuple(bristles),
-        holds=tuple(one.holds for one in own.laws),
-        directional=tuple(one.directional for one in own.laws),
+        holds=tuple(law.holds for law in own.laws),
+        directional=tuple(law.directional for law in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),
         channels=len(parts.efforts),
@@ -397,11 +397,11 @@ def _contact_sizes(
         mass=tuple(parts.mass),
         slopes=tuple(equations.slopes),
         time_slopes=tuple(equations.time_slopes),
-        law_switches=max((len(one.switch_events) for one in laws), default=0),
+        law_switches=max((len(law.switch_events) for law in laws), default=0),
         constant_mass=equations.constant_mass(),
         constant_loads=equations.constant_loads(),
         affine=equations.affine(),
-        exact=not dampens and equations.affine() and all(one.is_linear for one in laws),
+        exact=not dampens and equations.affine() and all(law.is_linear for law in laws),
         supplies=parts.supplied != 0,
         part_slopes=tuple(tuple(column) for column in columns),
     )
@@ -446,13 +446,13 @@ def _contact_functions(
 def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
     """Return the functions of each law, once per structure, and their slopes if wanted."""
     texts = []
-    for kind, one in enumerate(laws):
-        texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
-        texts.append(function(f"law_margins_{kind}", {None: one.margins}))
+    for kind, law in enumerate(laws):
+        texts.append(function(f"law_{kind}", {side: list(c) for side, c in law.numbers.items()}))
+        texts.append(function(f"law_margins_{kind}", {None: law.margins}))
         if along:
-            sides = {side: list(case) for side, case in one.slopes.items()}
+            sides = {side: list(case) for side, case in law.slopes.items()}
             texts.append(function(f"law_slopes_{kind}", sides))
-            texts.append(function(f"law_margin_slopes_{kind}", {None: one.margin_slopes}))
+            texts.append(function(f"law_margin_slopes_{kind}", {None: law.margin_slopes}))
     return texts
 
 
@@ -499,7 +499,9 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     if isinstance(law, Laws) or len(contacts) > 1:
         return True
     # Slips that are sums, and loads that contacts share, are of parts even with one contact.
-    if any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal)):
+    if any(
+        isinstance(way, Mapping) for contact in contacts for way in (contact.slip, contact.normal)
+    ):
         return True
     # what does not slip may rest at a stop too, beside whatever the contact does
     inside = any(stop.coordinate not in contacts[0].slips for stop in stops_of(mechanism))
@@ -579,7 +581,7 @@ def _informed(
         return law
 
     def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
-        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+        return {name: Traced(value, board) for name, value in zip(names, values, strict=True)}
 
     told = mechanism.contact_inputs(
         Traced(symbols.t, board),

@@ -355,7 +355,7 @@ def derive_parts(
     board: Switchboard,
 ) -> ContactParts:
     """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
-    contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
+    contacts = tuple(contact for contact in mechanism.contacts() if contact.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
     # Symbols stand for coordinates of the equations; the mechanism sees its own.
@@ -370,7 +370,7 @@ def derive_parts(
     # Guided coordinates and slips exclude each other: a prescribed motion leaves friction nothing
     # to do.
     guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
-    arms = [_along(direction_of(one.slip), held) for one in contacts]
+    arms = [_along(direction_of(contact.slip), held) for contact in contacts]
     # What held and guided coordinates take: rows of the equations that nothing else uses.
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
@@ -386,17 +386,17 @@ def derive_parts(
     parts = ContactParts(
         coordinates=tuple(q),
         held=held,
-        contacts=tuple(one.name for one in contacts),
+        contacts=tuple(contact.name for contact in contacts),
         directions=directions,
         held_slips=tuple(arms),
-        held_normals=tuple(_along(direction_of(one.normal), held) for one in contacts),
-        reacts=tuple(one.normal is not None and fixed is None for one in contacts),
+        held_normals=tuple(_along(direction_of(contact.normal), held) for contact in contacts),
+        reacts=tuple(contact.normal is not None and fixed is None for contact in contacts),
         mass=mass,
         forces=forces,
         loads=loads if fixed is None else (fixed,),
         inputs=tuple(
             {name: expression(law.contact(name)) for name in law.inputs}
-            for law in (informed[one.name] for one in contacts)
+            for law in (informed[contact.name] for contact in contacts)
         ),
         energy=rows.energy,
         supplied=rows.supplied + sum(work, se.Integer(0)),
@@ -482,7 +482,7 @@ def _along(table: Mapping[str, se.Expr], held: Sequence[str]) -> tuple[se.Expr, 
 
 def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     """Return the held coordinates, those that normal forces act on first."""
-    normals = dict.fromkeys(name for one in contacts for name in direction_of(one.normal))
+    normals = dict.fromkeys(name for contact in contacts for name in direction_of(contact.normal))
     others = [name for name in mechanism.held() if name not in normals]
     owner = type(mechanism).__name__
     for name in (*normals, *others):
@@ -491,11 +491,11 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
                 f"{owner} holds {name!r} at 0, but that coordinate moves: give held coordinates"
                 " names of their own."
             )
-    reacting = [one.name for one in contacts if one.normal is not None]
+    reacting = [contact.name for contact in contacts if contact.normal is not None]
     idle = [
-        one.name
-        for one in mechanism.contacts()
-        if one.normal is not None and one.name not in reacting
+        contact.name
+        for contact in mechanism.contacts()
+        if contact.normal is not None and contact.name not in reacting
     ]
     if idle:  # its reaction holds a coordinate, and has to be watched for lift-off
         raise InputError(
@@ -519,17 +519,18 @@ def _check_shares(
 ) -> None:
     """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
     # Prescribed loads do not depend on how friction is shared.
-    if all(one.normal is None for one in contacts):
+    if all(contact.normal is None for contact in contacts):
         return
     known: dict[int, tuple[str, list[se.Expr]]] = {}
-    for one, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
-        arms = [se.expand(e / factor) for e in _along(direction_of(one.slip), held)]
-        other, expected = known.setdefault(index, (one.name, arms))
+    for contact, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
+        arms = [se.expand(e / factor) for e in _along(direction_of(contact.slip), held)]
+        other, expected = known.setdefault(index, (contact.name, arms))
         if arms != expected:
             raise InputError(
-                f"{type(mechanism).__name__}: the contacts {other!r} and {one.name!r} slip along"
-                " one coordinate but act differently on the held ones, so that the loads depend on"
-                " how they share friction while they stick: let them slip at the same height."
+                f"{type(mechanism).__name__}: the contacts {other!r} and {contact.name!r} slip"
+                " along one coordinate but act differently on the held ones, so that the loads"
+                " depend on how they share friction while they stick: let them slip at the same"
+                " height."
             )
 
 
@@ -592,24 +593,24 @@ def _loads(
     mechanism: Mechanism, contacts: Sequence[Contact], given: Mapping[str, Scalar]
 ) -> tuple[se.Expr, ...]:
     """Return the prescribed loads, 0 where a load is a reaction."""
-    known = [one.name for one in mechanism.contacts()]
+    known = [contact.name for contact in mechanism.contacts()]
     for name in given:
         if name not in known:
             raise UnknownNameError(f"contact in {type(mechanism).__name__}.loads", name, known)
     found = []
-    for one in contacts:
-        prescribed = given.get(one.name, one.load)
-        if one.normal is not None and prescribed is not None:
+    for contact in contacts:
+        prescribed = given.get(contact.name, contact.load)
+        if contact.normal is not None and prescribed is not None:
             raise InputError(
-                f"{type(mechanism).__name__}: the load of the contact {one.name!r} is the reaction"
-                " of its normal coordinate and cannot be prescribed too."
+                f"{type(mechanism).__name__}: the load of the contact {contact.name!r} is the"
+                " reaction of its normal coordinate and cannot be prescribed too."
             )
-        if one.normal is None and prescribed is None:
+        if contact.normal is None and prescribed is None:
             raise InputError(
-                f"{type(mechanism).__name__}: the contact {one.name!r} has neither a normal"
+                f"{type(mechanism).__name__}: the contact {contact.name!r} has neither a normal"
                 " coordinate nor a load: give one of them."
             )
-        found.append(se.Integer(0) if one.normal is not None else expression(prescribed))
+        found.append(se.Integer(0) if contact.normal is not None else expression(prescribed))
     return tuple(found)
 
 

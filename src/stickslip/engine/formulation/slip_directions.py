@@ -245,7 +245,7 @@ def direction_of(way: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
 def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDirections:
     """Return the coordinates along which contacts slip."""
     names, owner = list(mechanism.coordinates), type(mechanism).__name__
-    rows = [_row(mechanism, one, names) for one in contacts]
+    rows = [_row(mechanism, contact, names) for contact in contacts]
     kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
     # index of the coordinate that stands for each direction, the direction, whose slip it is
     found: dict[int, tuple[Row, str]] = {}
@@ -310,12 +310,12 @@ def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
     """
     names = list(mechanism.coordinates)
     matrix, sums = np.eye(len(names)), {}
-    for one in mechanism.contacts():
-        place = contacts.get(one.name, -1)
-        factors = {} if isinstance(one.slip, str) else dict(one.slip)
+    for contact in mechanism.contacts():
+        place = contacts.get(contact.name, -1)
+        factors = {} if isinstance(contact.slip, str) else dict(contact.slip)
         moving = {name: float(x) for name, x in factors.items() if name in names}
-        if len(moving) > 1 and 0 <= place < len(names) and one.name not in sums:
-            sums[one.name] = moving
+        if len(moving) > 1 and 0 <= place < len(names) and contact.name not in sums:
+            sums[contact.name] = moving
             matrix[place] = [moving.get(name, 0.0) for name in names]
     if _is_regular(matrix):
         return

@@ -80,9 +80,9 @@ class Switchboard:
     def settled(self, e: se.Expr) -> se.Expr:
         """Put the margins of switches in place of their symbols; a margin may have switches too."""
         # A margin may have symbols of switches that were met before it: the last one first.
-        for one in reversed(self.switches.values()):
-            if one.hold is None:
-                e = e.subs({one.symbol: one.margin})
+        for switch in reversed(self.switches.values()):
+            if switch.hold is None:
+                e = e.subs({switch.symbol: switch.margin})
         return e
 
     def known_sign(self, expr: se.Expr) -> int | None:
@@ -530,7 +530,7 @@ def _fault(
     if name in slips:
         which = "the" if len(set(slips)) == 1 else "a"
         return f"{name} is {which} slip coordinate, whose motion cannot be prescribed."
-    others = [one for one in mechanism.coordinates if one not in slips]
+    others = [coordinate for coordinate in mechanism.coordinates if coordinate not in slips]
     if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
         return (
             f"{name!r} is guided by {guide!r}; only {', '.join(others) or 'no coordinate'} can be"

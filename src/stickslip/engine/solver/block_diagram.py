@@ -315,7 +315,7 @@ class Diagram(BlockDiagram):
             (contact,) = self.mechanism.contacts()
             told = self.mechanism.contact_inputs(t, q, q_dot, drives)
             state.law = bound(law, of_contact(told, contact.name))
-            check_within({name: float(one) for name, one in state.law.limits().items()}, t)
+            check_within({name: float(limit) for name, limit in state.law.limits().items()}, t)
         return state.law
 
     @cached_property

@@ -260,10 +260,10 @@ def _diagram(
         raise InputError(
             "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
             f" coordinate and no hard stops, but {mechanism.name} has"
-            f" {', '.join(one.name for one in contacts) or 'others'}: leave them out."
+            f" {', '.join(contact.name for contact in contacts) or 'others'}: leave them out."
         )
     if isinstance(law, PrintedForm):
-        names = ", ".join(one.name for one in contacts) or "hard stops"
+        names = ", ".join(contact.name for contact in contacts) or "hard stops"
         raise InputError(
             f"{law.name} is an equation as printed, for one contact that slips along a coordinate"
             f" without stops, but {type(mechanism).__name__} has {names}: give"

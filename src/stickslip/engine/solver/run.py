@@ -124,7 +124,7 @@ def path_units(
     angular = set(mechanism.units) == {"rad"}
     for path, quantity, _ in parameters(mechanism, "mechanism"):
         units[path] = turned(quantity.unit, angular and bool(quantity.or_unit))
-    turning = {one.name: slips_by_angle(mechanism, one) for one in mechanism.contacts()}
+    turning = {contact.name: slips_by_angle(mechanism, contact) for contact in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):
         units[path] = turned(quantity.unit, turning.get(path.split(".")[1], everywhere))

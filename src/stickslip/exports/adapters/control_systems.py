@@ -79,7 +79,7 @@ class _FieldOfContacts:
         self._mechanism, self._laws, self._speed = mechanism, dict(laws.members), speed
         self._dynamics = DynamicsOfContacts(mechanism, [drive])
         self._bristles = {
-            contact: [model.states.index(f"{one}:{contact}") for one in law.states]
+            contact: [model.states.index(f"{state}:{contact}") for state in law.states]
             for contact, law in laws.members
         }
 
@@ -211,7 +211,7 @@ def to_nonlinear_system(
         own = (
             laws
             if isinstance(laws, Laws)
-            else Laws(members=tuple((one, laws) for one in model.contacts))
+            else Laws(members=tuple((contact, laws) for contact in model.contacts))
         )
         field = _FieldOfContacts(told, own, model, entry, speed)
     else:

@@ -98,7 +98,7 @@ class ModeSolution(metaclass=Described):
         """Return the modes by column, as those of `simulate` are called."""
         if not self.contacts:
             return {"mode": self.mode}
-        return {f"mode:{one}": self.mode[:, i] for i, one in enumerate(self.contacts)}
+        return {f"mode:{contact}": self.mode[:, i] for i, contact in enumerate(self.contacts)}
 
     def to_xarray(self) -> "xr.Dataset":
         """Return states and modes as an xarray Dataset over time, with units.

@@ -187,7 +187,7 @@ def _yaml_members(node: Any) -> Mapping[str, Any]:
 def _texts(node: Any) -> Sequence[str]:
     """Return the scalars of a list of YAML; none of anything else."""
     items = node.value if node is not None and node.id == "sequence" else ()
-    return [str(one.value) for one in items if one.id == "scalar"]
+    return [str(item.value) for item in items if item.id == "scalar"]
 
 
 def _node_parameters(name: str, node: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -193,7 +193,7 @@ class Model(ABC):
     @property
     def movable(self) -> list[str]:
         """Names of the joints that take friction."""
-        return [one.name for one in self.joints() if one.kind in _MOVE and one.name]
+        return [joint.name for joint in self.joints() if joint.kind in _MOVE and joint.name]
 
     def _unknown(self, name: str, names: list[str]) -> str:
         known = list(filter(None, names))
@@ -363,15 +363,15 @@ class Mjcf(JointModel):
         def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
             name = tag.attributes.get("class", top or "main")
             own = dict(outer)
-            for one in tag.children:
-                if one.name == "joint":
-                    own |= {key: (value, name) for key, value in one.attributes.items()}
+            for child in tag.children:
+                if child.name == "joint":
+                    own |= {key: (value, name) for key, value in child.attributes.items()}
             found[name] = own
-            for one in tag.children:
-                if one.name == "default":
-                    read(one, own, "")
+            for child in tag.children:
+                if child.name == "default":
+                    read(child, own, "")
 
-        for tag in (one for root in self._roots() for one in root.children):
+        for tag in (child for root in self._roots() for child in root.children):
             if tag.name == "default":
                 read(tag, found[""], "main")
                 found[""] = found[tag.attributes.get("class", "main")]
@@ -544,7 +544,7 @@ class Urdf(JointModel):
                 f"Armature: URDF has none for the {number(friction.armature)}"
                 f" {'kg m^2' if joint.rotary else 'kg'} of motor and gear; it is left out."
             )
-        if any(one.name == "mimic" for one in joint.place.children):
+        if any(child.name == "mimic" for child in joint.place.children):
             yield (
                 "The joint follows another one (mimic): simulators differ in whether its friction"
                 " acts."
@@ -560,7 +560,7 @@ class Urdf(JointModel):
 
 
 def _dynamics(tag: Tag) -> Tag | None:
-    return next((one for one in tag.children if one.name == "dynamics"), None)
+    return next((child for child in tag.children if child.name == "dynamics"), None)
 
 
 # Scenes in USD: joints of PhysX (Isaac Sim) and of Newton.

@@ -614,7 +614,9 @@ def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi)
 
 def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     place = SubElement(root, "UnitDefinitions")
-    for unit in dict.fromkeys(one.unit for one in variables if one.unit and not one.whole):
+    for unit in dict.fromkeys(
+        variable.unit for variable in variables if variable.unit and not variable.whole
+    ):
         powers = {base: str(power) for base, power in base_units(unit).items()}
         powers |= {"offset": ZEROS[unit]} if unit in ZEROS else {}
         SubElement(SubElement(place, "Unit", {"name": unit}), "BaseUnit", powers)
@@ -670,9 +672,9 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
 def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> None:
     place = SubElement(root, "ModelStructure")
     roles = ("state", "column", "contact_mode", "event_count")
-    outputs = [i for i, one in enumerate(variables) if one.role in roles]
-    rates = [i for i, one in enumerate(variables) if one.role == "derivative"]
-    guards = [i for i, one in enumerate(variables) if one.role == "indicator"]
+    outputs = [i for i, variable in enumerate(variables) if variable.role in roles]
+    rates = [i for i, variable in enumerate(variables) if variable.role == "derivative"]
+    guards = [i for i, variable in enumerate(variables) if variable.role == "indicator"]
     unknown = [*(i for i in outputs if variables[i].role != "state"), *rates]
     if fmi == 3:
         for tag, references in (

@@ -87,7 +87,7 @@ def model_header(
 ) -> str:
     """Return the header with all numbers of a model."""
     header = model.sizes.header
-    roles = [one.role for one in variables]
+    roles = [variable.role for variable in variables]
     lines = [f"#define AT_{name} {_slot(name, header)}" for name in SLOTS]
     lines += [f"#define {name} {header[getattr(state_layout, name)]}" for name in SIZES]
     lines += [
@@ -112,7 +112,7 @@ def model_header(
         f"#define TOKEN {_text(token)}",
         f"#define TABLE_SIZE {len(table)}",
         f"#define N_PIECES {len(table) // (1 + 3 * len(model.drives))}",
-        f"#define N_INPUTS {sum(one.role == 'input' for one in variables)}",
+        f"#define N_INPUTS {sum(variable.role == 'input' for variable in variables)}",
         f"#define N_VARIABLES {len(variables)}",
         _array("int64_t HEADER_NUMBERS", map(str, header)),
         _array("double TABLE", map(_real, table)),
@@ -348,13 +348,13 @@ def export_fmu(
         )
     driven, drives = with_inputs(mechanism, inputs)
     labels = {field: label_of(*at) for field, at in told_fields(driven).items()}
-    found = {labels.get(name, name): one for name, one in drives.items()}
+    found = {labels.get(name, name): drive for name, drive in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     nominals = _nominals(driven, laws, solver, start, stop)
     variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
-    names = [one.name for one in variables]
+    names = [variable.name for variable in variables]
     twice = [one for one in found if names.count(one) > 1]
     if twice:
         raise InputError(

@@ -140,7 +140,7 @@ def _axes_of(ax: object) -> list[Axes]:
             f" {ax!r}."
         )
     axes = cast("list[Axes]", found)
-    if any(one.get_figure(root=True) is None for one in axes):
+    if any(panel.get_figure(root=True) is None for panel in axes):
         raise InputError("ax was removed from its figure; give axes that belong to one.")
     return axes
 

@@ -78,7 +78,7 @@ def _panel(axes: Axes, results: Mapping[str, Characteristic]) -> None:
 
 def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     """Name the curves of all panels once, where there are several."""
-    found = [one.get_legend_handles_labels() for one in panels if one.get_legend() is None]
+    found = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
     handles, labels = max(found, key=lambda one: len(one[1]), default=([], []))
     if len(labels) < LEGEND:
         return
@@ -95,20 +95,20 @@ def _line(axes: Axes, x: Any, y: Any, look: LineStyle, label: str = "", **more: 
 
 
 def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
-    for title, one in results.items():
-        half = len(one.velocity) // 2 if max(one.break_away) > 0.0 else None
+    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
+    for title, result in results.items():
+        half = len(result.velocity) // 2 if max(result.break_away) > 0.0 else None
         for part in (slice(None, half), slice(half, None)) if half else (slice(None),):
             name = title if part.start is None else ""
-            _line(axes, factor * one.velocity[part], one.force[part], style[title], name)
-        if max(one.break_away) > 0.0:
-            _line(axes, [0, 0], [-one.break_away[0], one.break_away[1]], style[title])
-    slow = factor * 10.0 * min(np.abs(one.velocity).min() for one in results.values())
-    fast = factor * max(one.velocity.max() for one in results.values())
+            _line(axes, factor * result.velocity[part], result.force[part], style[title], name)
+        if max(result.break_away) > 0.0:
+            _line(axes, [0, 0], [-result.break_away[0], result.break_away[1]], style[title])
+    slow = factor * 10.0 * min(np.abs(result.velocity).min() for result in results.values())
+    fast = factor * max(result.velocity.max() for result in results.values())
     decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
     axes.set_xscale("asinh", linear_width=slow)  # logarithmic on both sides, without a corner
     ticks = [*-decades[::-1], 0.0, *decades]
-    axes.set_xticks(ticks, [number(one) for one in ticks])
+    axes.set_xticks(ticks, [number(tick) for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.axhline(0, color=theme.MUTED, linewidth=0.6, zorder=0)
     axes.set_xlabel(f"velocity, {unit} (logarithmic)")
@@ -116,16 +116,16 @@ def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
 
 
 def _presliding_test(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.displacement.max() for one in results.values())], "m")
-    for title, one in results.items():
-        _line(axes, factor * one.displacement, one.force, style[title], title)
+    factor, unit = scale_of([max(result.displacement.max() for result in results.values())], "m")
+    for title, result in results.items():
+        _line(axes, factor * result.displacement, result.force, style[title], title)
     axes.set_xlabel(f"displacement, {unit}")
     axes.set_ylabel("friction, N")
 
 
 def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    for title, one in results.items():
-        _line(axes, one.rate, one.force, style[title], title, marker="o", markersize=4)
+    for title, result in results.items():
+        _line(axes, result.rate, result.force, style[title], title, marker="o", markersize=4)
     axes.set_xscale("log")
     _none_if_empty(axes, "no peak at break-away")
     axes.set_xlabel("rate of the force, N/s")
@@ -133,10 +133,10 @@ def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> N
 
 
 def _lag(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
-    for title, one in results.items():
-        for i, (velocity, force) in enumerate(zip(one.velocity, one.force, strict=True)):
-            faint = 1.0 if i == len(one.frequency) - 1 else 0.45
+    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
+    for title, result in results.items():
+        for i, (velocity, force) in enumerate(zip(result.velocity, result.force, strict=True)):
+            faint = 1.0 if i == len(result.frequency) - 1 else 0.45
             name = title if faint == 1.0 else ""
             _line(axes, factor * velocity, force, style[title], name, alpha=faint)
     axes.set_xlabel(f"velocity, {unit}")
@@ -148,18 +148,18 @@ def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     factor, unit = scale_of([float(np.median(first.speed))], "m/s")
     shown = np.where(first.sticks, np.log10(np.maximum(first.amplitude, 1e-2)), np.nan)
     axes.pcolormesh(factor * first.speed, first.stiffness, shown, cmap=FILL, shading="nearest")
-    for title, one in results.items():
-        inside = np.isfinite(one.boundary)
+    for title, result in results.items():
+        inside = np.isfinite(result.boundary)
         name = title if len(results) > 1 else "stick-slip up to here"
-        _line(axes, factor * one.boundary[inside], one.stiffness[inside], style[title], name)
+        _line(axes, factor * result.boundary[inside], result.stiffness[inside], style[title], name)
         if len(results) == 1:
-            linear = np.isfinite(one.linear) & (one.linear > 0.0)
+            linear = np.isfinite(result.linear) & (result.linear > 0.0)
             if linear.any():
-                x, y = factor * one.linear[linear], one.stiffness[linear]
+                x, y = factor * result.linear[linear], result.stiffness[linear]
                 axes.plot(x, y, ":", color=theme.MUTED, label="steady sliding is stable beyond")
-            if np.isfinite(one.closed_form).any():
-                x = factor * one.closed_form
-                axes.plot(x, one.stiffness, "--", color=theme.C2, label="closed form")
+            if np.isfinite(result.closed_form).any():
+                x = factor * result.closed_form
+                axes.plot(x, result.stiffness, "--", color=theme.C2, label="closed form")
             axes.legend(fontsize="small", loc="upper right")
     if not first.sticks.any():
         axes.text(0.5, 0.5, "nowhere", transform=axes.transAxes, color=theme.MUTED, ha="center")
@@ -170,10 +170,10 @@ def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
 
 
 def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    reach = [float(np.abs(one.position).max()) for one in results.values()]
+    reach = [float(np.abs(result.position).max()) for result in results.values()]
     factor, unit = scale_of([max(*reach, 1e-12)], "m")
-    for title, one in results.items():
-        _line(axes, one.t, factor * one.position, style[title], title)
+    for title, result in results.items():
+        _line(axes, result.t, factor * result.position, style[title], title)
     axes.set_xlabel("time, s")
     axes.set_ylabel(f"position, {unit}")
 
@@ -187,7 +187,7 @@ def _hunting(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None
 
 def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     names = [*results]
-    energies = [one.worst for one in results.values()]
+    energies = [result.worst for result in results.values()]
     factor, unit = _energy_scale(energies)
     colours = [style[name].colour for name in names]
     axes.barh(range(len(names)), [factor * one for one in energies], color=colours, height=0.5)
@@ -208,11 +208,11 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
 
 
 def _cost(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    fastest = [float(one.speed.max(initial=0.0)) for one in results.values()]
+    fastest = [float(result.speed.max(initial=0.0)) for result in results.values()]
     factor, unit = scale_of([0.01 * max(fastest)], "m/s")
-    for title, one in results.items():
-        seen = one.rate > 0.0
-        _line(axes, factor * one.speed[seen], one.rate[seen], style[title], title)
+    for title, result in results.items():
+        seen = result.rate > 0.0
+        _line(axes, factor * result.speed[seen], result.rate[seen], style[title], title)
     axes.set(xscale="log", yscale="log")
     _none_if_empty(axes, "no rate is fast, or none is known")
     axes.set_xlabel(f"velocity, {unit}")
@@ -678,7 +678,7 @@ def draw_friction_map(
     """
     v_max = float(np.max(np.abs(velocity)))
     factor, unit = scale_of([v_max], units[0])
-    curves = {name: _curve(one, load, 1.05 * v_max, _sides(velocity)) for name, one in laws.items()}
+    curves = {name: _curve(law, load, 1.05 * v_max, _sides(velocity)) for name, law in laws.items()}
     look = looks(laws, chosen)
     low = low_speed(v_max)
     slow = np.abs(velocity) <= low

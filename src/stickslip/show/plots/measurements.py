@@ -175,7 +175,8 @@ def plot_measurement(measurement: data.Measurement, ax: PanelTarget = None) -> P
     names = [
         name
         for name in measurement.quantities()
-        if series and any(np.ndim(one.values(name)) for one in records if name in one.quantities())
+        if series
+        and any(np.ndim(record.values(name)) for record in records if name in record.quantities())
     ]
 
     def draw(figure: Figure, _narrow: bool) -> None:
@@ -634,7 +635,7 @@ def _width(line: ConditionLine) -> float:
 
 def _order(comparison: TrialComparison, condition: str) -> list[int]:
     """Return which parameters are shown: those with the clearest lines first."""
-    paths = [one.path for one in comparison.trials[0].estimates]
+    paths = [estimate.path for estimate in comparison.trials[0].estimates]
     width = {line.path: _width(line) for line in comparison.lines if line.condition == condition}
     known = [
         i

@@ -723,7 +723,11 @@ def _seen_along(loop: ClosedLoop, state: str) -> Trajectory:
     if not run.contacts:
         return run
     along = dict(zip(loop.mechanism.rates, coordinates, strict=True)).get(state, state)
-    slips = {one.name: one.slips for one in loop.mechanism.contacts() if one.name in run.contacts}
+    slips = {
+        contact.name: contact.slips
+        for contact in loop.mechanism.contacts()
+        if contact.name in run.contacts
+    }
     own = [name for name, among in slips.items() if along in among]
     return run.contact((own or list(slips))[0])
 

@@ -246,7 +246,7 @@ def laws_section(about: ContactsReport) -> Section:
             Column(head=known.interval, numeric=True, phone="label", label=f"{known.interval}:"),
             Column(head="how it is known", phone="label", label="known:"),
         ]
-    idle = [one.name for one in about.rig.mechanism.contacts() if one.name not in laws]
+    idle = [contact.name for contact in about.rig.mechanism.contacts() if contact.name not in laws]
     blocks: list[Block] = [Math(latex=law.formula) for law in kinds.values()]
     blocks.append(Table(columns=tuple(columns), rows=tuple(rows)))
     blocks += drawn(about.band, known)

@@ -142,7 +142,7 @@ class RunReport:
     def mean_velocity(self) -> float:
         """Over all whole cycles, or without any over the run."""
         if self.cycles:
-            return sum(one.travel for one in self.cycles) / (
+            return sum(cycle.travel for cycle in self.cycles) / (
                 len(self.cycles) * self.cycles[0].period
             )
         first, last = self.run.span
@@ -306,7 +306,7 @@ def _cycles_heading(about: RunReport) -> str:
         return f"The {about.part} does not move in any cycle"
     if not about.cycles[-1].moves_on:
         return "The last cycle ends where it began"
-    travels = [one.travel for one in about.cycles]
+    travels = [cycle.travel for cycle in about.cycles]
     advance = f"The {about.part} {about.advances(travels[-1])}"
     if len(travels) == 1:
         return f"{advance} in one cycle"
@@ -731,7 +731,7 @@ def _lede(about: RunReport) -> str:
     said = [about.run.ending]
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
-        travel = sum(one.travel for one in about.cycles)
+        travel = sum(cycle.travel for cycle in about.cycles)
         if about.moves:
             said.append(f"The {about.part} {about.advances(travel, 4)} in {number}.")
     resting = _resting(about, about.cycles[-1].advance if about.cycles else about.criteria.travel)

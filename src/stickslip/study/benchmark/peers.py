@@ -170,7 +170,7 @@ def _even(
         return np.asarray(np.interp(even, time, values))
 
     def columns(name: str) -> Array:
-        return np.column_stack([on(getattr(one, name)) for one in joints])
+        return np.column_stack([on(getattr(joint, name)) for joint in joints])
 
     load = record.load if quantity == "friction" and record.load is not None else 1.0
     missing = quantity == "force" and not record.joints and record.force is None
@@ -199,7 +199,7 @@ class Regression:
         # links that nobody described are parameters of the fitted robot only
         mechanism = task.mechanism if stated.issuperset(linear) else fit.mechanism
         self.rows = samples(task, mechanism, record, linear)
-        contacts = [one.name for one in task.mechanism.contacts()]
+        contacts = [contact.name for contact in task.mechanism.contacts()]
         several = isinstance(fit.law, Laws)
         self.prefixes = [f"friction.{name}." if several else "friction." for name in contacts]
         self.laws = dict(fit.law.members) if several else {contacts[0]: fit.law}
@@ -276,7 +276,7 @@ def _of_rows(model: Regression) -> str:
 
 def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
     """Return coordinates to begin at, inside their limits."""
-    low, high = (np.asarray(one, dtype=float) for one in model.unknown.limits())
+    low, high = (np.asarray(limit, dtype=float) for limit in model.unknown.limits())
     start = np.asarray(model.unknown.coordinates(model.unknown.start), dtype=float)
     room = np.where(np.isfinite(high - low), high - low, 1.0)
     inside = np.clip(start, low + STEP * room, high - STEP * room)
@@ -339,7 +339,7 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         "friction.kinetic_coefficient": -shares["sign(v)"],
         "friction.quadratic_coefficient": -shares["v|v|"],
     }
-    low = {one.path: one.quantity.low for one in fit.free_parameters.items}
+    low = {item.path: item.quantity.low for item in fit.free_parameters.items}
     raised = [path for path in fit.free_parameters.paths if values.get(path, 0.0) < low[path]]
     own = {path: max(values.get(path, 0.0), low[path]) for path in fit.free_parameters.paths}
     note = f"terms kept: {', '.join(kept)}; no intervals"
@@ -470,10 +470,10 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
 def _ends(fit: RecordFit[Any]) -> tuple[list[float], list[float]]:
     """Return finite ends of the values that are looked at."""
     items = fit.free_parameters.items
-    sizes = [max(abs(one.start), 1e-3) for one in items]
-    low = [max(one.quantity.low, -100.0 * size) for one, size in zip(items, sizes, strict=True)]
+    sizes = [max(abs(item.start), 1e-3) for item in items]
+    low = [max(item.quantity.low, -100.0 * size) for item, size in zip(items, sizes, strict=True)]
     return low, [
-        min(one.quantity.high, 100.0 * size) for one, size in zip(items, sizes, strict=True)
+        min(item.quantity.high, 100.0 * size) for item, size in zip(items, sizes, strict=True)
     ]
 
 

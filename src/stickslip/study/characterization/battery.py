@@ -312,7 +312,7 @@ def _levels(
     choices = [np.atleast_1d(np.asarray(inputs[name], dtype=float)) for name in law.inputs]
     # Every combination of values, the last input fastest.
     for values in itertools.product(*choices):
-        at = {name: float(one) for name, one in zip(law.inputs, values, strict=True)}
+        at = {name: float(value) for name, value in zip(law.inputs, values, strict=True)}
         told = "".join(f", {name} {_input_text(name, one)}" for name, one in at.items())
         yield f"{law.title}{told}", law, at
 

@@ -179,7 +179,9 @@ def presliding_loop(
         x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
         v = LOOP_SPEED if end > start else -LOOP_SPEED
         states = _moved(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
-        friction.append(np.array([law.force(v, load, tuple(map(float, one))) for one in states]))
+        friction.append(
+            np.array([law.force(v, load, tuple(map(float, state))) for state in states])
+        )
         z = states[-1]
     return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
 

@@ -316,7 +316,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return z
 
     def rates(shares: Array) -> Array:
-        found = law.rates(speed, load, tuple(float(one) * length for one in shares))
+        found = law.rates(speed, load, tuple(float(share) * length for share in shares))
         return np.asarray(found, dtype=float) / speed
 
     found = root(rates, np.full(len(law.states), 0.9))

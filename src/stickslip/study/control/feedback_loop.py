@@ -460,7 +460,7 @@ class _Walk:
 
     def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
         """Run from a sample to the next; return whether it was reached."""
-        told = {name: one.stretches(k, t, end) for name, one in self.commands.items()}
+        told = {name: command.stretches(k, t, end) for name, command in self.commands.items()}
         together = list(zip(*told.values(), strict=True))
         ends = [*[lines[0][0] for lines in together[1:]], end]
         for lines, until in zip(together, ends, strict=True):

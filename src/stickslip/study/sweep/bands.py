@@ -207,7 +207,7 @@ class Band(OnAxes, Tabular):
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
         travels = {name: one._asdict() for name, one in self.travels.items()}
-        means = {name: one._asdict() for name, one in self.mean_velocities.items()}
+        means = {name: velocity._asdict() for name, velocity in self.mean_velocities.items()}
         cycles = {
             name: [one._asdict() for one in own] for name, own in self.travels_by_cycle.items()
         }

@@ -240,7 +240,7 @@ class Design(metaclass=Described):
     def __len__(self) -> int:
         """Return the number of runs."""
         if self.kind == "grid":
-            return math.prod(len(one.levels()) for one in self.factors.values())
+            return math.prod(len(factor.levels()) for factor in self.factors.values())
         assert self.runs is not None
         blocks = self.runs // self.block
         if self.kind == "saltelli":  # a Sobol sequence is balanced at powers of two only
@@ -291,8 +291,8 @@ class Design(metaclass=Described):
         # The last part of a campaign may be shorter.
         stop = min(stop, len(self))
         if self.kind == "grid":
-            levels = [one.levels() for one in self.factors.values()]
-            at = np.unravel_index(np.arange(start, stop), [len(one) for one in levels])
+            levels = [factor.levels() for factor in self.factors.values()]
+            at = np.unravel_index(np.arange(start, stop), [len(level) for level in levels])
             found = dict(
                 zip(self.factors, (x[i] for x, i in zip(levels, at, strict=True)), strict=True)
             )
@@ -300,9 +300,9 @@ class Design(metaclass=Described):
             columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
             found = {path: one.at(share) for (path, one), share in columns}
         # Multiples last, once all other factors have their values.
-        for path, one in self.factors.items():
-            if one.times:
-                found[path] = found[path] * found[one.times]
+        for path, factor in self.factors.items():
+            if factor.times:
+                found[path] = found[path] * found[factor.times]
         return found
 
 

@@ -97,7 +97,7 @@ def examine(
     """Make the first checks, and the others if these found nothing that stands in their way."""
     findings = _found(case, first)
     skipped: tuple[str, ...] = ()
-    if any(one.check == list(first)[-1] for one in findings):
+    if any(finding.check == list(first)[-1] for finding in findings):
         skipped = tuple(then)
     else:
         findings += _found(case, then)

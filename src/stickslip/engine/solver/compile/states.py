@@ -46,7 +46,7 @@ class ObserverCode(ObjectCode):
     def text(self) -> str:
         parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
         own = signature_of(observer.observe)
-        return f"{translated([function_of(one) for one in parts])}\n{exported('observe', own)}"
+        return f"{translated([function_of(part) for part in parts])}\n{exported('observe', own)}"
 
 
 CODE = ObserverCode()
@@ -159,7 +159,7 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
         ]
         # Latches turn last: all of a step sees the sides on which it began.
         body = [*reads, *lines.written]
-        body += [f"w[{at + i}] = {one}" for i, one in enumerate(results)]
+        body += [f"w[{at + i}] = {result}" for i, result in enumerate(results)]
         body += [line.replace(" = ", " = 1.0 if ", 1) + " else 0.0" for line in turned]
         head = "def move(w):"
     program = "\n    ".join([head, *body])
@@ -205,7 +205,7 @@ class StatesCode(ObjectCode):
         if self.entry == RATES:
             steps = [observer.by_rates, observer.stepped, observer.held_back]
         functions = [Function(node, signature_of(own), lambda _: None, self.title)]
-        functions += [function_of(one) for one in steps]
+        functions += [function_of(step) for step in steps]
         return f"{translated(functions)}\n{exported(self.entry, signature_of(steps[0]))}"
 
     @functools.cached_property

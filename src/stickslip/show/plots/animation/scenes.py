@@ -739,7 +739,7 @@ def pendulum_cart(mechanism: mechanisms.PendulumCart, _seen: Trajectory) -> Pict
     pivot = mechanism.pivot_height or 0.24 * l
     wheel = min(0.07 * l, 0.4 * pivot)
     overhang = 1.6 * wheel
-    wheels, joint = (one.name for one in mechanism.contacts()) if rubs else ("", "")
+    wheels, joint = (contact.name for contact in mechanism.contacts()) if rubs else ("", "")
 
     def shapes(now: Moment) -> list[Shape]:
         x, theta = now["x"], now["theta"]
