@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.units import LARGEST_MAGNITUDE, size_wanted
+from stickslip.data.units import LARGEST, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.quantities import Converted, Given, Numbers, Quantity, turned
@@ -1062,10 +1062,10 @@ def _floats(owner: str, given: object) -> dict[str, float]:
             raise ParameterError(
                 f"Measurement.{owner} of {name!r} must be a finite number, got {value!r}."
             )
-        if abs(value) > LARGEST_MAGNITUDE:
+        if abs(value) > LARGEST:
             raise ParameterError(
-                f"Measurement.{owner} of {name!r} must be {LARGEST_MAGNITUDE:g} at most, in"
-                f" magnitude, got {value:g}: correct the number or its unit."
+                f"Measurement.{owner} of {name!r} must be {LARGEST:g} at most, in magnitude, got"
+                f" {value:g}: correct the number or its unit."
             )
     return {str(name): float(value) for name, value in given.items()}
 

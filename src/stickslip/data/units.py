@@ -11,7 +11,7 @@ from stickslip.quantities import Quantity
 from stickslip.show.formatting import number as number_text
 from stickslip.units import exact_factor, factor, is_of, number_in, shown, split_number
 
-LARGEST_MAGNITUDE, LEAST_MAGNITUDE = 1e30, 1e-30
+LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
 
 
@@ -51,10 +51,10 @@ def size_wanted(value: float, quantity: Quantity) -> str:
     >>> size_wanted(1e308, Quantity("s", "m"))
     'be 0 or have a magnitude from 1e-30 to 1e+30 m'
     """
-    if not value or LEAST_MAGNITUDE <= abs(value) <= LARGEST_MAGNITUDE:
+    if not value or LEAST <= abs(value) <= LARGEST:
         return ""
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    return f"be 0 or have a magnitude from {LEAST_MAGNITUDE:g} to {LARGEST_MAGNITUDE:g}{unit}"
+    return f"be 0 or have a magnitude from {LEAST:g} to {LARGEST:g}{unit}"
 
 
 def _size(value: Any) -> float:

@@ -205,12 +205,12 @@ def series_sensed(
         interpolate(w, whole, NODES[s], point)
         forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
     jacobian(t, w, whole, y, matrix)
-    # Horner's scheme, from the highest power down: result = S + h F_k + (h A / (k + 1)) result,
-    # where F_k is the mean of the forcing with the weight (1 - s / h)^k.
     for k in range(MOST_TERMS, -1, -1):
         for i in range(size):
             w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
             w[result + i] = w[now + i]
+        # Horner's scheme, from the highest power down: result = S + h F_k + (h A / (k + 1)) result,
+        # where F_k is the mean of the forcing with the weight (1 - s / h)^k.
         for c in range(m):
             if own[c] >= 0.0:  # nothing acts along an initial state
                 for i in range(n):
@@ -755,7 +755,6 @@ def sense(
             asked += 1
         if last:
             return
-        # What was asked has moved the state; the row begins anew.
         restore(log, row, table, w, whole)
         advance_sensed(log, row, log[at + 1] - log[at], w, whole, own, q, m)
         for i in range(n * m):

@@ -502,8 +502,6 @@ class _Search:
                     continue
                 if gaps.min() <= same:
                     return index
-                # Near the polygon but not on it: compared after it was solved for at the very
-                # value.
                 try:
                     shot = solved(branch.map, guess, value)
                 except (SimulationError, InputError):

@@ -363,7 +363,6 @@ class ReturnMap:
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
-        # A state that stays 0 has the size of the others: a share of 0 would mean nothing.
         size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
         return Shot(
             y=y,
@@ -541,7 +540,6 @@ def first_modes(shot: Shot, events: Sequence[Event]) -> dict[str, int]:
         if event.from_mode != event.to_mode:
             modes.setdefault(event.contact, event.from_mode)
     if not set(names) <= modes.keys():
-        # A contact without events is in one mode throughout: any time shows it.
         columns = shot.run.playback(np.array([0.5 * shot.period]))
         for name in names:
             column = columns["mode"] if "mode" in columns else columns[f"mode:{name}"]
