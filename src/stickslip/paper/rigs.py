@@ -117,9 +117,7 @@ def check_form(rig: Rig) -> tuple[SpringBlock, Measurement]:
             "the audit of the paper needs a compressed spring as the only drive, and neither an"
             f" incline nor stops: {OWN}"
         )
-    if not all(
-        record.travel is not None and record.travel > 0.0 for record in measurement.records()
-    ):
+    if not all(one.travel is not None and one.travel > 0.0 for one in measurement.records()):
         raise InputError(f"the audit of the paper needs travels above 0 m: {OWN}")
     return mechanism, first
 
@@ -134,7 +132,7 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
     """
     coulomb = rig.laws.get("coulomb")
     if coulomb is None:
-        named = [candidate for candidate in verdict.candidates if candidate.name == "coulomb"]
+        named = [one for one in verdict.candidates if one.name == "coulomb"]
         if not named or named[0].fit is None:
             raise InputError(
                 "the audit of the paper needs a kinetic coefficient, and Coulomb friction does not"
@@ -165,13 +163,9 @@ def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
 
     One travel is reproduced with any viscous part, so that it bounds none.
     """
-    for candidate in verdict.candidates:
-        if (
-            candidate.name == "coulomb-viscous"
-            and candidate.fit is not None
-            and candidate.fit.settings > 1
-        ):
-            estimates = candidate.fit.estimates
+    for one in verdict.candidates:
+        if one.name == "coulomb-viscous" and one.fit is not None and one.fit.settings > 1:
+            estimates = one.fit.estimates
             paths = {each.path for each in estimates if each.bounded}
             return estimates if "friction.viscous_coefficient" in paths else ()
     return ()
@@ -523,7 +517,7 @@ class CartStudy:
             "cycles": CYCLES,
             "step": STEP,
             "kinetic_coefficient": KINETIC,
-            "figure_2": [run.to_dict() for run in self.runs],
+            "figure_2": [one.to_dict() for one in self.runs],
             "levels_of_table_1": [one.to_dict() for one in self.table_1],
             "break_away": [one.to_dict() for one in self.break_away],
             "backward_motion": [
@@ -715,8 +709,8 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 block=criteria_of(block, values.rig),
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
                 rests=bool(block["v"][-1] == 0.0),
-                cart_travel=sum(cycle.travel for cycle in cycles),
-                cart_back_slip=sum(cycle.backward for cycle in cycles) / len(cycles),
+                cart_travel=sum(one.travel for one in cycles),
+                cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
             )
         )
     return tuple(found)
