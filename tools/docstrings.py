@@ -8,7 +8,8 @@ Parameters, wherever they stand, have the names of the signature, in its order; 
 says something. A public class tells the arguments of its `__init__` in a section Parameters, and
 its fields there, in a text after each of them or in a `description` that a call such as pydantic's
 `Field` is given. Overrides, properties and enumerations need none, nor do commands of the command
-line, whose docstrings are their help. The exit code is 1 if anything is wrong.
+line, whose docstrings are their help. A public method has a docstring, on its class or on a class
+that it overrides the method of. The exit code is 1 if anything is wrong.
 """
 
 import ast
@@ -143,6 +144,18 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
             yield f"Parameters have {name}, which the class has not"
 
 
+def silent_methods(node: ast.ClassDef, module: str) -> Iterator[tuple[int, str]]:
+    """Yield line and name of each public method that neither its class nor a base documents."""
+    methods = [one for one in node.body if isinstance(one, structure.Function)]
+    bare = [one for one in methods if one.name[0] != "_" and not ast.get_docstring(one)]
+    if not bare or node.name.startswith("_"):
+        return
+    kind = getattr(importlib.import_module(module), node.name)
+    for one in bare:
+        if not any(getattr(vars(base).get(one.name), "__doc__", "") for base in kind.__mro__):
+            yield one.lineno, f"{node.name}.{one.name}"
+
+
 def members(found: object) -> Iterator[object]:
     """Yield a function, or the functions of a class and of its bases, as they were defined."""
     if not inspect.isclass(found):
@@ -199,6 +212,8 @@ def faults(tree: ast.Module, module: str = "") -> Iterator[tuple[int, str, str]]
     Without a name of the module all functions count as shown.
     """
     for name, function, arguments in structure.public_functions(tree):
+        if "." in name and not ast.get_docstring(function):
+            continue  # documented where it is declared, which `silent_methods` holds
         if not module or (module, name) in shown():
             found = [*of_function(function, arguments, needed=not is_command(function))]
         else:
@@ -210,6 +225,9 @@ def faults(tree: ast.Module, module: str = "") -> Iterator[tuple[int, str, str]]
         if isinstance(node, ast.ClassDef) and (not module or (module, node.name) in shown()):
             for fault in of_class(node):
                 yield node.lineno, node.name, fault
+        if isinstance(node, ast.ClassDef) and module:
+            for line, name in silent_methods(node, module):
+                yield line, name, "no docstring, nor has what it overrides"
 
 
 def of_modules(sources: Iterable[tuple[str, Path]]) -> Iterator[str]:

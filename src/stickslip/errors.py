@@ -4,8 +4,6 @@ import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
-from typing_extensions import override
-
 __all__ = [
     "CompilationError",
     "ConformanceError",
@@ -84,7 +82,6 @@ class UnknownNameError(InputError, LookupError):
         hint = f"Did you mean {close}?" if close else f"Known: {listed or 'none'}."
         super().__init__(f"unknown {kind} {_shortened(name)!r}. {hint}")
 
-    @override
     def __reduce__(
         self,
     ) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...], dict[str, str]]]:

@@ -20,8 +20,6 @@ from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
-from typing_extensions import override
-
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.show.described import Described, alternatives
 from stickslip.units import is_pint, number_in
@@ -54,7 +52,7 @@ __all__ = [
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-LARGEST = 1e100
+LARGEST_COEFFICIENT = 1e100
 """Largest coefficient; where it has to be above 0, its inverse is the smallest."""
 
 T = TypeVar("T", bound="Parametrised")
@@ -208,6 +206,8 @@ class Quantity:
     per_load: bool = False
 
     def __post_init__(self) -> None:
+        # What has one of them to the first power is over the load, whatever else it is multiplied
+        # by.
         if sum(power for name, power in self.powers.items() if name in PER_LOAD) == 1:
             object.__setattr__(self, "per_load", True)
         if not self.scale and self.bounds is None and self.start is None:
@@ -232,6 +232,7 @@ class Quantity:
                 f"{label}: bounds must be two finite numbers with start between them, got"
                 f" bounds={self.bounds!r}, start={self.start!r}."
             )
+        # With a scale the limits are multiples of sizes, which are not known here.
         if self.scale == "none" and self.at_least is None:
             for value in (self.start, high):
                 self.check("Quantity", "start and bounds", value)
@@ -255,6 +256,7 @@ class Quantity:
                     f"{owner}.{name} ({self.symbol}): beside a scale, powers must be whole, got"
                     f' {text}. Use scale="none", with start and bounds in the unit itself.'
                 )
+        # In units of the sizes: both sides must have the same powers of the base units.
         unit = _sum((_unit_powers(SCALES[name]), power) for name, power in self.powers.items())
         if self.scale not in ("", "none") and unit != _unit_powers(self.unit):
             raise ParameterError(
@@ -263,7 +265,6 @@ class Quantity:
                 " bounds in the unit itself."
             )
 
-    @override
     def __str__(self) -> str:
         """Return symbol and allowed values."""
         return f"{self.symbol}: {self.range}" + (f" or {self.or_unit}" if self.or_unit else "")
@@ -316,8 +317,9 @@ class Quantity:
     def _is_sized(self, value: float) -> bool:
         """Whether a coefficient has a square, and an inverse with one where it divides."""
         if self.above == 0.0:
-            return 1.0 / LARGEST <= value <= LARGEST
-        return self.low == -math.inf or abs(value) <= LARGEST
+            # A divisor must have an inverse with a square, too.
+            return 1.0 / LARGEST_COEFFICIENT <= value <= LARGEST_COEFFICIENT
+        return self.low == -math.inf or abs(value) <= LARGEST_COEFFICIENT
 
     @property
     def range(self) -> str:
@@ -349,8 +351,8 @@ class Quantity:
             The range, which begins with "finite" if the value is infinite or NaN.
         """
         if math.isfinite(value) and self._is_within(value):
-            least = f"between {1.0 / LARGEST:g} and" if self.above == 0.0 else "at most"
-            return f"{self.range}, and {least} {LARGEST:g}"
+            least = f"between {1.0 / LARGEST_COEFFICIENT:g} and" if self.above == 0.0 else "at most"
+            return f"{self.range}, and {least} {LARGEST_COEFFICIENT:g}"
         told = math.isfinite(value) or self.range.startswith("a finite")
         return self.range if told else f"finite and {self.range}"
 
@@ -394,6 +396,7 @@ class Quantity:
         try:
             return number_in(value, self.unit)
         except ParameterError as error:
+            # Both kinds of motion are tried before the unit is refused.
             if self.or_unit:
                 with contextlib.suppress(ParameterError):
                     return number_in(value, self.or_unit)
@@ -448,6 +451,7 @@ def _powers(text: str) -> dict[str, int]:
     for place, factors in enumerate(text.split("/")):
         for factor in factors.replace("*", " ").split():
             name, _, power = factor.partition("^")
+            # All that stands behind the first stroke divides: a/b/c is a/(b c).
             sign = -1 if place else 1
             found[name] = found.get(name, 0) + sign * (int(power) if power.isdigit() else 1)
     return found
@@ -476,7 +480,7 @@ class Parametrised(metaclass=Described):
     """What a field of this class holds, for the message on something else: "a drive such as"."""
 
     @classmethod
-    def instead(cls, given: object) -> str:  # noqa: ARG003  # subclasses look at it
+    def instead(cls, given: object) -> str:  # subclasses look at it
         """Return how what was given is written instead; empty if it may stand, or if unknown."""
         return ""
 
@@ -492,6 +496,7 @@ class Parametrised(metaclass=Described):
             if value is None and _optional(type(self), name):
                 continue
             object.__setattr__(self, name, quantity.check(owner, name, value))
+        # Orders are compared once all values are numbers.
         for name, quantity in fields_of(type(self)).items():
             self._check_order(name, quantity)
 
@@ -735,10 +740,12 @@ def _is_fixed(root: object) -> bool:
         return True
     if not isinstance(root, Parametrised):
         return False
+    # What has no hash, as a list, may be changed in place.
     try:
         hash(structure(root))
     except TypeError:
         return False
+    # Weakly: what is kept must not keep objects alive.
     _keep(_FIXED, id(root), weakref.ref(root))
     return True
 
@@ -747,6 +754,7 @@ def _keep(kept: dict[Any, Any], key: object, value: object) -> None:
     """Keep a value in place of the one that was kept first, where there are many."""
     with _LOCK:
         kept[key] = value
+        # The oldest first: a dictionary keeps the order of insertion.
         while len(kept) > MOST_KEPT:
             del kept[next(iter(kept))]
 
@@ -813,6 +821,7 @@ def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
     if isinstance(root, Group):
         for name, inner in grouped.items():
             members[name] = vary(members[name], f"{prefix}.{name}", inner)
+        # `replace` makes a new object, which checks itself.
         return dataclasses.replace(root, members=tuple(members.items()))
     for name, inner in grouped.items():
         own[name] = _vary_member(getattr(root, name), f"{prefix}.{name}", inner)
@@ -897,6 +906,7 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     symbols = {}
     if isinstance(known, Mapping):
         symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
+    # Names before symbols: a name that is also the symbol of another one means itself.
     same = [full for full in known if full.endswith(f".{path}")]
     if len(same) > 1:
         raise UnknownNameError(kind, path, same)
@@ -909,6 +919,7 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     if same:
         raise UnknownNameError(kind, path, same, symbols)
     ends = {full.rpartition(".")[2] for full in known}
+    # Near to no full path but to an end of one: ends are what to propose then.
     closer = not nearest(path, known) and bool(nearest(path, ends))
     raise UnknownNameError(kind, path, ends if closer else known, {} if closer else symbols)
 
@@ -952,6 +963,8 @@ def standing_path(
         return full_path(path, known)
     except UnknownNameError:
         declared: dict[str, Quantity] = {}
+        # Only where it is a parameter at all is there a reason to tell; else the first error
+        # stands.
         for prefix, root in roots.items():
             declared |= all_paths(root, prefix)
         with contextlib.suppress(UnknownNameError):
@@ -1001,6 +1014,7 @@ def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tupl
 def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:
     """Return our classes by name, and those that installed packages register in a group."""
     found: dict[str, type[T]] = {}
+    # Ours are not looked through: they are classes to import only when asked for.
     known = ChainMap(found, ours)  # type: ignore[arg-type]  # ours is only read
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)

@@ -19,7 +19,7 @@ _FACTOR = rf"{_NAME}(?:\^?[-−]?\d|[⁻¹²³]+)?|%|°"
 _UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·⋅/]\s*|\s+)(?:{_FACTOR}))*"
 _NUMBER_WITH_UNIT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
 
-LONGEST: Final = 100
+LONGEST_TEXT: Final = 100
 """Characters of a number with its unit at most."""
 REMEMBERED: Final = 8192
 """Units whose kind is remembered: columns of a wide table have few."""
@@ -156,7 +156,7 @@ def split_number(value: object) -> re.Match[str] | None:
     >>> split_number("35 mm").groups(), split_number("a lot")
     (('35', 'mm'), None)
     """
-    if not isinstance(value, str) or len(value) > LONGEST:
+    if not isinstance(value, str) or len(value) > LONGEST_TEXT:
         return None
     return _NUMBER_WITH_UNIT.fullmatch(value)
 
@@ -276,8 +276,8 @@ def _one(unit: str) -> Any:
     if unit == "1":
         return registry.Quantity(Decimal(1), "")
     # a long text is not searched, which takes a time that grows with the square of its length
-    unit = unit if len(unit) > LONGEST else _DOTTED.sub("*", unit)
-    if len(unit) > LONGEST or re.fullmatch(_UNIT, unit) is None:
+    unit = unit if len(unit) > LONGEST_TEXT else _DOTTED.sub("*", unit)
+    if len(unit) > LONGEST_TEXT or re.fullmatch(_UNIT, unit) is None:
         raise ParameterError(f"has an unreadable unit {shown(unit)}")
     try:
         # To the unit library px is that of web pages, which has a length.

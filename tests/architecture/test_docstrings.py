@@ -132,6 +132,18 @@ def test_private_functions_overrides_and_single_arguments_need_no_sections() -> 
     assert faults(textwrap.dedent(source)) == []
 
 
+@pytest.mark.parametrize(
+    ("name", "is_told"), [("columns", True), ("reduce_all", False), ("_inner", True)]
+)
+def test_a_public_method_has_a_docstring_on_its_class_or_on_a_base(
+    name: str, is_told: bool
+) -> None:
+    (node,) = ast.parse(f"class Final(Reducer):\n    def {name}(self): ...").body
+    assert isinstance(node, ast.ClassDef)
+    silent = [*docstrings.silent_methods(node, "stickslip.engine.solver.reducers")]
+    assert silent == ([] if is_told else [(2, f"Final.{name}")])
+
+
 def test_sections_of_a_function_that_no_page_shows_are_a_fault() -> None:
     tree = ast.parse(GOOD)
     found = [fault for _, _, fault in docstrings.faults(tree, "stickslip.nowhere")]

@@ -83,25 +83,32 @@ def test_what_a_door_names_is_there(door: str) -> None:
         assert getattr(module, name) is not None
 
 
+def taken_from(door: str, file: Path) -> Iterator[str]:
+    """Yield the names that a file takes from a door: by name, or as attributes of its module."""
+    room, _, last = f"stickslip.{door}".rpartition(".")
+    nodes = [node for node in imports_of(file) if isinstance(node, ast.ImportFrom)]
+    pairs = [(node.module, alias) for node in nodes for alias in node.names]
+    yield from (alias.name for module, alias in pairs if module == f"stickslip.{door}")
+    doors = {
+        alias.asname or last for module, alias in pairs if (module, alias.name) == (room, last)
+    }
+    for node in ast.walk(tree_of(file)) if doors else ():
+        match node:
+            case ast.Attribute(value=ast.Name(id=name), attr=attribute) if name in doors:
+                yield attribute
+
+
 @for_all(sorted(DOORS))
 def test_what_stands_inside_is_used_by_another_room(door: str) -> None:
     module = importlib.import_module(f"stickslip.{door}")
     folder = ROOT.joinpath(*door.split("."))
-    used = {
-        alias.name
-        for file in [*(one for one in FILES if not one.is_relative_to(folder)), *TOYS]
-        for node in imports_of(file)
-        if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{door}"
-        for alias in node.names
-    }
-    used |= {  # what a subpackage takes from the room that it is in
-        alias.name
-        for file in FILES
-        if door_of(file.relative_to(ROOT).parts) not in {door, ""} and file.is_relative_to(folder)
-        for node in imports_of(file)
-        if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{door}"
-        for alias in node.names
-    }
+    outside = [one for one in FILES if not one.is_relative_to(folder)]
+    below = [  # subpackages, which take from the room that they are in
+        one
+        for one in FILES
+        if one.is_relative_to(folder) and door_of(one.relative_to(ROOT).parts) not in {door, ""}
+    ]
+    used = {name for file in (*outside, *below, *TOYS) for name in taken_from(door, file)}
     if door == "show.plots":  # results draw themselves by `display.plots`, below all figures
         used |= {
             node.attr

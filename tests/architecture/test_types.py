@@ -309,7 +309,7 @@ disallow_untyped_calls = false
 strict_optional = false
 warn_unreachable = false
 ignore_missing_imports = true
-disable_error_code = ["assignment", "explicit-override"]
+disable_error_code = ["assignment"]
 """
 """What examples need beside the options of the project, whose results mypy may then use again."""
 

@@ -8,8 +8,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 
-from typing_extensions import override
-
 __all__ = ["ToldExit", "main"]
 
 BROKEN_PIPE = 1
@@ -67,7 +65,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 class _Stderr(logging.Handler):
     """Writes to what stderr is at that moment: progress bars take its place while they are up."""
 
-    @override
     def emit(self, record: logging.LogRecord) -> None:
         from stickslip.show.formatting import printable
 

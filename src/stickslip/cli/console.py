@@ -13,7 +13,6 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
-from typing_extensions import override
 
 from stickslip.cli import CANCELLED, QUIET, ToldExit
 from stickslip.cli.options import ColumnOptions, ReadingOptions
@@ -34,7 +33,6 @@ FOLDED = 16
 class _Printable(Console):
     """A console to which no text of a file can give commands, be it codes or markup."""
 
-    @override
     def print(self, *objects: Any, **settings: Any) -> None:
         super().print(*map(_made_printable, objects), **settings)
 

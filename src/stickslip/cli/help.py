@@ -11,7 +11,6 @@ from typing import Any, Final, get_args, get_origin, get_type_hints
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.models import OptionInfo
-from typing_extensions import override
 
 from stickslip.cli.options import QuietOption
 from stickslip.errors import InputError
@@ -83,8 +82,8 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
 class Panels(TyperGroup):
     """A group whose commands are listed under headings, in the order of the table."""
 
-    @override
     def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands under their headings, where Click would write one list."""
         width = max(map(len, self.commands), default=0)
         for title, names in PANELS.items():
             rows = [
@@ -100,7 +99,6 @@ class Panels(TyperGroup):
 class _Command(TyperCommand):
     """A command that says in one line what it needs, with an example."""
 
-    @override
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         try:
             return super().parse_args(ctx, args)

@@ -24,7 +24,6 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from typing_extensions import override
 
 from stickslip.cli import QUIET
 from stickslip.cli.console import note, stderr
@@ -237,7 +236,6 @@ class _ByLaw(_Shown):
         text = f"{step} (law {place} of {total})"
         self._bars.update(self._task, completed=len(self._met) - 1, description=text, runs=reached)
 
-    @override
     def _far(self, elapsed: float, done: float, total: float) -> str:
         place = [f"law {done:.0f} of {total:.0f}"] if total else []
         parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]

@@ -26,7 +26,7 @@ BRISTLES: Final = {"stiffness", "damping"}
 """Sizes in the scale of parameters of bristles."""
 SPEEDS: Final = (-0.1, 1e-3, 0.1, 1.0)
 """Speeds [m/s] at which a law over the normal force is compared with the same in forces."""
-SAME: Final = 1e-6
+FRICTION_TOLERANCE: Final = 1e-6
 """How far apart both may be, over the friction: beyond rounding, which offsets of speeds leave."""
 SAMPLES: Final = 4001
 """Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
@@ -104,6 +104,7 @@ def carried_by_contact(
     found = assigned(tuple(here), rig.law_by_contact(names))
     assert isinstance(found, Laws)  # of several contacts
     known = estimates_by_contact(rig, found)
+    # Levels at rest that nobody measured are said of each contact.
     rest = [
         f"{contact}: {sentence}" for contact, law in found.members for sentence in _about_rest(law)
     ]
@@ -115,6 +116,7 @@ def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
     """Return how well laws by contact are known; None where a rig's estimates are of others."""
     known = rig.estimates
     named = {} if known is None or isinstance(known.law, str) else known.law
+    # Estimates of another law say nothing of these.
     known = known if named and named.items() <= laws.names.items() else None
     stated = {
         f"{contact}.{name}": doubt
@@ -159,6 +161,7 @@ def carried(
     remarks: list[str] = []
     if load is not None:
         load = _checked_load(rig, levels, load)
+        # Only what is over the load: viscous coefficients and rates stay as they are.
         factors = dict.fromkeys(divided, 1.0 / load)
         changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
         divided_law = vary(found, "friction", changes)
@@ -202,11 +205,13 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
     """
     known = law.estimates
+    # Stated uncertainties without a range of speeds are no fit.
     fitted = known is not None and not (known.stated and known.largest_speed is None)
     if law.fitted_on is mechanism and not fitted:
         return ()
     said = []
     _, rate = slip_names(mechanism)
+    # Ends of steps too: extremes of speed lie between even times.
     seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
     speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
     most = None if known is None else known.largest_speed
@@ -216,9 +221,11 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
             f"The run reaches {quantity(speed, unit)}; the law was fitted up to"
             f" {quantity(most, unit)} and is extrapolated beyond that."
         )
+    # A load that is 1 for want of a better one is no load to compare.
     both_known = levels_at(law.fitted_on) == levels_at(mechanism) == "per load"
     if (
         both_known
+        # Without a level nothing is proportional to the load.
         and anywhere(law.law).break_away(1.0) > 0.0
         and len(law.fitted_on.contacts()) == 1
     ):
@@ -259,6 +266,7 @@ def unfitted_bristles(
     fitted = () if known is None else known.intervals
     if not stiffness or distance == 0.0:
         return ()
+    # Break-away over stiffness on both sides of 0: the way from held back to held forth.
     give = 2.0 * float(anywhere(law).break_away(1.0)) / min(stiffness)
     if give < DECIDES * abs(distance):
         return ()
@@ -320,6 +328,7 @@ def _name(rig: Rig, law: str | None) -> str:
             called = {table for table, one in rig.tables.items() if one in rig.laws}
             raise UnknownNameError(f"law of {rig.path}:", law, {*rig.laws, *called})
         return name
+    # The one that the file names, else the one that it has.
     for known in (rig.named, tuple(rig.laws)):
         if len(known) == 1 and known[0] in rig.laws:
             return known[0]
@@ -347,9 +356,10 @@ def _per_load(law: FrictionLaw) -> dict[str, float]:
 def _check_divided(rig: Rig, forces: FrictionLaw, law: FrictionLaw, load: float) -> None:
     """Refuse a law of another package that does not say all that is over the normal force."""
     before, after = anywhere(forces), anywhere(law)
+    # At several speeds: levels, fading and viscosity all have to fit.
     for speed in SPEEDS:
         wanted, got = float(before.steady(speed, 1.0)), float(after.steady(speed, load))
-        if abs(got - wanted) > SAME * abs(wanted):
+        if abs(got - wanted) > FRICTION_TOLERANCE * abs(wanted):
             silent = [name for name, one in fields_of(type(law)).items() if not one.scale]
             raise InputError(
                 f"{rig.path}: the levels of {law.name} cannot be divided by {quantity(load, 'N')}:"

@@ -25,13 +25,13 @@ GAP: Final = 3.0
 PADDED: Final = 10.0
 """Periods of the corner frequency by which ends are continued."""
 MOST_PIECES: Final = 1000
-SHORTEST: Final = 30
+SHORTEST_PIECE: Final = 30
 """Samples that a piece needs to be filtered; the ends of a shorter one would be all of it."""
 USUAL: Final = 98.0
 """Percentile of speeds that counts as the largest: beyond it are outliers."""
 QUARTILE: Final = 0.6745
 """Median size of a normal variable over its standard deviation."""
-NEAR: Final = 20.0
+NEAR_STEPS: Final = 20.0
 """Distances of levels over their step that are looked at first."""
 FEWEST_LEVELS: Final = 20
 MOST_LEVELS: Final = 2**24
@@ -75,6 +75,7 @@ def velocity_of(record: Measurement, *, cutoff: float | None = None) -> Array:
         measured = np.asarray(record.values("velocity"))
         return measured if cutoff is None else smooth(time, measured, cutoff)
     position = _position(record, "velocity")
+    # Central differences, which are of second order where times are uneven, too.
     return np.gradient(smooth(time, position, cutoff), time)
 
 
@@ -177,12 +178,13 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
             f" Hz, got {cutoff!r}."
         )
     sections = butter(ORDER, 2 * corner, output="sos")
+    # A filter would carry what is on one side of a gap to the other.
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
     if cuts.size > MOST_PIECES:  # such a record is more gaps than samples: left as it is
         return values
     found = np.array(values, dtype=float)
     for piece in np.split(np.arange(time.size), cuts):
-        if piece.size >= SHORTEST:
+        if piece.size >= SHORTEST_PIECE:
             span = slice(piece[0], piece[-1] + 1)
             found[span] = _low_pass(sections, corner, time[span], found[span])
     return found
@@ -229,13 +231,13 @@ def step_of(values: Array) -> float:
 
 def _common(levels: Array, apart: Array, guess: float) -> float:
     """Return the step of which levels and their distances are multiples, near a guess, or 0."""
-    near = apart[apart < NEAR * guess]
+    near = apart[apart < NEAR_STEPS * guess]
     step = float(np.sum(near) / np.sum(np.rint(near / guess)))
     if near.size < min(FEWEST_LEVELS, apart.size) or not _whole(near / step):
         return 0.0
     # Ever farther, as the step is known better: near its peak a sine has levels of whole numbers.
-    reach = NEAR
-    while step * reach < NEAR * levels[-1]:
+    reach = NEAR_STEPS
+    while step * reach < NEAR_STEPS * levels[-1]:
         within = levels[(levels > 0) & (levels < reach * step)]
         if within.size:
             counts = np.sum(np.rint(within / step))
@@ -243,7 +245,7 @@ def _common(levels: Array, apart: Array, guess: float) -> float:
                 step = float(np.sum(within) / counts)
             if not _whole(within / step):
                 return 0.0
-        reach *= NEAR
+        reach *= NEAR_STEPS
     return step
 
 
@@ -301,10 +303,13 @@ def unit_differences(values: Array, time: Array, order: int) -> Array:
     >>> unit_differences(np.array([0.0, 0.0, 1.0]), np.arange(3.0), 2).round(3).tolist()
     [0.408]
     """
+    # Row i holds for each difference the sample i places on.
     columns = [np.arange(i, max(len(values) - order, 0) + i) for i in range(order + 1)]
     weights = np.ones((order + 1, len(columns[0])))
     for i, j in itertools.permutations(range(order + 1), 2):
+        # Weights of Newton's divided differences, one over the product of all other distances.
         weights[i] /= time[columns[i]] - time[columns[j]]
+    # The sum of squares of the weights is the variance that white noise has in the difference.
     weights /= np.linalg.norm(weights, axis=0)
     return np.asarray(
         np.sum([w * values[rows] for w, rows in zip(weights, columns, strict=True)], axis=0)
@@ -337,7 +342,7 @@ def _picked(record: Measurement, rows: slice) -> Measurement:
         name: one[rows] if isinstance(one, np.ndarray) else one
         for name, one in record.inputs.items()
     }
-    joints = {name: _picked(one, rows) for name, one in record.joints.items()}
+    joints = {name: _picked(joint, rows) for name, joint in record.joints.items()}
     return replace(record, **columns, inputs=inputs, joints=joints)
 
 
@@ -366,17 +371,17 @@ def between_gaps(record: Measurement) -> tuple[Measurement, ...]:
 # follows at once: a low pass takes off what friction depends on, and slow readings between faster
 # ones vanish.
 
-FEWEST: Final = 30
+FEWEST_READINGS: Final = 30
 """Rows below which nothing is sampled often enough to be filtered."""
-SLOW: Final = 1.0
+READING_INTERVAL: Final = 1.0
 """Step of time [s] from which rows, each at another speed, are readings."""
-OTHER: Final = 0.01
+VELOCITY_CHANGE: Final = 0.01
 """Change of a velocity over its range from which the next one is another ..."""
-OFTEN: Final = 0.5
+CHANGED_SHARE: Final = 0.5
 """... and the share of the rows that are followed by another one."""
-LOST: Final = 2.0
+SCATTER_RATIO: Final = 2.0
 """Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
-MEAN: Final = 5
+MEAN_ROWS: Final = 5
 """Rows of that mean: about what a low pass at a tenth of the sampling frequency takes."""
 
 
@@ -396,18 +401,20 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
     extent = float(np.ptp(velocity))
     if extent == 0.0:
         return False
-    slow = float(np.median(np.diff(time))) >= SLOW
-    if slow and velocity.size < FEWEST:
+    slow = float(np.median(np.diff(time))) >= READING_INTERVAL
+    if slow and velocity.size < FEWEST_READINGS:
         return True
     steps = np.abs(np.diff(velocity))
-    if float(np.mean(steps > OTHER * extent)) < OFTEN:
+    if float(np.mean(steps > VELOCITY_CHANGE * extent)) < CHANGED_SHARE:
         return False
     if slow:
         return True
     if _rms(np.diff(velocity, n=2)) < _rms(steps):
         return False  # a motion goes on from step to step; readings in any order do not
-    usual = np.convolve(np.pad(velocity, MEAN // 2, mode="edge"), np.full(MEAN, 1 / MEAN), "valid")
-    return _scatter(usual, friction) > LOST * _scatter(velocity, friction)
+    usual = np.convolve(
+        np.pad(velocity, MEAN_ROWS // 2, mode="edge"), np.full(MEAN_ROWS, 1 / MEAN_ROWS), "valid"
+    )
+    return _scatter(usual, friction) > SCATTER_RATIO * _scatter(velocity, friction)
 
 
 def _scatter(velocity: Array, friction: Array) -> float:

@@ -28,12 +28,12 @@ NORMAL_95: Final = 1.959963984540054
 HARD: Final = ("rounding range", "stated interval")
 """Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
 KINDS: Final = ("95 %", *HARD)
-SAME: Final = 1e-9
+SYMMETRY_TOLERANCE: Final = 1e-9
 """How far apart the two halves of a covariance may be, over their standard deviations."""
 EVEN = 0.9
 """Share of the longer side of an interval from which both sides count as the same."""
-LEAST = 1e-300
-FEWEST: Final = 0.01
+LEAST_SIDE = 1e-300
+VALID_SHARE: Final = 0.01
 """Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
 
 
@@ -58,6 +58,7 @@ def levels_at(mechanism: Mechanism) -> Levels:
     """
     contacts = mechanism.contacts()
     if len(contacts) > 1:
+        # Levels are forces only where the load of each contact is left at 1.
         if any(one.load != 1.0 for one in contacts):
             return "per load"
         units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
@@ -255,6 +256,7 @@ class LawEstimates:
         def short(names: Iterable[str]) -> tuple[str, ...]:
             return tuple(one.removeprefix(prefix) for one in own(names))
 
+        # Rows and columns of the others are left out: the marginal distribution of a normal one.
         rows = [self.covariance_of.index(one) for one in own(self.covariance_of)]
         speed = self.largest_speed
         return dataclasses.replace(
@@ -295,15 +297,17 @@ class LawEstimates:
                 "estimates.covariance must consist of finite numbers, with variances of at least 0"
                 f" on its diagonal, got {table.tolist()}."
             )
+        # Scaled to variances of 1: tolerances hold whatever the units are.
         scale = np.where(spreads > 0.0, spreads, 1.0)
         scaled = table / np.outer(scale, scale)
-        if np.max(np.abs(scaled - scaled.T)) > SAME:
+        if np.max(np.abs(scaled - scaled.T)) > SYMMETRY_TOLERANCE:
             raise InputError(
                 "estimates.covariance must be symmetric; its two halves differ by up to"
                 f" {number(np.max(np.abs(table - table.T)))}."
             )
         least = float(np.linalg.eigvalsh(scaled)[0])
-        if least < -SAME * len(names):
+        # Rounding in a file may make an eigenvalue a little less than 0.
+        if least < -SYMMETRY_TOLERANCE * len(names):
             raise InputError(
                 "estimates.covariance must be positive semi-definite; scaled to unit variances,"
                 f" its smallest eigenvalue is {number(least)}."
@@ -393,6 +397,7 @@ class LawEstimates:
         values = _values(law)
         others = self.without(tuple(uncertainties))
         hard = bool(others.intervals) and others.interval in HARD
+        # Half the width of an even distribution is sqrt(3) standard deviations.
         reach = math.sqrt(3.0) if hard else NORMAL_95
         intervals = dict(others.intervals)
         for name, doubt in uncertainties.items():
@@ -473,7 +478,8 @@ class LawEstimates:
                     law, dict(zip(paths, row.tolist(), strict=True))
                 ):
                     kept.append(row)
-            if len(kept) < FEWEST * tried:
+            # Counted over all that was tried, so that the loop ends where hardly any draw is valid.
+            if len(kept) < VALID_SHARE * tried:
                 raise InputError(
                     f"nearly all samples of {', '.join(names)} are invalid for {law.name}: the"
                     " intervals extend beyond the allowed range of the parameters. Narrow the"
@@ -513,11 +519,13 @@ class LawEstimates:
             even: Array = random.uniform(ends[:, 0], ends[:, 1], size=(count, len(names)))
             return even
         centre = np.array([values[name] for name in names])
+        # By eigenvectors, and not as Cholesky: a covariance may be singular.
         share, axes = np.linalg.eigh(self._whole(centre, ends, names))
         root = axes * np.sqrt(np.maximum(share, 0.0))
         apart = random.standard_normal((count, len(names))) @ root.T
         sides = np.abs(ends - centre[:, None])
-        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST)
+        # The distribution is split at its centre, and each half scaled to the side of its interval.
+        share = sides / np.maximum(sides.max(axis=1, keepdims=True), LEAST_SIDE)
         share[share > EVEN] = 1.0  # a covariance is that of the longer side
         found: Array = centre + apart * np.where(apart < 0.0, share[:, 0], share[:, 1])
         return found
@@ -539,6 +547,7 @@ class LawEstimates:
         table = np.diag(np.square(spreads))
         at = [names.index(name) for name in self.covariance_of]
         if at:
+            # Variances of rows stay as they are told; only those without a row come from intervals.
             table[np.ix_(at, at)] = self.covariance
         return table
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data.units import LARGEST, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
@@ -453,6 +452,7 @@ class Measurement(Tabular, InPanels):
             "parameter_uncertainties",
             _positive("parameter_uncertainties", self.parameter_uncertainties),
         )
+        # What is given by joint becomes records of joints, and is then not kept twice.
         joints = _joints(self)
         _check_inputs(self, joints)
         self._set("joints", _with_own_inputs(joints, self))
@@ -506,6 +506,7 @@ class Measurement(Tabular, InPanels):
             {name for own in (one, *one.joints.values()) for name in own.contact_inputs()}
             for one in self.records()
         ]
+        # In the order of the table of inputs, whatever order records have.
         return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
 
     def contact_inputs(self, joint: str = "") -> dict[str, Array | float]:
@@ -533,6 +534,7 @@ class Measurement(Tabular, InPanels):
             for target in [unit_of_input(name, turning=self.turning)]
         }
         own = self.joints[joint].inputs if joint in self.joints else {}
+        # What was measured goes before what was stated, and a joint's own before what all share.
         return {**stated, **self.inputs, **own}
 
     @property
@@ -567,6 +569,7 @@ class Measurement(Tabular, InPanels):
             return self.trials[0].kind
         if self.time is not None:
             return "series"
+        # Friction against velocity without times is a map; single numbers are readings.
         both = isinstance(self.friction, np.ndarray) and isinstance(self.velocity, np.ndarray)
         return "friction-map" if both else "scalars"
 
@@ -624,7 +627,6 @@ class Measurement(Tabular, InPanels):
         known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured as a pandas DataFrame, as `load_measurement` reads it.
 
@@ -650,14 +652,13 @@ class Measurement(Tabular, InPanels):
                 for name, held in one.inputs.items():
                     unit = unit_of_input(name, turning=record.turning)
                     columns[f"{name}{joint and '.'}{joint} [{unit}]"] = held
+            # A record of single numbers is one row, which pandas wants an index for.
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
 
-    @override
     def _over(self) -> str:
         return "time"
 
-    @override
     def _summary(self) -> Summary:
         records = self.records()
         rows: list[tuple[str, object]] = []

@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data.estimates import LawEstimates, levels_at
 from stickslip.data.measurement import ELECTRIC, Measurement
@@ -477,7 +476,6 @@ class Rig(metaclass=Described):
             f"records: {measured}",
         )
 
-    @override
     def __repr__(self) -> str:
         return "<" + "\n ".join(self._lines()) + ">"
 

@@ -104,7 +104,7 @@ BINS = 4
 AS_GOOD = 0.9
 """Share of the oscillation that the best frequency explains from which a higher one, of which that
 is a fraction, is taken instead."""
-SHOWN = 0.5
+OSCILLATION_SHARE = 0.5
 """Share of the motion about a smooth curve from which it is an oscillation."""
 OTHER = 0.5
 """Share of what the drive explains in a film below which it is another drive's, where the best
@@ -122,7 +122,7 @@ def is_filmed(measurement: Measurement) -> bool:
     ... )
     (True, False)
     """
-    return all(one.quantities() == ("position",) for one in measurement.records())
+    return all(record.quantities() == ("position",) for record in measurement.records())
 
 
 def oscillation(time: Array, position: Array, frequency: float, harmonics: int = 3) -> float:
@@ -181,7 +181,7 @@ def other_drives(mechanism: Mechanism, measurement: Measurement) -> Iterator[str
         cycles = float(np.rint(drive / best))
         near = abs(best - drive / cycles) * float(np.ptp(time)) < 1.0 / BINS
         repeats = near and 1.0 < cycles <= CYCLES
-        if share > SHOWN and own < OTHER * share and not repeats:
+        if share > OSCILLATION_SHARE and own < OTHER * share and not repeats:
             yield (
                 f"{record.name or f'film {index}'} oscillates with {number(best, 3)} Hz, and its"
                 f" drive has {number(drive, 3)} Hz: one of the two is not of this run."
@@ -235,10 +235,10 @@ def travels_of_films(
     if not is_filmed(measurement):
         raise InputError("travels are read off films, which have positions in time and no more.")
     t_end = math.inf if t_end is None else t_end
-    t_end = min(t_end, *(float(np.asarray(one.time)[-1]) for one in records))
+    t_end = min(t_end, *(float(np.asarray(record.time)[-1]) for record in records))
     if said := list(other_drives(mechanism, measurement)):
         raise InputError(" ".join(said))
-    found = [_read(mechanism, one, t_end, i) for i, one in enumerate(records, 1)]
+    found = [_read(mechanism, record, t_end, i) for i, record in enumerate(records, 1)]
     if len(found) == 1:
         doubts = {**measurement.parameter_uncertainties, **found[0].parameter_uncertainties}
         return replace(found[0], parameter_uncertainties=doubts), t_end

@@ -8,8 +8,6 @@ from multiprocessing import parent_process
 from time import perf_counter
 from typing import Any, TypeVar
 
-from typing_extensions import override
-
 from stickslip.errors import InputError
 
 S = TypeVar("S")
@@ -34,7 +32,6 @@ class Inline(Executor):
     3
     """
 
-    @override
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
         done: Future[T] = Future()
         try:

@@ -111,12 +111,14 @@ def simulate(
     laws = check_pair(mechanism, law)
     last = END.check("simulate", "t_end", t_end)
     start = initial_state("simulate", mechanism, laws, y0)
+    # Made once: `EventDriven()` checks its settings, which a short run would feel.
     solver = USUAL if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
     told = _told(mechanism, y0)
     run = solver.run(mechanism, laws, y0=start, t_end=last, told=told)
     if throw:
+        # Fixed steps certify nothing, and are asked for nevertheless.
         refuse(run, certified=isinstance(solver, EventDriven))
     return run
 
@@ -238,6 +240,7 @@ def beginning_pair(
     if not isinstance(varied, Mapping):
         return mechanism, law
     states = (*mechanism.coordinates, *mechanism.rates)
+    # States have initial values, whose paths must not be taken for parameters that lack one.
     known = {f"initial.{name}": Quantity(name) for name in states}
     roots = beginning({"mechanism": mechanism, "friction": law}, varied, known)
     return cast("Mechanism", roots["mechanism"]), cast("FrictionLaw | Laws", roots["friction"])
@@ -281,6 +284,7 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     names = tuple(contact.name for contact in checked_contacts(mechanism))
     if not names:
         raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")
+    # Laws by contact, columns and paths go by the names.
     if len(names) > 1 and (len(set(names)) < len(names) or "" in names):
         raise InputError(
             f"{type(mechanism).__name__} has {len(names)} contacts, which need different names, got"
@@ -288,6 +292,7 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
         )
     if isinstance(law, PrintedForm):
         return law
+    # The only contact may be without a name: its law stands alone.
     if names == ("",) and isinstance(law, Mapping) and set(law) != {""}:
         raise InputError(
             f"{type(mechanism).__name__} has one contact, which has no name: give its law alone,"
@@ -362,6 +367,7 @@ def _told(
     mechanism: Mechanism, y0: Mapping[str, float] | Sequence[float] | None
 ) -> tuple[str, ...]:
     """Return the states that begin where the mechanism says, since nothing else was said."""
+    # A sequence tells all states, a mapping those that it names.
     if y0 is not None and not isinstance(y0, Mapping):
         return ()
     return tuple(state for state in mechanism.start() if state not in (y0 or {}))
@@ -402,7 +408,7 @@ def _states(mechanism: Mechanism, law: FrictionLaw | Laws | PrintedForm) -> dict
     if isinstance(law, PrintedForm):
         bristles = law.states
     else:
-        bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
+        bristles = bristle_names(tuple(contact.name for contact in mechanism.contacts()), law)
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)
     return {name: _state(name) for name in names}
 

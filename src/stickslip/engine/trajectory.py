@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, OnAxes, Summary, require_library
@@ -322,6 +320,7 @@ class Trajectory(InPanels):
             known = self.contacts or [one for one in (self.only_contact,) if one]
             raise UnknownNameError("contact", name, known)
         own = {f"{kind}:{name}": kind for kind in ("friction", "normal_force", "mode")}
+        # States of bristles of other contacts stay, as states of the run.
         kept = [column for column in self.names if ":" not in column or column in own]
         kept += [z for z in self.states if ":" in z]
         seen = {own.get(column, column): column for column in kept}
@@ -352,8 +351,10 @@ class Trajectory(InPanels):
         ends = [t for t, _ in changes[1:]] + [self.span[1]]
         spans: list[tuple[float, float]] = []
         for (start, mode), end in zip(changes, ends, strict=True):
+            # 1 and -1 slip, and nothing holds what is not loaded.
             if abs(mode) in (1, UNLOADED) or end <= start:
                 continue
+            # Stretches that touch, as where one kind of holding follows another, are one.
             if spans and math.isclose(spans[-1][1], start, abs_tol=0.0):
                 spans[-1] = (spans[-1][0], end)
             else:
@@ -366,10 +367,12 @@ class Trajectory(InPanels):
 
     def _modes(self) -> list[tuple[float, int]]:
         """Return the modes of the contact, each with the time from which it holds."""
+        # Events that were not located say nothing between steps.
         if self.step_times is not None:
             modes = self.evaluate(self.step_times)["mode"].tolist()
             pairs = list(zip(self.step_times.tolist(), map(int, modes), strict=True))
             return pairs[:1] + [b for a, b in itertools.pairwise(pairs) if a[1] != b[1]]
+        # Without events the run is in one mode throughout.
         first = self.events[0].from_mode if self.events else self.at(self.span[0])["mode"][0]
         return [(self.span[0], int(first)), *((event.t, event.to_mode) for event in self.events)]
 
@@ -409,7 +412,6 @@ class Trajectory(InPanels):
     def _last(self, name: str) -> str:
         return f"{name} = {quantity(float(self[name][-1]), self.units[name], 4)}"
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
@@ -511,7 +513,6 @@ class Ensemble(OnAxes):
         coordinates = {path: ("run", v, of[path]) for path, v in self.parameters.items()}
         return xr.Dataset(columns, coordinates)
 
-    @override
     def _summary(self) -> Summary:
         counts = {s: int((self.status == s).sum()) for s in Status}
         rows = [("runs", str(len(self))), ("outputs", ", ".join(self.outputs))]

@@ -44,6 +44,7 @@ from stickslip.exports.program import (
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import turned
 
+# With it both methods, of slip with and without bristles, are of second order and L-stable.
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
@@ -51,7 +52,7 @@ DROPS: Final = (
     " Where a bristle gives way, friction falls at once: the velocity may then err by that fall"
     " times the period over the mass."
 )
-CLOSE: Final = 1e-13
+ROOT_TOLERANCE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
@@ -86,7 +87,8 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
-    made = [_turned(one) if rotary else one for one in _Writer(law).functions()]
+    made = [_turned(function) if rotary else function for function in _Writer(law).functions()]
+    # Inputs go behind the load, wherever a function has it.
     places = {
         one.name: 1 + [v.name for v in one.inputs].index("load")
         for one in made
@@ -216,16 +218,16 @@ class _Writer:
     def __init__(self, law: Equations) -> None:
         self.law = law
         self.states = [se.Symbol(name) for name in (*law.bristles, *law.flags)]
-        self.ends = [f"{one}_end" for one in self.states]
+        self.ends = [f"{state}_end" for state in self.states]
         kinds = [("m", "bristle state")] * len(law.bristles)
         kinds += [("", "1 while the element slips, else 0")] * len(law.flags)
         self.bristles = tuple(
-            Variable(name=str(one), unit=unit, meaning=meaning)
-            for one, (unit, meaning) in zip(self.states, kinds, strict=True)
+            Variable(name=str(state), unit=unit, meaning=meaning)
+            for state, (unit, meaning) in zip(self.states, kinds, strict=True)
         )
         self.new_bristles = tuple(
-            replace(one, name=f"{one.name}_end", meaning=f"{one.meaning} at the end")
-            for one in self.bristles
+            replace(bristle, name=f"{bristle.name}_end", meaning=f"{bristle.meaning} at the end")
+            for bristle in self.bristles
         )
         # of forward slip, as a function of the speed; the other sense is turned round
         self.ahead = self._local(law.slip.ahead, 1)
@@ -255,7 +257,7 @@ class _Writer:
         """Return what holds in one sense of slip as seen along it."""
         deflections = self.states[: len(self.law.bristles)]
         turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in deflections}}
-        return tuple(side * one.subs(turned_round).subs({LOAD: NORMAL}) for one in values)
+        return tuple(side * value.subs(turned_round).subs({LOAD: NORMAL}) for value in values)
 
     def _friction(self) -> Function:
         forces = BySense(
@@ -384,12 +386,14 @@ class _Writer:
         if not any(z in one.free_symbols for one in slopes):
             names = ("rate", "drop")
             pairs = zip(rates, slopes, strict=True)
+            # Rates affine in the deflection: the implicit step is a division.
             ahead, back = (Assign(names, (rate, slope)) for rate, slope in pairs)
             rest = Assign(names, (slip.rest[1 + place].subs({LOAD: NORMAL}), ZERO))
             drop = se.Symbol("drop")
             step = PERIOD * se.Symbol("rate") / (1 + PERIOD * drop)
             return (
                 *_loaded((_senses(ahead, back, rest),)),
+                # A deflection that grows by itself is stepped explicitly: divisors stay at least 1.
                 Branch(drop, ZERO, (Assign(("drop",), (ZERO,)),)),
                 Assign((str(end),), (z + step,)),
             )
@@ -459,8 +463,8 @@ class _Writer:
         ratio = (1.0 - GAMMA) / GAMMA
         states = (VELOCITY, *self.states)
         between: list[Statement] = [
-            Assign((end,), (one + ratio * (se.Symbol(end) - one),))
-            for end, one in zip(outputs, states, strict=True)
+            Assign((end,), (state + ratio * (se.Symbol(end) - state),))
+            for end, state in zip(outputs, states, strict=True)
         ]
         if self.law.moved is not None:  # a straight line would lead elements past their limits
             rest = (1.0 - GAMMA) * PERIOD
@@ -530,6 +534,7 @@ class _Writer:
 
     def _stepped(self) -> Body:
         velocity_end, sense = se.Symbol("velocity_end"), se.Symbol("sense")
+        # What the body was given less what it kept: the mean force, whatever the steps within were.
         closing = Assign(("friction",), (APPLIED - MASS * (velocity_end - VELOCITY) / PERIOD,))
         if not self.law.holds:
             moved = (
@@ -570,7 +575,9 @@ class _Writer:
         sense, end = se.Symbol("sense"), se.Symbol("velocity_end")
         share, used, rest = map(se.Symbol, ("share", "used", "rest"))
         z_ends = tuple(map(se.Symbol, self.ends))
+        # A trapezium: velocities are known at both ends.
         through: Body = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
+        # A step of friction alone does not turn a body round.
         backwards = Branch(sense * end, ZERO, (Assign(("velocity_end",), (ZERO,)),))
         on: Body = (
             *self._sliding(ZERO, z_ends, rest),
@@ -579,6 +586,7 @@ class _Writer:
         )
         passed: Body = (
             Assign(("share",), (ZERO,)),
+            # Where a straight line between both velocities crosses 0.
             Branch(ZERO, sense * VELOCITY, (Assign(("share",), (VELOCITY / (VELOCITY - end),)),)),
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),
             Assign(("displacement",), (VELOCITY * used / 2,)),
@@ -637,7 +645,7 @@ def _by_velocity(names: tuple[str, ...], values: BySense) -> Body:
         Assign(names, tuple(one.subs({LOAD: NORMAL}) for one in side))
         for side in (values.ahead, values.back, values.rest)
     )
-    still = tuple(one.subs({VELOCITY: ZERO}) for one in ahead.values)
+    still = tuple(value.subs({VELOCITY: ZERO}) for value in ahead.values)
     if ahead == back and still == rest.values:
         return (ahead,)
     return (_senses(ahead, back, rest),)
@@ -663,7 +671,9 @@ def _root(name: str, evaluated: Body) -> Body:
     """
     at, low, miss, miss_low = map(se.Symbol, (name, "low", "miss", "miss_low"))
     tried, miss_at = se.Symbol("tried"), se.Symbol("miss_tried")
-    scale = CLOSE * CLOSE * (at - low) * (at - low)
+    # The square of a share of the first bracket: misses are compared as squares, which need no
+    # root.
+    scale = ROOT_TOLERANCE * ROOT_TOLERANCE * (at - low) * (at - low)
     return (
         *evaluated,
         Assign(("scale",), (scale,)),
@@ -683,6 +693,8 @@ def _root(name: str, evaluated: Body) -> Body:
                             miss * miss_at,
                             ZERO,
                             (Assign(("low", "miss_low"), (tried, miss_at)),),
+                            # Illinois: the end that stays twice is halved, so that the bracket
+                            # shrinks from both sides.
                             (Assign(("miss_low",), (miss_low / 2,)),),
                         ),
                         Assign(("tried", "miss_tried"), (at, miss)),

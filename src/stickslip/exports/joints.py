@@ -16,7 +16,6 @@ from typing import Annotated, ClassVar, Final, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Rig
 from stickslip.engine.simulation import simulate
@@ -36,13 +35,13 @@ SPEEDS: Final = 2001
 """Speeds in each direction at which the law is compared with its simplification."""
 TIMES: Final = 2001
 """Times at which two runs are compared."""
-LEAST: Final = 1e-6
+LEAST_SPEED_SHARE: Final = 1e-6
 """Smallest speed over the largest: what sliding begins with."""
 ROUNDING: Final = 1e-12
 """Relative residual that roundings leave."""
 ROOTS: Final = 4.0 * np.linspace(0.0, 1.0, 201) ** 2
 """Speeds over the largest at which the damping may vanish, of polynomials that are tried."""
-SAME: Final = 1e-9
+FORCE_TOLERANCE: Final = 1e-9
 """Relative difference below which two forces count as equal."""
 
 
@@ -63,11 +62,9 @@ class JointFriction(SetValuedLaw):
     static_surplus: Annotated[float, Quantity("f_s - f", "N", low=0)] = 0.0
     """What rest holds above the level, in simulators that have it."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         return self.level + self.damping * speed + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return self.level + self.static_surplus + 0.0 * load
 
@@ -95,12 +92,10 @@ class PolynomialFriction(SetValuedLaw):
     damping_curvature: Annotated[float, Quantity("d_2", "N s^3/m^3", low=0)]
     """Growth of the damping with the square of the speed."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         growth = self.damping_slope * speed + self.damping_curvature * speed * speed
         return self.level + (self.damping + growth) * speed + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return self.level + 0.0 * load
 
@@ -120,11 +115,9 @@ class SmoothFriction(SetValuedLaw):
     steepness: Annotated[float, Quantity("phi_2", "s/m", above=0)]
     """Inverse of the speed within which it grows."""
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         return 0.5 * self.height * tanh(0.5 * self.steepness * speed) + 0.0 * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return 0.0 * load
 
@@ -197,19 +190,24 @@ def simplified(
 
     steady = steady_of(subject)
     most, velocity = steady.largest_speed, steady.velocity
+    # All speeds alike, and powers of the share of the largest: columns of about one size.
     share = np.abs(velocity) / most
     powers = np.column_stack([np.sign(velocity), *(velocity * share**k / most for k in range(3))])
     # columns: a level, a damping, its growth, and (share - root)^2
     parts = np.eye(4)[:, :2]
     if polynomial:
+        # s^2 - 2 s r + r^2 for roots r all over the range: nowhere negative, nor is any sum of
+        # them.
         squares = np.stack([0.0 * ROOTS, ROOTS**2, -2.0 * ROOTS, 1.0 + 0.0 * ROOTS])
         parts = np.column_stack([np.eye(4)[:, :3], squares])
     known, held = np.zeros(4), max(steady.break_away)
     if holds:
         known[0] = held
         parts = parts[:, 1:]
+    # Weights of at least 0 keep level and damping from driving the joint.
     weights, _ = nnls(powers @ parts, steady.force - powers @ known)
     found = known + parts @ weights
+    # What least squares leave of the largest term is rounding.
     level, *dampings = np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
     damping, slope, curvature = (float(x / most ** (k + 1)) for k, x in enumerate(dampings))
     if polynomial:
@@ -247,7 +245,8 @@ class Steady:
 def steady_of(subject: Subject) -> Steady:
     """Return the friction of steady sliding over the range in which a law is used."""
     load, most = subject.needed_load(), subject.needed_speed()
-    speed = np.linspace(LEAST * most, most, SPEEDS)
+    # Nothing from rest itself, where the law may be any force up to break-away.
+    speed = np.linspace(LEAST_SPEED_SHARE * most, most, SPEEDS)
     velocity = np.concatenate([-speed[::-1], speed])
     ahead, back = (float(subject.law.towards(side).break_away(load)) for side in (1, -1))
     return Steady(
@@ -265,6 +264,7 @@ def compared(
     """Return what stands for a law, which sentences call by a name, with what it leaves."""
     stands = np.sign(steady.velocity) * joint.sliding(np.abs(steady.velocity), steady.load)
     residual = steady.force - stands
+    # Rounding is no difference to tell.
     if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(steady.force).max()):
         residual = np.zeros_like(residual)
     return Compared(
@@ -295,20 +295,21 @@ def _lost(subject: Subject, joint: SetValuedLaw, steady: Steady, called: str) ->
     law, turning, load = subject.law, subject.rotary, steady.load
     unit, speed_unit = turned("N", turning), turned("m/s", turning)
     speed, ahead = steady.velocity[SPEEDS:], steady.force[SPEEDS:]
+    # Seen along the motion, speeds growing as they do ahead.
     back = -steady.force[SPEEDS - 1 :: -1]
     held = float(joint.break_away(load))
     scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), held)
-    same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
+    same = np.allclose(ahead, back, rtol=FORCE_TOLERANCE, atol=FORCE_TOLERANCE * scale)
     levels = steady.break_away
     for level in dict.fromkeys(levels):
-        if abs(level - held) > SAME * scale:
+        if abs(level - held) > FORCE_TOLERANCE * scale:
             yield (
                 f"Static friction: rest holds {quantity(level, unit)}, with {called}"
                 f" {quantity(held, unit)}."
             )
     for forces in (ahead,) if same else (ahead, back):
         drop = float(forces[0] - forces.min())
-        if drop > SAME * scale:
+        if drop > FORCE_TOLERANCE * scale:
             yield (
                 f"Friction that falls with speed (Stribeck): by {quantity(drop, unit)} up to"
                 f" {quantity(float(speed[forces.argmin()]), speed_unit)}."
@@ -318,6 +319,7 @@ def _lost(subject: Subject, joint: SetValuedLaw, steady: Steady, called: str) ->
         yield f"Different friction in the two directions: by up to {quantity(most, unit)}."
     if law.states:
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
+    # A law of forces does not grow with the load, and needs no sentence.
     if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
         yield from about_load(subject, load)
     if subject.at:
@@ -413,9 +415,10 @@ def inertia_of(subject: Subject) -> float | None:
     """Return the inertia [kg] of what slips while all else rests at 0; None if it is not known."""
     mechanism = subject.mechanism
     contacts = () if mechanism is None else mechanism.contacts()
-    slips = [one.slip for one in contacts if subject.contact in ("", one.name)]
+    slips = [contact.slip for contact in contacts if subject.contact in ("", contact.name)]
     if mechanism is None or len(slips) != 1 or not isinstance(slips[0], str):
         return None
+    # Kinetic energy at a velocity of 1 is half the inertia.
     moving = defaultdict(float, {slips[0]: 1.0})
     found = float(2.0 * mechanism.kinetic_energy(defaultdict(float), moving))
     return found if math.isfinite(found) and found > 0.0 else None
@@ -450,7 +453,7 @@ def _by_constraint(subject: Subject, inertia: float) -> _Joint:
     """Return the friction of a joint as a level and a damping."""
     found = simplified(subject)
     level, damping = found.joint.level, found.joint.damping
-    creep = 0.6 * CREEP * level / inertia
+    creep = 0.6 * CREEP * level / inertia  # 60 % of the level, as the sentence says
     return _Joint(
         attributes=f' frictionloss="{level!r}" damping="{damping!r}"'
         f' solreffriction="{SOFT}" solimpfriction="{HARD}"',
@@ -506,6 +509,7 @@ def bristle_step(law: LuGre, load: float, inertia: float) -> tuple[float, float]
     if damping > 0.0:
         shortest = min(shortest, inertia / damping)
     step = STEADINESS * shortest
+    # Two digits: a step is no number to be exact about.
     return TIMESTEP if step >= TIMESTEP else float(f"{step:.1e}"), shortest
 
 
@@ -522,6 +526,7 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
         law.stribeck_velocity,
     )
     return _Joint(
+        # MuJoCo adds the viscous part as damping of the joint.
         attributes=f' damping="{law.viscous_coefficient!r}"',
         actuators=(
             f'    <dcmotor name="{subject.name}_friction" joint="{subject.name}" resistance="1"'
@@ -550,7 +555,6 @@ class Mjcf(Target):
     title: ClassVar[str] = "MuJoCo (MJCF)"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         known, law, name = inertia_of(subject), as_lugre(subject.law), subject.name
         inertia = 1.0 if known is None else known
@@ -593,7 +597,6 @@ class Urdf(Target):
     title: ClassVar[str] = "URDF"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         found = simplified(subject)
         joint, name, known = found.joint, subject.name, inertia_of(subject)

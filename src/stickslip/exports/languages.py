@@ -24,7 +24,7 @@ from stickslip.exports.program import (
 )
 
 WIDTH: Final = 96
-SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
+SAME_NAMES: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class Language:
 
 C: Final = Language(
     syntax=Syntax(
-        functions=SAME,
+        functions=SAME_NAMES,
         power="pow({base}, {exponent})",
         assign="{name} = {value};",
         branch="if ({condition}) {{",
@@ -80,7 +80,7 @@ C: Final = Language(
 )
 MATLAB: Final = Language(
     syntax=Syntax(
-        functions=SAME,
+        functions=SAME_NAMES,
         power="power({base}, {exponent})",
         assign="{name} = {value};",
         branch="if {condition}",
@@ -98,7 +98,7 @@ MATLAB: Final = Language(
 )
 MODELICA: Final = Language(
     syntax=Syntax(
-        functions=SAME,
+        functions=SAME_NAMES,
         power="({base})^({exponent})",
         assign="{name} := {value};",
         branch="if {condition} then",
@@ -144,11 +144,11 @@ def written(
         function.body
     )
     lines = tuple(block.lines)
-    own = {one.name for one in function.outputs}
+    own = {output.name for output in function.outputs}
     kept = [name for name in dict.fromkeys(assigned(function.body)) if results or name not in own]
     names = [*kept, *block.temporaries]
     indent = "    " * depth
-    used = [one for one in constants if contains(lines, one.name)]
+    used = [constant for constant in constants if contains(lines, constant.name)]
     return Written(
         constants=tuple(
             indent

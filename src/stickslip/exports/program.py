@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any, ClassVar, Final, TypeAlias
 
 import symengine as se
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, Levels, Rig
 from stickslip.engine.formulation import Switchboard, Traced, collapsed, expression
@@ -196,6 +195,7 @@ def equations_of(law: FrictionLaw) -> Equations:
             " fit, a verdict, or a rig with one law."
         )
     found = list(parameters(law, "friction"))
+    # In this order: what comes later steps out of the way of names that are taken.
     states = identifiers((*law.states, *_flags(law)), LOCAL)
     own = identifiers(law.inputs, (*LOCAL, *states))
     inputs = dict(zip(own, law.inputs, strict=True))
@@ -249,14 +249,15 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
     """Return the states after a period, and whether each latched switch is on then."""
     found = law.moved(at[0], load, states, Traced(PERIOD, at[1]))
     after = (
-        se.Piecewise((se.Integer(1), at[1].deciding(one) > 0), (se.Integer(0), True))
-        for one in at[1].switches.values()
-        if one.hold is not None
+        se.Piecewise((se.Integer(1), at[1].deciding(switch) > 0), (se.Integer(0), True))
+        for switch in at[1].switches.values()
+        if switch.hold is not None
     )
     return (*found, *(Traced(one, at[1]) for one in after))
 
 
 def _has_formula(law: FrictionLaw) -> bool:
+    # Any state tells whether there is a formula.
     with Latches():
         return _told(law).moved(0.0, 1.0, (0.0,) * len(law.states), 1.0) is not None
 
@@ -292,12 +293,14 @@ def _by_sense(
     """Evaluate a law in both senses of slip and at rest, where no latched switch is on."""
 
     def traced(sense: int) -> Values:
+        # Signs of the velocity are known in each sense, and decide its switches.
         board = Switchboard(signs={"velocity": sense} if sense else {})
         velocity = Traced(VELOCITY, board) if sense else 0.0
         twin = law(board)
         count = len(twin.states)
         z = tuple(Traced(se.Symbol(name), board) for name in states[:count])
         values = evaluate(twin, (velocity, board), Traced(LOAD, board), z)
+        # At rest no latch is on: its flag is 0, and not a symbol.
         flags = [se.Symbol(name) if sense else se.Integer(0) for name in states[count:]]
         return tuple(_closed(expression(value), board, flags) for value in values)
 
@@ -316,7 +319,7 @@ def _closed(e: se.Expr, board: Switchboard, flags: Sequence[se.Expr] = ()) -> se
 
     In place of those of latched ones stand their flags, in their order.
     """
-    latched = [one.symbol for one in board.switches.values() if one.hold is not None]
+    latched = [switch.symbol for switch in board.switches.values() if switch.hold is not None]
     return collapsed(board.settled(e).subs(dict(zip(latched, flags, strict=False))))
 
 
@@ -438,7 +441,7 @@ def renamed(body: tuple[Statement, ...], names: Mapping[str, str]) -> tuple[Stat
         return tuple(names.get(one, one) for one in old)
 
     def in_new(values: tuple[se.Expr, ...]) -> tuple[se.Expr, ...]:
-        return tuple(se.sympify(one).subs(symbols) for one in values)
+        return tuple(se.sympify(value).subs(symbols) for value in values)
 
     def of(one: Statement) -> Statement:
         match one:
@@ -557,12 +560,14 @@ class Subject:
         """Return the parameters with units and with how well they are known."""
         return tuple(
             Constant(
-                name=one.identifier,
-                value=one.value,
-                unit=self.unit(one.quantity),
-                meaning=", ".join(filter(None, (parameter_words(one.name), self.known(one.name)))),
+                name=parameter.identifier,
+                value=parameter.value,
+                unit=self.unit(parameter.quantity),
+                meaning=", ".join(
+                    filter(None, (parameter_words(parameter.name), self.known(parameter.name)))
+                ),
             )
-            for one in self.equations.parameters
+            for parameter in self.equations.parameters
         )
 
     def known(self, name: str) -> str:
@@ -585,8 +590,9 @@ class Subject:
             yield f"Source: {printable(self.source)}"
         yield f"Law (LaTeX): {printable(self.law.formula)}"
         yield "Parameters in SI units:"
-        for one in self.constants():
-            yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
+        for constant in self.constants():
+            # To the last bit, so that a program has the very law.
+            yield f"  {constant.name} = {constant.value!r} [{constant.unit}] ({constant.meaning})"
         ratio = self.levels == "per load"
         if ratio or self.has_normal_force:
             yield LOAD_TEXT["torques per load" if ratio and self.rotary else self.levels]
@@ -657,6 +663,7 @@ class Export:
         """Write the files into a folder, all or none."""
         place = Path(folder)
         paths = {place / name: text for name, text in self.files.items()}
+        # All paths are looked at before any file is written.
         for path in paths:
             try:
                 there = path.exists() or path.is_symlink()
@@ -670,7 +677,6 @@ class Export:
         write_files(paths)
         return tuple(paths)
 
-    @override
     def __repr__(self) -> str:
         return f"<Export {self.target}: {', '.join(self.files)}>"
 

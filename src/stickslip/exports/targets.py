@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.exports.functions import input_variables, rotary_code, turned_variable
@@ -33,7 +32,6 @@ class CCode(Target):
     name: ClassVar[str] = "c"
     title: ClassVar[str] = "C99"
 
-    @override
     def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=C, safe=_c_safe)
         files = {
@@ -48,13 +46,13 @@ def _header(source: Source) -> Iterator[str]:
     yield from _comment([*source.header(), *NOTES])
     yield from (f"#ifndef {guard}", f"#define {guard}", "")
     yield from ("#ifdef __cplusplus", 'extern "C" {', "#endif", "")
-    for one in source.functions:
-        if one.inner:
+    for function in source.functions:
+        if function.inner:
             continue
-        if len(one.outputs) > 1:
-            yield from _struct(source, one)
-        yield from _c_comment_of(one)
-        yield f"{_signature(source, one)};"
+        if len(function.outputs) > 1:
+            yield from _struct(source, function)
+        yield from _c_comment_of(function)
+        yield f"{_signature(source, function)};"
         yield ""
     yield from ("#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */")
 
@@ -62,15 +60,15 @@ def _header(source: Source) -> Iterator[str]:
 def _source(source: Source) -> Iterator[str]:
     yield from _comment(source.header())
     yield from (f'#include "{source.subject.name}.h"', "", "#include <math.h>")
-    for one in source.functions:
+    for function in source.functions:
         yield ""
-        if one.inner:
-            yield f"/* {one.summary} */"
-            if len(one.outputs) > 1:
-                yield from _struct(source, one)
-        yield f"{'static ' if one.inner else ''}{_signature(source, one)}"
+        if function.inner:
+            yield f"/* {function.summary} */"
+            if len(function.outputs) > 1:
+                yield from _struct(source, function)
+        yield f"{'static ' if function.inner else ''}{_signature(source, function)}"
         yield "{"
-        yield from _body(source, one)
+        yield from _body(source, function)
         yield "}"
 
 
@@ -96,7 +94,8 @@ def _body(source: Source, function: Function) -> Iterator[str]:
         yield from (f"    (void){v.name};" for v in function.inputs if not contains(lines, v.name))
     yield from inside.statements
     if several:
-        yield f"    const {result} all = {{{', '.join(one.name for one in function.outputs)}}};"
+        names = ", ".join(output.name for output in function.outputs)
+        yield f"    const {result} all = {{{names}}};"
         yield "    return all;"
     else:
         yield f"    return {function.outputs[0].name};"
@@ -110,8 +109,8 @@ def _signature(source: Source, function: Function) -> str:
 
 def _struct(source: Source, function: Function) -> Iterator[str]:
     yield "typedef struct {"
-    for one in function.outputs:
-        yield f"    double {one.name}; /* {_words(one.meaning, one.unit)} */"
+    for output in function.outputs:
+        yield f"    double {output.name}; /* {_words(output.meaning, output.unit)} */"
     yield f"}} {source.name_of(function)}_result;"
 
 
@@ -145,11 +144,11 @@ class Matlab(Target):
     name: ClassVar[str] = "matlab"
     title: ClassVar[str] = "MATLAB, Simulink and GNU Octave"
 
-    @override
     def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=MATLAB, safe=str)
         texts = {
-            source.name_of(one): list(_matlab_function(source, one)) for one in source.functions
+            source.name_of(function): list(_matlab_function(source, function))
+            for function in source.functions
         }
         block = f"{subject.name}_{BLOCK}"
         whole = [*_block(source, block), *(line for text in texts.values() for line in ["", *text])]
@@ -162,7 +161,7 @@ class Matlab(Target):
 
 def _matlab_function(source: Source, function: Function) -> Iterator[str]:
     name = source.name_of(function)
-    results = ", ".join(one.name for one in function.outputs)
+    results = ", ".join(output.name for output in function.outputs)
     head = f"[{results}]" if len(function.outputs) > 1 else results
     yield f"function {head} = {name}({', '.join(one.name for one in function.inputs)})"
     yield from _matlab_help(name, function)
@@ -180,7 +179,8 @@ def _matlab_help(name: str, function: Function) -> Iterator[str]:
     lines = [f"{name.upper()}  {function.summary}"]
     lines += [f"  {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.inputs]
     lines += [
-        f"  returns {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.outputs
+        f"  returns {output.name}: {output.meaning} [{output.unit or '1'}]"
+        for output in function.outputs
     ]
     yield from commented(lines, "%")
     yield "%#codegen"
@@ -189,7 +189,7 @@ def _matlab_help(name: str, function: Function) -> Iterator[str]:
 def _by_element(name: str, function: Function) -> Iterator[str]:
     """Yield the call for each element where an argument is an array."""
     names = [one.name for one in function.inputs]
-    results = ", ".join(one.name for one in function.outputs)
+    results = ", ".join(output.name for output in function.outputs)
     head = f"[{results}]" if len(function.outputs) > 1 else results
     yield f"    if ~({' && '.join(f'isscalar({one})' for one in names)})"
     yield f"        each = zeros(size({' + '.join(names)}));"
@@ -202,17 +202,17 @@ def _guard(function: Function) -> Iterator[str]:
     invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
     invalid += [f"~({one.name} > 0)" for one in function.inputs if one.positive]
     yield f"    if {' || '.join(invalid)}"
-    yield from (f"        {one.name} = NaN;" for one in function.outputs)
+    yield from (f"        {output.name} = NaN;" for output in function.outputs)
     yield from ("        return", "    end")
 
 
 def _block(source: Source, name: str) -> Iterator[str]:
     """Yield a block that keeps velocity and bristles from one period to the next."""
-    (step,) = (one for one in source.functions if one.name == "step")
+    (step,) = (function for function in source.functions if function.name == "step")
     law = source.subject.equations
     states = ("velocity", *law.bristles, *law.flags)
     inputs = ", ".join(one.name for one in step.inputs if one.name not in states)
-    others = [one.name for one in step.outputs[len(states) :]]
+    others = [output.name for output in step.outputs[len(states) :]]
     yield f"function [{', '.join((*states, *others))}] = {name}({inputs})"
     about = [
         f"{name.upper()}  Body with friction, one period at a call.",
@@ -221,7 +221,7 @@ def _block(source: Source, name: str) -> Iterator[str]:
     ]
     yield from commented(about, "%")
     yield "%#codegen"
-    kept = [f"kept_{one}" for one in states]
+    kept = [f"kept_{state}" for state in states]
     yield f"    persistent {' '.join(kept)}"
     yield f"    if isempty({kept[0]})"
     yield from (f"        {one} = 0;" for one in kept)
@@ -230,7 +230,7 @@ def _block(source: Source, name: str) -> Iterator[str]:
         f"kept_{one.name}" if one.name in states else one.name for one in step.inputs
     )
     yield f"    [{', '.join((*kept, *others))}] = {source.name_of(step)}({arguments});"
-    yield from (f"    {one} = kept_{one};" for one in states)
+    yield from (f"    {state} = kept_{state};" for state in states)
     yield "end"
 
 
@@ -263,7 +263,6 @@ class Modelica(Target):
     name: ClassVar[str] = "modelica"
     title: ClassVar[str] = "Modelica"
 
-    @override
     def export(self, subject: Subject) -> Export:
         if subject.equations.flags:
             raise InputError(
@@ -293,9 +292,9 @@ def _package(source: Source) -> Iterator[str]:
     name = _package_name(source)
     yield f'package {name} "Friction law of the package stickslip"'
     yield from commented([*source.subject.header()], "  // ")
-    for one in source.functions:
+    for function in source.functions:
         yield ""
-        yield from _modelica_function(source, one)
+        yield from _modelica_function(source, function)
     yield ""
     yield from _model(source)
     yield f"end {name};"
@@ -305,7 +304,7 @@ def _modelica_function(source: Source, function: Function) -> Iterator[str]:
     inside = source.inside(function, results=False, depth=DEPTH)
     yield f'    function {function.name} "{_modelica_safe(function.summary)}"'
     for kind, variables in (("input", function.inputs), ("output", function.outputs)):
-        yield from (f"        {kind} {_declared(one)}" for one in variables)
+        yield from (f"        {kind} {_declared(variable)}" for variable in variables)
     constants = [re.sub(r'unit="([^"]*)"', _as_modelica, line) for line in inside.constants]
     if constants or inside.declarations:
         yield "    protected"
@@ -435,7 +434,6 @@ class CsvTable(Target):
     title: ClassVar[str] = "lookup table (CSV)"
     evaluates: ClassVar[bool] = True
 
-    @override
     def export(self, subject: Subject) -> Export:
         law, load, most = subject.law, subject.needed_load(), subject.needed_speed()
         even = np.linspace(0.0, most, EVEN_SPEEDS + 1)[1:]
@@ -470,7 +468,6 @@ class JsonDocument(Target):
     name: ClassVar[str] = "json"
     title: ClassVar[str] = "JSON"
 
-    @override
     def export(self, subject: Subject) -> Export:
         text = json_text(document("law", _content(subject)))
         return Export(target=self.name, files={f"{subject.name}.json": text})
@@ -490,7 +487,9 @@ def _content(subject: Subject) -> dict[str, Any]:
         "largest_speed": None if known is None else known.largest_speed,
         "static_switch": getattr(law, "static_switch", None),
         "bristles": list(law.states),
-        "parameters": [_parameter(subject, one.name) for one in subject.equations.parameters],
+        "parameters": [
+            _parameter(subject, parameter.name) for parameter in subject.equations.parameters
+        ],
         "shape": dict(_shape(subject)),
         "covariance_of": [] if known is None else list(known.covariance_of),
         "covariance": [] if known is None else [list(row) for row in known.covariance],
@@ -499,7 +498,7 @@ def _content(subject: Subject) -> dict[str, Any]:
 
 
 def _parameter(subject: Subject, name: str) -> dict[str, Any]:
-    (one,) = (one for one in subject.equations.parameters if one.name == name)
+    (one,) = (parameter for parameter in subject.equations.parameters if parameter.name == name)
     known = subject.estimates
     low, high = (None, None) if known is None else known.intervals.get(name, (None, None))
     return {

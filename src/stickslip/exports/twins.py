@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import levels_at
 from stickslip.engine.simulation import simulate
@@ -161,6 +160,7 @@ def _kept(found: Simplified) -> tuple[str, ...]:
 def _level_and_damping(subject: Subject) -> tuple[Simplified, float]:
     """Return level and damping of a law, and its largest force at rest."""
     found = simplified(subject)
+    # Bodies at rest are held in both senses: the larger level counts.
     rest = max(float(subject.law.towards(side).break_away(found.load)) for side in (1, -1))
     return found, max(rest, found.joint.level)
 
@@ -196,7 +196,6 @@ class MuJoCo(Program):
         """Rate b at which the velocity of a held body decays [1/s]."""
         return 2.0 / (self.largest_impedance * max(self.time_constant, 2.0 * self.timestep))
 
-    @override
     def taken(self, subject: Subject) -> Taken:
         found = simplified(subject)
         solver = FixedStep(
@@ -209,15 +208,14 @@ class MuJoCo(Program):
         lost = found.lost if subject.levels == "per load" else _kept(found)
         return Taken(law=found.joint, solver=solver, level=found.joint.level, lost=lost)
 
-    @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         inertia = inertia_of(subject)
         if inertia is None:
             return math.nan
+        # Largest impedance enters by b alone; the soft constraint acts at the first one.
         held = self.impedance * self.damping * inertia / (1.0 - self.impedance)
         return force / (held + float(vars(taken.law)["damping"]))
 
-    @override
     def settings(self, subject: Subject, taken: Taken) -> str:
         level, damping = (vars(taken.law)[name] for name in ("level", "damping"))
         return (
@@ -227,7 +225,6 @@ class MuJoCo(Program):
             f' timestep="{self.timestep:g}"'
         )
 
-    @override
     def stiffer(self, subject: Subject) -> "MuJoCo":
         time_constant, _, impedance, largest, _ = map(float, f"{SOFT} {HARD}".split())
         return MuJoCo(
@@ -256,7 +253,6 @@ class MuJoCoMotor(Program):
     timestep: Annotated[float, Quantity("h", "s", above=0)] = 0.002
     """Option ``timestep``."""
 
-    @override
     def taken(self, subject: Subject) -> Taken:
         found = as_lugre(subject.law)
         if found is None:
@@ -274,20 +270,18 @@ class MuJoCoMotor(Program):
         load = subject.needed_load()
         return Taken(law=found, solver=solver, level=found.static_coefficient * load)
 
-    @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         return 0.0
 
-    @override
     def settings(self, subject: Subject, taken: Taken) -> str:
         return f'timestep="{self.timestep:g}" integrator="Euler"'
 
-    @override
     def stiffer(self, subject: Subject) -> "MuJoCoMotor":
         found, inertia = as_lugre(subject.law), inertia_of(subject)
         step = TIMESTEP
         if found is not None and inertia is not None:
             step = bristle_step(found, subject.needed_load(), inertia)[0]
+        # A tenth of a step that is merely stable: errors are proportional to it.
         return MuJoCoMotor(timestep=min(self.timestep, step) / 10.0)
 
 
@@ -311,7 +305,6 @@ class Drake(Program):
     stiction_tolerance: Annotated[float, Quantity("v_s", "m/s", above=0)] = 1e-4
     """``stiction_tolerance`` of ``MultibodyPlantConfig``."""
 
-    @override
     def taken(self, subject: Subject) -> Taken:
         if subject.rotary:
             raise InputError(
@@ -327,13 +320,13 @@ class Drake(Program):
         smooth = composed("root(level) + viscous")(**values)
         return Taken(law=smooth, solver=None, level=found.joint.level, lost=_kept(found))
 
-    @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         share = force / taken.level
+        # F = mu N v / sqrt(v^2 + v_s^2), solved for v.
         undamped = self.stiction_tolerance * share / math.sqrt(1.0 - share**2)
+        # Damping of the joint only slows it: the speed lies between 0 and that without it.
         return _steady_speed(subject, taken, force, undamped)
 
-    @override
     def settings(self, subject: Subject, taken: Taken) -> str:
         unit = turned("m/s", subject.rotary)
         return (
@@ -342,7 +335,6 @@ class Drake(Program):
             f" {quantity(self.stiction_tolerance, unit)}"
         )
 
-    @override
     def stiffer(self, subject: Subject) -> "Drake":
         return Drake(stiction_tolerance=min(self.stiction_tolerance, 1e-4) / 100.0)
 
@@ -367,7 +359,6 @@ class Simscape(Program):
     breakaway_velocity: Annotated[float, Quantity("v_brk", "m/s", above=0)] = 0.1
     """Breakaway friction velocity, 0.1 by default."""
 
-    @override
     def taken(self, subject: Subject) -> Taken:
         found, rest = _level_and_damping(subject)
         values = {
@@ -377,14 +368,14 @@ class Simscape(Program):
             "viscous_coefficient": found.joint.damping,
         }
         smooth = composed("simscape + viscous")(**values)
+        # The block has a breakaway force of its own, so that static friction is not lost.
         lost = tuple(line for line in _kept(found) if not line.startswith("Static friction"))
         return Taken(law=smooth, solver=None, level=rest, lost=lost)
 
-    @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
+        # The force is largest at the breakaway velocity: creep is below it.
         return _steady_speed(subject, taken, force, self.breakaway_velocity)
 
-    @override
     def settings(self, subject: Subject, taken: Taken) -> str:
         unit, speed = turned("N", subject.rotary), turned("m/s", subject.rotary)
         load = subject.needed_load()
@@ -397,7 +388,6 @@ class Simscape(Program):
             f" {number(_viscous(taken), 6)}"
         )
 
-    @override
     def stiffer(self, subject: Subject) -> "Simscape":
         return Simscape(breakaway_velocity=min(self.breakaway_velocity, 0.1) / 1000.0)
 
@@ -422,7 +412,6 @@ class Karnopp(Program):
     break_away: BreakAway = "static"
     """Friction out of rest, in the first step: ``static``, ``kinetic`` or ``zero``."""
 
-    @override
     def taken(self, subject: Subject) -> Taken:
         load = subject.needed_load()
         if not subject.law.holds:
@@ -434,6 +423,7 @@ class Karnopp(Program):
         inertia = inertia_of(subject)
         if self.band is None and inertia is None:
             raise InputError(f"{self.name}: the inertia of the slip is not known: give a band.")
+        # Wider than what one step changes, so that a body cannot step over the band.
         band = WIDER * level * self.step / inertia if inertia and not self.band else self.band
         assert band is not None
         bristles = bool(subject.law.states)
@@ -446,11 +436,9 @@ class Karnopp(Program):
         )
         return Taken(law=subject.law, solver=solver, level=level)
 
-    @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         return 0.0
 
-    @override
     def settings(self, subject: Subject, taken: Taken) -> str:
         assert isinstance(taken.solver, FixedStep)
         band = quantity(taken.solver.zero_velocity_band, turned("m/s", subject.rotary))
@@ -460,7 +448,6 @@ class Karnopp(Program):
             f"step {quantity(self.step, 's')}, dead band {band}{'' if taken.law.states else first}"
         )
 
-    @override
     def stiffer(self, subject: Subject) -> "Karnopp":
         return replace(self, step=self.step / 10.0, band=self.band and self.band / 10.0)
 
@@ -556,7 +543,6 @@ class Twin(metaclass=Described):
             "sentences": list(self.sentences),
         }
 
-    @override
     def __repr__(self) -> str:
         unit = turned("m", self.subject.rotary)
         return f"<Twin: {self.program.title}, largest error {quantity(self.peak_error, unit)}>"
@@ -627,6 +613,7 @@ def twin(
         )
     slip, rate = slip_names(mechanism)
     exact = simulate(mechanism, law, t_end=t_end, y0=y0)
+    # Even times beside those of the steps, between which extremes may lie.
     even = np.linspace(0.0, t_end, TIMES)
     levels = levels_at(mechanism)
     subject = Subject(
@@ -636,6 +623,7 @@ def twin(
         rotary=slips_by_angle(mechanism),
         levels=levels,
         load=static_normal_force(mechanism) if levels == "per load" else 1.0,
+        # A body that never moves has no range: any speed serves.
         largest_speed=float(np.abs(exact.at(even)[rate]).max()) or REFERENCE_SPEED,
     )
     taken = chosen.taken(subject)

@@ -113,7 +113,6 @@ class Typical:
     source: str = ""
     """Key of `stickslip.friction.sources.SOURCES`; empty if they are an example."""
 
-    @override
     def __str__(self) -> str:
         return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
 
@@ -300,9 +299,9 @@ class FrictionLaw(Parametrised, ABC):
 
     def rates(
         self,
-        velocity: Scalar,  # noqa: ARG002
-        load: Scalar,  # noqa: ARG002
-        states: tuple[Scalar, ...],  # noqa: ARG002
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...],
     ) -> tuple[Scalar, ...]:
         """Return the time derivatives of the states of the contact, arguments as in `force`.
 
@@ -324,10 +323,10 @@ class FrictionLaw(Parametrised, ABC):
 
     def moved(
         self,
-        velocity: Scalar,  # noqa: ARG002
-        load: Scalar,  # noqa: ARG002
-        states: tuple[Scalar, ...],  # noqa: ARG002
-        time: Scalar,  # noqa: ARG002
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...],
+        time: Scalar,
     ) -> tuple[Scalar, ...] | None:
         """Return the states of the contact after some time at a constant slip velocity.
 
@@ -366,7 +365,7 @@ class FrictionLaw(Parametrised, ABC):
         """
         return self.force(velocity, load)
 
-    def towards(self, direction: int) -> "FrictionLaw":  # noqa: ARG002
+    def towards(self, direction: int) -> "FrictionLaw":
         """Return the law that holds in one direction of slip; most hold in both.
 
         Parameters
@@ -426,6 +425,7 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
             raise InputError(f"the friction law {law.name} depends on {name}; given: {given}.")
     if not law.inputs:
         return law
+    # Laws do not change: whoever has this one does not see the inputs.
     twin = copy.copy(law)
     vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
     return twin
@@ -469,6 +469,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
         if unit != quantity.unit or unit.startswith("N"):
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
+            # `at_least` names a coefficient, and what is told is a force: the law itself checks it.
             own = dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)
             found[key] = name, own
     return MappingProxyType(found)

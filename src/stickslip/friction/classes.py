@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, cast, final
 
 from stickslip.errors import InputError, nearest
+from stickslip.friction import notation
 from stickslip.friction.base import (
     ALWAYS,
     BOUND,
@@ -23,18 +24,6 @@ from stickslip.friction.base import (
 )
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf, formula_of
 from stickslip.friction.containment import Contained
-from stickslip.friction.notation import (
-    Around,
-    Name,
-    Product,
-    Sum,
-    Term,
-    canonical,
-    read,
-    summed,
-    terms_of,
-    without_optional,
-)
 from stickslip.friction.parts.base import (
     Extra,
     Factor,
@@ -50,7 +39,7 @@ from stickslip.friction.sources import SOURCES
 from stickslip.maths import Scalar, latched, power, sign, where
 from stickslip.quantities import fields_of, unchecked
 
-LEAST = 1e-3
+LEAST_FACTOR = 1e-3
 """Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
 NAMES: Mapping[str, Any] = {
     name: getattr(math, name)
@@ -94,17 +83,19 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
-def one_way(term: Term) -> Term:
+def one_way(term: notation.Term) -> notation.Term:
     """Return the term of one direction."""
     match term:
-        case Around(head=Name(name="both_ways"), inner=inner):
+        case notation.Around(head=notation.Name(name="both_ways"), inner=inner):
             return inner
-        case Sum(items=items):
-            return summed(tuple(one for item in items for one in terms_of(one_way(item))))
-        case Around(head=head, inner=inner):
-            return Around(head, one_way(inner))
-        case Product(first=first, factors=factors):
-            return Product(one_way(first), factors)
+        case notation.Sum(items=items):
+            return notation.summed(
+                tuple(one for item in items for one in notation.terms_of(one_way(item)))
+            )
+        case notation.Around(head=head, inner=inner):
+            return notation.Around(head, one_way(inner))
+        case notation.Product(first=first, factors=factors):
+            return notation.Product(one_way(first), factors)
         case _:
             return term
 
@@ -158,7 +149,7 @@ def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = 
 
 def _total(values: Sequence[Scalar]) -> Scalar | None:
     """Return the sum; None where nothing is summed."""
-    there = [one for one in values if one is not None]
+    there = [value for value in values if value is not None]
     return functools.reduce(lambda one, other: one + other, there) if there else None
 
 
@@ -282,7 +273,7 @@ def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
                 for text, margin in self.towards(side).limits().items()
             }
         return {
-            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            f"{text} falls below {LEAST_FACTOR:g}": leaf.factor(self, STILL, None) - LEAST_FACTOR
             for text, leaf in found.items()
         }
 
@@ -427,6 +418,8 @@ def _dispatching(
         function: Callable[..., Scalar] = space["made"]
         return function
 
+    # Whether the short text serves is asked of each argument: `float` itself, neither array nor
+    # symbol.
     asked = [name for name in arguments if name != "states"]
     asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
     floats = " and ".join(f"type({one}) is float" for one in asked)
@@ -462,7 +455,7 @@ class Entry:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the contact."""
-        heads = (one for one in read(self.composition).parts() if one.role == "memory")
+        heads = (part for part in notation.read(self.composition).parts() if part.role == "memory")
         return tuple(
             state for one in heads for state in cast(Memory, one.part).states(one.argument)
         )
@@ -470,7 +463,7 @@ class Entry:
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of what it asks of the contact."""
-        names = read(self.composition).parts()
+        names = notation.read(self.composition).parts()
         return tuple(dict.fromkeys(one for name in names for one in name.inputs))
 
     @property
@@ -482,14 +475,14 @@ class Entry:
     def compared(self) -> bool:
         """Whether the formula was compared with its source: that of the law, and of its parts."""
         own = getattr(self.statement, "compared", True)
-        return own and all(one.part.compared for one in read(self.composition).parts())
+        return own and all(head.part.compared for head in notation.read(self.composition).parts())
 
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
         """The class of the law."""
         said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
         space = {**said, "__module__": PUBLIC}
-        c = Composition(read(self.composition))
+        c = Composition(notation.read(self.composition))
         made = _made(c, self.statement.__name__, space)
         made.__doc__ = self._documented(made)
         return made
@@ -558,9 +551,9 @@ def _by_parts() -> Mapping[str, Entry]:
     """
     found: dict[str, Entry] = {}
     for entry in CATALOGUE.values():
-        term = read(entry.composition)
-        for form in (term, without_optional(term)):
-            found.setdefault(canonical(form), entry)
+        term = notation.read(entry.composition)
+        for form in (term, notation.without_optional(term)):
+            found.setdefault(notation.canonical(form), entry)
     return MappingProxyType(found)
 
 
@@ -571,6 +564,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind: Any = type(base)(name, (base,), dict(space))
     for field, hint in inspect.get_annotations(kind).items():
         c.fields[field] = Parameter(name=field, hint=hint, default=dataclasses.MISSING)
+    # Parameters with a range first: exponents stand last in signatures and tables.
     fields = sorted(c.fields.values(), key=lambda one: one.quantity.structural)
     for one in fields:
         if one.default is not dataclasses.MISSING and one.name not in space:
@@ -583,12 +577,14 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     kind.composition, kind.made_of = c.term, c
     kind.directional, kind.inputs = c.directional, c.inputs
     kind.on_request = bool(space.get("on_request", True))
-    kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
+    # A formula is as well compared as the least of its parts.
+    kind.compared = kind.compared and all(head.part.compared for head in c.term.parts())
     kind.contained = Contained(c, _by_parts)
     if kind.passivity is None:
         kind.passivity = _passivity(c)
     if "formula" not in space:
         kind.formula = formula_of(c)
+    # Methods came after the class: what is abstract has to be found anew.
     abc.update_abstractmethods(kind)
     made: Any = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
     for key, arguments in FLOATS.items():
@@ -599,8 +595,8 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
 
 def _passivity(c: Composition) -> Passivity | None:
     """Return when the parts of a composition take energy alone; None where they do not tell."""
-    parts = [one.part for one in c.term.parts()]
-    doubtful = [one for one in parts if not (one.opposes or getattr(one, "dissipates", False))]
+    parts = [head.part for head in c.term.parts()]
+    doubtful = [part for part in parts if not (part.opposes or getattr(part, "dissipates", False))]
     conditions = {getattr(one, "positive_if", "") for one in doubtful}
     # an input that changes scales stiffness too, and with it what springs hold already
     if (c.memory and c.inputs) or "" in conditions:
@@ -619,15 +615,15 @@ def _passivity(c: Composition) -> Passivity | None:
     return Passivity(condition=" and ".join(sorted(conditions)), holds=holds)
 
 
-def class_of(term: Term) -> type[FrictionLaw]:
+def class_of(term: notation.Term) -> type[FrictionLaw]:
     """Return the class of a term: that with a name, or one that has its text as name."""
     return _by_text(str(term))
 
 
 @functools.cache
 def _by_text(text: str) -> type[FrictionLaw]:
-    c = Composition(read(text))  # refuses what cannot stand together
-    entry = _by_parts().get(canonical(c.term))
+    c = Composition(notation.read(text))  # refuses what cannot stand together
+    entry = _by_parts().get(notation.canonical(c.term))
     if entry is not None:
         return entry.law
     said = {

@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NoReturn, TypeAlias, cast
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
     BOTH_WAYS,
@@ -63,7 +61,6 @@ class Leaf:
     modulated: "Mapping[str, tuple[Leaf, ...]]" = dataclasses.field(default_factory=dict)
     """Factors of parameters, by the part's own name of these."""
 
-    @override
     def __str__(self) -> str:
         holds = self.inputs if self.part.argument == "input" else ()
         return self.part.name + "".join(f"[{one}]" for one in holds)
@@ -98,6 +95,7 @@ class _Values:
 
     def __getattr__(self, name: str) -> Any:
         field = self._leaf.names.get(name, name)
+        # The directions have fields of their own, between which the sign of the slip chooses.
         if isinstance(field, tuple):
             assert self._choose is not None
             value = self._choose(*(getattr(self._law, one) for one in field))
@@ -135,6 +133,8 @@ class Composition:
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
         self._refuse_twice()
+        # A memory has its levels inside, where its equations divide by them; all else stands beside
+        # it.
         for item in terms_of(term):
             if isinstance(item, Around) and item.head.role == "memory":
                 self._remember(item)
@@ -165,7 +165,7 @@ class Composition:
         """Enter the parameters of a term; return its parts."""
         match term:
             case Sum(items=items):
-                return [leaf for one in items for leaf in self._leaves(one, sides, inside=inside)]
+                return [leaf for item in items for leaf in self._leaves(item, sides, inside=inside)]
             case Around(head=head, inner=inner):
                 if head.role == BOTH_WAYS and not sides:
                     return _scoped(self._leaves(inner, head.argument or "all", inside=inside))
@@ -223,7 +223,7 @@ class Composition:
 
     def _check_modulated(self, factor: Name, leaves: list[Leaf]) -> None:
         """Refuse a factor of a parameter that is not there, or that shapes the equations."""
-        known = {one.name: one for leaf in leaves for one in leaf.part.parameters}
+        known = {parameter.name: parameter for leaf in leaves for parameter in leaf.part.parameters}
         if factor.modulated not in known:
             raise UnknownNameError(f"parameter in {factor}:", factor.modulated, known)
         if known[factor.modulated].quantity.structural:
@@ -264,22 +264,22 @@ class Composition:
 
     def _refuse_twice(self) -> None:
         parts = [name for name in self.term.parts() if name.role not in (BOTH_WAYS, "factor")]
-        memories = [one.name for one in parts if one.role == "memory"]
+        memories = [part.name for part in parts if part.role == "memory"]
         if len(memories) > 1:
             self._refuse(f"has two memories, {' and '.join(memories)}: keep one of them.")
-        named = [str(one) for one in parts]
+        named = [str(part) for part in parts]
         for name in dict.fromkeys(named):
             if named.count(name) > 1:
                 self._refuse(f"has {name} twice: leave one of them out.")
         owners: dict[str, str] = {}
-        for one in parts:
-            for parameter in one.part.parameters:
-                name = one.meaning(parameter.name)
-                other = owners.setdefault(name, str(one))
-                if other != str(one):
-                    self._refuse_beside(other, one)
+        for part in parts:
+            for parameter in part.part.parameters:
+                name = part.meaning(parameter.name)
+                other = owners.setdefault(name, str(part))
+                if other != str(part):
+                    self._refuse_beside(other, part)
                     self._refuse(
-                        f"has {other} and {one}, which both have {name}: keep one of them."
+                        f"has {other} and {part}, which both have {name}: keep one of them."
                     )
 
     def _refuse_beside(self, other: str, one: Name) -> None:
@@ -309,7 +309,7 @@ class Composition:
         for leaves in (self.inside, self.outside):
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
             names = [part.name for part in levels]
-            known = {one.name for leaf in leaves for one in leaf.part.parameters}
+            known = {parameter.name for leaf in leaves for parameter in leaf.part.parameters}
             for leaf in (one for one in leaves if not known.issuperset(one.part.needs)):
                 self._refuse(
                     f"has {leaf} without stribeck, as which it fades: write level + stribeck +"
@@ -355,9 +355,11 @@ class Composition:
     ) -> Names:
         """Enter the parameters of a part; return what they are called where that differs."""
         names: dict[str, str | tuple[str, str]] = {}
-        for one in name.parameters:
-            given = name.meaning(one.name, stem)
-            doubled = sides == "all" or (bool(sides) and one.quantity.scale in PER_DIRECTION)
+        for parameter in name.parameters:
+            given = name.meaning(parameter.name, stem)
+            # Without brackets both_ways doubles all parameters, with [levels] those that scale with
+            # levels.
+            doubled = sides == "all" or (bool(sides) and parameter.quantity.scale in PER_DIRECTION)
             made = []
             for prefix, mark in SIDES.values() if doubled else (("", ""),):
                 field = prefix + given
@@ -367,13 +369,13 @@ class Composition:
                         " brackets, and write it once."
                     )
                 change = functools.partial(self._placed, owner or name.name, prefix, mark, inside)
-                hint = with_marks(one.hint, change)
-                self.fields[field] = dataclasses.replace(one, name=field, hint=hint)
+                hint = with_marks(parameter.hint, change)
+                self.fields[field] = dataclasses.replace(parameter, name=field, hint=hint)
                 made.append(field)
             if doubled:
-                names[one.name] = (made[0], made[1])
-            elif made[0] != one.name:
-                names[one.name] = made[0]
+                names[parameter.name] = (made[0], made[1])
+            elif made[0] != parameter.name:
+                names[parameter.name] = made[0]
         return names
 
     def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Any) -> Any:
@@ -384,11 +386,14 @@ class Composition:
         if mark:
             stem, _, index = symbol.partition("_")
             symbol = f"{stem}_{mark}" if index in ("k", "2", "") else f"{symbol}{mark}"
-        taken = {one.quantity.symbol for one in self.fields.values()}
+        # Parts may have a symbol in common: the later one gets the first letter of its part, then
+        # numbers.
+        taken = {field.quantity.symbol for field in self.fields.values()}
         if symbol in taken:
             first = f"{symbol}_{part.lstrip('(')[0]}"
             others = (f"{first}{i}" for i in range(2, len(taken) + 3))
             symbol = next(one for one in (first, *others) if one not in taken)
+        # A memory divides by its levels: inside one they must be above 0, not only at least 0.
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
             q,
@@ -446,6 +451,7 @@ def formula_of(c: Composition) -> str:
     """
     if c.directional and c.memory is None:
         ahead, back = (_force(c, side) for side in (0, 1))
+        # In each case the sign of v is known, and no sgn is left to write.
         forward = ahead.replace(f" {SGN}", "")
         backward = f"-{back}".replace(f" {SGN}", "") if SGN in back else back
         return rf"F = \begin{{cases}} {forward} & v > 0 \\ {backward} & v < 0 \end{{cases}}"
@@ -503,7 +509,7 @@ def _force(c: Composition, side: int | None = None) -> str:
 def _term(c: Composition, leaf: Leaf, side: int | None, tex: str = "") -> str:
     """Return the LaTeX of a part, or another one in its place, with its factors."""
     placed = _placed(c, leaf, tex or leaf.part.tex, side)
-    factors = [_placed(c, one, one.part.tex, side) for one in leaf.factors]
+    factors = [_placed(c, factor, factor.part.tex, side) for factor in leaf.factors]
     if factors and " + " in placed and not placed.startswith(BRACKETS):
         placed = rf"\left({placed}\right)"
     return r" \, ".join([placed, *factors])
@@ -556,8 +562,8 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
     number = str(getattr(leaf.part, "degree", c.argument))
     text = tex.replace("{0}", x.tex if x else number).replace("{1}", x.index if x else "")
     own = {
-        one.name: one.quantity.symbol.replace("{0}", x.index if x else "")
-        for one in leaf.part.parameters
+        parameter.name: parameter.quantity.symbol.replace("{0}", x.index if x else "")
+        for parameter in leaf.part.parameters
     }
     for name in {*own, *leaf.names, *leaf.modulated}:
         field = leaf.names.get(name, name)
@@ -569,6 +575,7 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
         if one is not None and standard is not None and (renamed or factors):
             before, after = _tex(standard), _tex(one.quantity.symbol)
             after = rf"({' '.join([after, *factors])})" if factors else after
+            # Whole symbols only: not within another word, nor where an index goes on.
             there = rf"(\^)?(?<![A-Za-z\\]){re.escape(before)}(?![A-Za-z_])"
             text = re.sub(there, functools.partial(_raised, after), text)
     return text

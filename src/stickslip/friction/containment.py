@@ -66,6 +66,7 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
             found = _containment(kind.made_of, simpler, *reached[form])
             known = fields_of(kind)
             fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
+            # Not with a value that the richer law does not allow, as at the open end of a range.
             return found if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
 
@@ -94,7 +95,12 @@ def _forms(term: Term, kind: type[FrictionLaw]) -> Iterator[str]:
     Optional parts that are not given are not there either.
     """
     yield canonical(term)
-    given = [one.name for name in term.parts() if name.name in OPTIONAL for one in name.parameters]
+    given = [
+        parameter.name
+        for name in term.parts()
+        if name.name in OPTIONAL
+        for parameter in name.parameters
+    ]
     if given and all(getattr(kind, name, dataclasses.MISSING) is None for name in given):
         yield canonical(without_optional(term))
     for simpler, values, limits in _reductions(term):
@@ -187,9 +193,11 @@ def _containment(
     found: dict[str, float | str] = {
         field: field for field in mine if field in theirs and field not in (*values, *limits)
     }
-    gone = [one for one in limits if one in mine]
+    gone = [limit for limit in limits if limit in mine]
     for field in values:
         value = values[field]
+        # What a parameter becomes on the way may itself have got a value later: followed to the
+        # end.
         while isinstance(value, str) and value in values:
             value = values[value]
         if field not in mine:
@@ -200,6 +208,7 @@ def _containment(
             found[field] = value
     defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
+    # What nothing leads to must have its default in the simpler law.
     where: dict[str, Any] = {
         field: defaults[field]
         for field in theirs
@@ -280,7 +289,7 @@ def _of_product(term: Product) -> Iterator[Reduction]:
 
 
 def _own(name: Name) -> tuple[str, ...]:
-    return tuple(one.name for one in name.part.parameters)
+    return tuple(parameter.name for parameter in name.part.parameters)
 
 
 def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
@@ -288,14 +297,18 @@ def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
     # without a prefix as well: [levels] leaves some parameters to both directions
     prefixes = [*(prefix for prefix, _ in SIDES.values()), ""]
     fields = Composition(inner).fields
-    yield inner, {side + one: one for one in fields for side in prefixes if side}, ()
+    yield inner, {side + field: field for field in fields for side in prefixes if side}, ()
     for simpler, values, limits in _reductions(inner):
         both = {
             side + one: side + value if isinstance(value, str) else value
             for one, value in values.items()
             for side in prefixes
         }
-        yield Around(head, simpler), both, tuple(side + one for one in limits for side in prefixes)
+        yield (
+            Around(head, simpler),
+            both,
+            tuple(side + limit for limit in limits for side in prefixes),
+        )
 
 
 def _without(items: tuple[Term, ...]) -> Iterator[Reduction]:

@@ -21,8 +21,6 @@ from abc import ABC
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, UnknownNameError, nearest
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Level, Memory, Parameter, Part
@@ -99,7 +97,6 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
             title = f"{title} without viscous part"
         return title[:1].upper() + title[1:]
 
-    @override
     def __repr__(self) -> str:
         return str(self)
 
@@ -156,7 +153,6 @@ class Name(Term):
         """Return this around a term."""
         return Around(self, _term(inner))
 
-    @override
     def __str__(self) -> str:
         return f"{self.name}[{self.argument}]" if self.argument else self.name
 
@@ -197,12 +193,12 @@ class Name(Term):
         over = CONTACT_INPUTS[self.input].over
         return tuple(
             dataclasses.replace(
-                one,
+                parameter,
                 hint=with_marks(
-                    one.hint, lambda mark: over(mark) if isinstance(mark, Quantity) else mark
+                    parameter.hint, lambda mark: over(mark) if isinstance(mark, Quantity) else mark
                 ),
             )
-            for one in self.part.parameters
+            for parameter in self.part.parameters
         )
 
 
@@ -213,7 +209,6 @@ class Product(Term):
     first: Term
     factors: tuple[Name, ...]
 
-    @override
     def __str__(self) -> str:
         return " * ".join((_bracketed(self.first), *map(str, self.factors)))
 
@@ -233,7 +228,6 @@ class Sum(Term):
 
     items: tuple[Term, ...]
 
-    @override
     def __str__(self) -> str:
         return " + ".join(map(str, self.items))
 
@@ -245,7 +239,6 @@ class Around(Term):
     head: Name
     inner: Term
 
-    @override
     def __str__(self) -> str:
         return f"{self.head}({self.inner})"
 
@@ -302,12 +295,12 @@ def _titles(term: Term) -> Iterator[tuple[str, bool]]:
             title = term.part.title or term.name
             yield (f"{term.input} {title}" if term.input else title), False
         case Sum(items=items):
-            falls = any(isinstance(one, Name) and isinstance(one.part, Surplus) for one in items)
-            for one in items:
-                if not (falls and one == Name("level")):
-                    yield from _titles(one)
+            falls = any(isinstance(item, Name) and isinstance(item.part, Surplus) for item in items)
+            for item in items:
+                if not (falls and item == Name("level")):
+                    yield from _titles(item)
         case Product(first=first, factors=factors):
-            inputs = dict.fromkeys(one.input for one in factors)
+            inputs = dict.fromkeys(factor.input for factor in factors)
             yield f"{_title(first)} by {' and '.join(inputs)}", False
         case Around(head=head, inner=inner):
             within = list(_titles(inner))
@@ -332,10 +325,12 @@ def canonical(term: Term) -> str:
 def _canonical(term: Term) -> Iterator[str]:
     match term:
         case Sum(items=items):
-            for one in items:
-                yield from _canonical(one)
+            for item in items:
+                yield from _canonical(item)
         case Around(head=Name(name="both_ways") as head, inner=inner):
             for one in terms_of(inner):
+                # Where all parameters scale with levels, both_ways and both_ways[levels] are the
+                # same.
                 scales = {p.quantity.scale for name in one.parts() for p in name.part.parameters}
                 whole = Name(BOTH_WAYS) if scales <= {*PER_DIRECTION} else head
                 yield from (f"{whole}({text})" for text in _canonical(one))
@@ -363,7 +358,7 @@ TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+*])|(?P<other>\S))"
 )
 
-LONGEST, DEEPEST = 2_000, 20
+MOST_CHARACTERS, MOST_BRACKETS = 2_000, 20
 """Characters and brackets of a law: one with all parts and a curve of measured levels has fewer."""
 
 
@@ -375,10 +370,11 @@ def read(text: str) -> Term:
     >>> read("lugre(level+stribeck)+power")
     lugre(level + stribeck) + power
     """
-    if len(text) > LONGEST or text.count("(") > DEEPEST:
+    # Before anything is read: the reader calls itself for each bracket.
+    if len(text) > MOST_CHARACTERS or text.count("(") > MOST_BRACKETS:
         raise InputError(
-            f"the friction law {text[:40]!r}... cannot be read: a law has at most {LONGEST}"
-            f" characters and {DEEPEST} brackets, got {len(text)} and {text.count('(')}."
+            f"the friction law {text[:40]!r}... cannot be read: a law has at most {MOST_CHARACTERS}"
+            f" characters and {MOST_BRACKETS} brackets, got {len(text)} and {text.count('(')}."
         )
     return _Reader(text).whole()
 

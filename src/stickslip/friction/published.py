@@ -109,7 +109,7 @@ class _Switched(PrintedForm, ABC):
     def force(
         self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
-        if velocity == 0:
+        if velocity == 0:  # as printed: whatever it is, and without a limit
             return applied
         return float(self.unsigned(velocity, load, states) * sign(velocity))
 
@@ -182,6 +182,7 @@ class PrintedImprovedCoulomb(_Memoryless):
     def force(
         self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
+        # As printed: mu has the sign of v, by which it is multiplied again.
         mu = self.kinetic_coefficient * sign(velocity if velocity != 0 else applied)
         return float(mu * load * sign(velocity))
 
@@ -223,6 +224,7 @@ class PrintedCartDynamics(_Memoryless):
         mu = self.kinetic_coefficient
         if self.signed:
             mu *= sign(velocity if velocity != 0 else applied)
+        # As printed: what the pendulum adds to the normal force by mu, the weight by mu sgn v.
         return float(mu * (load - self.weight) + mu * self.weight * sign(velocity))
 
 
@@ -267,6 +269,7 @@ class PrintedStribeck(_Memoryless):
         if velocity == 0:
             return applied if abs(applied) < f_s else float(f_s * sign(applied))
         v_s, sigma_2 = self.stribeck_velocity, self.viscous_coefficient
+        # As printed: without |.| the exponent grows without limit for backward motion.
         dry = f_c + (f_s - f_c) * exp(-velocity / v_s)
         return float(dry * (sign(velocity) if self.signed else 1)) + sigma_2 * velocity
 

@@ -8,7 +8,6 @@ from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.quantities import Parametrised, Quantity
@@ -162,7 +161,6 @@ class RateState(Parametrised):
     """Whether the speed stands in an arcsinh, which has a value at rest and backwards, and not in a
     logarithm."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that they are those of the evolution."""
         super().__post_init__()
@@ -329,7 +327,7 @@ class RateState(Parametrised):
         a = self.direct_effect
         with np.errstate(divide="ignore"):
             log = np.log(np.abs(V) / V_0)
-        moving = np.where(V == 0.0, 0.0, log)
+        moving = np.where(V == 0.0, 0.0, log)  # the sign of 0 makes it 0 at rest
         # arsinh(e^x / 2) = x + ln((1 + sqrt(1 + 4 e^-2x)) / 2), without overflow where x is large
         x = (mu_0 + self.rate * moving) / a
         large = x + np.log1p(np.sqrt(1.0 + 4.0 * np.exp(-2.0 * np.maximum(x, 0.0)))) - math.log(2.0)

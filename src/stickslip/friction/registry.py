@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, replace
 from typing import Any
 
-from typing_extensions import override
-
 from stickslip.errors import InputError
 from stickslip.friction import LAW_MODULES
 from stickslip.friction import named as entries
@@ -32,20 +30,16 @@ class _Lazy(Mapping[str, type[FrictionLaw]]):
         self._known: dict[str, Entry | type[FrictionLaw]] = dict(CATALOGUE)
         self._known |= {kind.name: kind for kind in kinds}
 
-    @override
     def __getitem__(self, name: str) -> type[FrictionLaw]:
         found = self._known[name]
         return found.law if isinstance(found, Entry) else found
 
-    @override
     def __contains__(self, name: object) -> bool:
         return name in self._known
 
-    @override
     def __iter__(self) -> Iterator[str]:
         return iter(self._known)
 
-    @override
     def __len__(self) -> int:
         return len(self._known)
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import block_diag
-from typing_extensions import override
 
 from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at
 from stickslip.errors import InputError, ParameterError
@@ -66,7 +65,6 @@ class JointLawFit(Fit[Laws]):
 
     joints: Mapping[str, BandVerdict]
 
-    @override
     def law_estimates(self) -> LawEstimates:
         fits = {name: one.closest.fit for name, one in self.joints.items()}
         parts = [
@@ -81,11 +79,9 @@ class JointLawFit(Fit[Laws]):
             largest_speed={name: one.largest_speed for name, one in fits.items() if one},
         )
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         return next(iter(self.joints.values())).plot(ax)
 
-    @override
     def __str__(self) -> str:
         return f"{self.law.title}: {', '.join(map(str, self.shown))}"
 
@@ -94,7 +90,6 @@ class JointLawFit(Fit[Laws]):
 class JointLaws(Candidate[JointLawFit]):
     """The combination of laws that is named."""
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return {
             "law": self.name,
@@ -116,18 +111,15 @@ class JointVerdict(Verdict[JointLaws]):
     """What is doubtful about the measurement."""
 
     @property
-    @override
     def route(self) -> str:
         return JOINTS
 
     @property
-    @override
     def score_unit(self) -> str:
         units = {one.score_unit for one in self.joints.values()}
         return units.pop() if len(units) == 1 else ""
 
     @property
-    @override
     def closest(self) -> JointLaws:
         return self.candidates[0]
 
@@ -204,7 +196,6 @@ class JointVerdict(Verdict[JointLaws]):
             _laws(self.mechanism, {n: one[k] for n, one in drawn.items()}) for k in range(count)
         ]
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         return {
             "joints": {name: one.to_dict() for name, one in self.joints.items()},
@@ -225,7 +216,6 @@ class JointVerdict(Verdict[JointLaws]):
         of_joint = dict(BandVerdict.schema())
         return found | {"$defs": {**of_joint.pop("$defs"), "joint": of_joint}}
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         return self.candidates[0].fit.plot(ax)  # type: ignore[union-attr]
 

@@ -11,7 +11,6 @@ from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, SetValuedLaw, curve_through, monotone_slopes
@@ -309,13 +308,11 @@ class MeasuredCurve(SetValuedLaw):
         points = [CurvePoint(speed=v, level=mu, slope=slope) for (v, mu), slope in each]
         return cls(points=tuple(points))
 
-    @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         pairs = [(one.speed, one.level) for one in self.points]
         slopes = [one.slope for one in self.points]
         return self.curve_factor * curve_through(pairs, slopes, speed) * load
 
-    @override
     def break_away(self, load: Scalar) -> Scalar:
         return self.curve_factor * self.points[0].level * load
 

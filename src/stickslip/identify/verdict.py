@@ -8,7 +8,6 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at
 from stickslip.friction import PARTS, FrictionLaw, laws
@@ -80,7 +79,6 @@ class LawFit(Fit[FrictionLaw]):
     correlation: Array
     """Correlation of the estimates (p, p)."""
 
-    @override
     def law_estimates(self) -> LawEstimates:
         return estimates_for(
             self.law,
@@ -90,7 +88,6 @@ class LawFit(Fit[FrictionLaw]):
             largest_speed=self.largest_speed,
         )
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
 
@@ -102,7 +99,6 @@ class LawFit(Fit[FrictionLaw]):
         )
         return plot_band(drawing, ax)
 
-    @override
     def __str__(self) -> str:
         return f"{self.law.title}: {', '.join(map(str, self.estimates))}"
 
@@ -133,16 +129,13 @@ class LawCandidate(Candidate[LawFit]):
         return self.fit.law if self.fit else None
 
     @property
-    @override
     def parameters(self) -> int:
         return self.count
 
     @property
-    @override
     def score(self) -> float | None:
         return self.held_out
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return {
             "law": self.name,
@@ -181,12 +174,10 @@ class BandVerdict(Verdict[LawCandidate]):
     """Parameters of the named law with their intervals whichever law of the set has them."""
 
     @property
-    @override
     def route(self) -> str:
         return self.route_name
 
     @property
-    @override
     def score_unit(self) -> str:
         return self.measurement.unit("friction")
 
@@ -223,7 +214,6 @@ class BandVerdict(Verdict[LawCandidate]):
         return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
 
     @property
-    @override
     def closest(self) -> LawCandidate:
         return self.candidates[0]
 
@@ -383,7 +373,6 @@ class BandVerdict(Verdict[LawCandidate]):
             found.append(drawn_curve(*levels_of(judgement, structure, row)) if law is None else law)
         return found
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         problem = self.judgement.problem
         return {
@@ -460,7 +449,6 @@ class BandVerdict(Verdict[LawCandidate]):
         found: Mapping[str, Any] = json.loads(text)
         return found
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.figures import plot_band  # loads matplotlib
 

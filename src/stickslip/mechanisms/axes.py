@@ -162,7 +162,6 @@ class TwoMassAxis(LinearOrRotary):
     offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against motion of the load: gravity, a cable."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -223,6 +222,7 @@ class TwoMassAxis(LinearOrRotary):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         motor, load = self._sides
+        # What joins both sides drives the load, and is an external force to the motor.
         wound = self.stiffness * (q[motor] - q[load])
         wound = wound + self.damping * (q_dot[motor] - q_dot[load])
         sides = {

@@ -230,10 +230,10 @@ class Mechanism(Parametrised, ABC):
 
     def loads(
         self,
-        t: Scalar,  # noqa: ARG002  # for those whose loads change
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,  # for those whose loads change
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         """Return the prescribed loads of contacts by name; where left out, that of the contact.
 
@@ -259,10 +259,10 @@ class Mechanism(Parametrised, ABC):
 
     def contact_inputs(
         self,
-        t: Scalar,  # noqa: ARG002  # for those that can tell
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,  # for those that can tell
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         """Return what friction laws may ask of the contact beside speed and load.
 
@@ -307,7 +307,7 @@ class Mechanism(Parametrised, ABC):
 
     def limits(
         self,
-        forces: Mapping[str, Scalar],  # noqa: ARG002  # for those that have limits
+        forces: Mapping[str, Scalar],  # for those that have limits
     ) -> Mapping[str, Scalar]:
         """Return what ends a run as it falls below 0, by the name of the event.
 
@@ -330,7 +330,6 @@ class BoundedMechanism(Mechanism, ABC):
     on the contact is neglected.
     """
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that the stops leave room between them."""
         super().__post_init__()
@@ -356,7 +355,6 @@ class LinearOrRotary(Mechanism, ABC):
     """Whether coordinates are angles [rad] and forces are torques [N m]; units of values, such as
     kg m^2, set it, and so does a fit to angles."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that their units are of one kind of motion."""
         if not isinstance(self.rotary, bool):
@@ -515,10 +513,10 @@ class MatrixMechanism(Mechanism, ABC):
 
     def power(
         self,
-        t: Scalar,  # noqa: ARG002
-        q: Mapping[str, Scalar],  # noqa: ARG002
-        q_dot: Mapping[str, Scalar],  # noqa: ARG002
-        drives: Mapping[str, Scalar],  # noqa: ARG002
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
     ) -> Scalar | None:
         """Return the power [W] that drives put in and dampers take out, or None.
 
@@ -574,7 +572,7 @@ def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
 
 # Facts of the only contact of a mechanism: what slips there, and what presses at rest.
 
-MOST = 1000
+MOST_CONTACTS = 1000
 """Contacts for which equations are derived: the time grows with their square, to half a minute."""
 PRESSING = ("load", "mass", "gravity")
 """Parameters of a mechanism that its load may come from."""
@@ -597,10 +595,10 @@ def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
             f"{owner}: the contacts cannot be worked out at these values of its parameters"
             f" ({error}). Change the values, or write slips and loads that are finite there."
         ) from error
-    if len(found) > MOST:
+    if len(found) > MOST_CONTACTS:
         raise InputError(
-            f"{owner} has {len(found)} contacts, but no more than {MOST} can be simulated: leave"
-            " some out."
+            f"{owner} has {len(found)} contacts, but no more than {MOST_CONTACTS} can be simulated:"
+            " leave some out."
         )
     for one in found:
         for name, factor in {} if isinstance(one.slip, str) else one.slip.items():
@@ -692,7 +690,7 @@ def slipping(mechanism: Mechanism) -> tuple[str, ...]:
     >>> slipping(PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0))
     ('x', 'theta')
     """
-    slips = {name for one in mechanism.contacts() for name in one.slips}
+    slips = {name for contact in mechanism.contacts() for name in contact.slips}
     return tuple(name for name in mechanism.coordinates if name in slips)
 
 
@@ -762,6 +760,7 @@ def static_normal_force(mechanism: Mechanism) -> float:
     if normal is None:
         return float(1.0 if contact.load is None else contact.load)
     places = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
+    # Weight along the normal is what the energy grows by over 1 m: it is linear in the place.
     raised = mechanism.potential_energy(0.0, places | {normal: 1.0})
     return float(raised - mechanism.potential_energy(0.0, places))
 
@@ -781,8 +780,10 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     contacts = mechanism.contacts()
     if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
         return {contacts[0].name: static_normal_force(mechanism)}
-    found = {one.name: float(1.0 if one.load is None else one.load) for one in contacts}
-    carried = [one for one in contacts if one.normal is not None]
+    found = {
+        contact.name: float(1.0 if contact.load is None else contact.load) for contact in contacts
+    }
+    carried = [contact for contact in contacts if contact.normal is not None]
     held = list(dict.fromkeys(name for one in carried for name in one.normals))
     if not held:
         return found
@@ -793,6 +794,7 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
         up, down = ends
         return float(up - down) / 2e-3
 
+    # The normal forces balance the weight along all held coordinates.
     rows = [[_factor(one, name) for one in carried] for name in held]
     forces, _, rank, _ = np.linalg.lstsq(
         np.array(rows, dtype=float), np.array([weight(name) for name in held]), rcond=None
@@ -943,6 +945,7 @@ def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
     >>> input_names(given_inputs(SpringBlock(mass=1.0), {"temperature": 20.0}))[-1:]
     ('temperature',)
     """
+    # Any name has a value here: asked for are the names of the inputs alone.
     anywhere: Mapping[str, float] = defaultdict(float)
     return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
 
@@ -1007,7 +1010,7 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
             raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)
     key = tuple((*at, isinstance(one, Drive)) for at, one in told.items())
     kind = _told(_bare(type(mechanism)), key)
-    fields = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(mechanism)}
+    fields = {field.name: getattr(mechanism, field.name) for field in dataclasses.fields(mechanism)}
     found: Any = kind(**{**fields, **{input_field(*at): one for at, one in told.items()}})
     return found  # type: ignore[no-any-return]
 
@@ -1074,6 +1077,7 @@ def _bare(kind: type[Mechanism]) -> type[Mechanism]:
 @functools.cache
 def _told(kind: type[Mechanism], inputs: tuple[tuple[str, str, bool], ...]) -> type[Mechanism]:
     """Return the type of a mechanism with contact inputs: numbers, and drives where it says so."""
+    # Cached: mechanisms with the same inputs are of one type.
     moving = {input_field(contact, name) for contact, name, drive in inputs if drive}
 
     def drives(self: Any) -> Mapping[str, Drive]:

@@ -75,7 +75,6 @@ class SpringBlock(BoundedMechanism):
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Speed after an impact at a stop over the speed before; 0 if nothing bounces."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that a compressed spring is there."""
         super().__post_init__()
@@ -106,6 +105,7 @@ class SpringBlock(BoundedMechanism):
         """Return what the spring does: nothing where the block has left it."""
         if self.attached:
             return of_spring
+        # On the side on which the spring is, whichever that is.
         pushes = gap * self.compression > 0.0
         return where(pushes, of_spring, 0.0, ("spring touches", "block leaves the spring"))
 
@@ -307,6 +307,7 @@ class TwoFeet(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
+        # Friction acts below the centre of mass, and so turns the body.
         slip = {"x": 1.0, "phi": self.height}
         return (
             Contact(slip=slip, normal={"y": 1.0, "phi": self.front}, name="front"),
@@ -379,7 +380,6 @@ class BlockChain(Mechanism):
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force of each block, or 1 where levels are forces."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that the number of blocks is whole."""
         super().__post_init__()
@@ -415,6 +415,7 @@ class BlockChain(Mechanism):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         places = [q[x] for x in self.coordinates]
+        # Places count along with the belt: springs to the ground also see how far that has moved.
         moved = 0.0 if self.speed is None else self.speed * t
         stretched = [place + moved for place in places]
         apart = [after - before for before, after in itertools.pairwise(places)]

@@ -59,14 +59,18 @@ class Lining(Parametrised):
 
 def pressing_drives(linings: Mapping[str, Lining]) -> dict[str, Drive]:
     """Return the drives that press linings, by the names of these."""
-    return {name: one.press for name, one in linings.items() if one.press is not None}
+    return {name: lining.press for name, lining in linings.items() if lining.press is not None}
 
 
 def pressing_forces(
     linings: Mapping[str, Lining], drives: Mapping[str, Scalar]
 ) -> dict[str, Scalar]:
     """Return the pressing forces [N] that change."""
-    return {name: one.load + drives[name] for name, one in linings.items() if one.press is not None}
+    return {
+        name: lining.load + drives[name]
+        for name, lining in linings.items()
+        if lining.press is not None
+    }
 
 
 def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
@@ -119,7 +123,6 @@ class DiscBrake(Mechanism):
     drive: Drive | None = None
     """Torque on the disc [N m]."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the pads."""
         super().__post_init__()
@@ -127,7 +130,7 @@ class DiscBrake(Mechanism):
 
     def _linings(self) -> dict[str, Lining]:
         """Return the pads by name."""
-        return {f"pad-{i + 1}": one for i, one in enumerate(self.pads)}
+        return {f"pad-{i + 1}": pad for i, pad in enumerate(self.pads)}
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -149,7 +152,7 @@ class DiscBrake(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        return tuple(one.contact("phi", name) for name, one in self._linings().items())
+        return tuple(lining.contact("phi", name) for name, lining in self._linings().items())
 
     @override
     def loads(
@@ -244,7 +247,6 @@ class ClutchTrain(Mechanism):
     brake: Lining | None = None
     """Brake between the housing and the first rotor."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parts and their number."""
         super().__post_init__()
@@ -280,11 +282,12 @@ class ClutchTrain(Mechanism):
 
     def _linings(self) -> dict[str, Lining]:
         """Return clutches and brake by name."""
-        found = {f"clutch-{i + 1}": one for i, one in enumerate(self.clutches)}
+        found = {f"clutch-{i + 1}": clutch for i, clutch in enumerate(self.clutches)}
         return found if self.brake is None else {**found, "brake": self.brake}
 
     def _turning(self) -> dict[str, tuple[str, Lining]]:
         """Return clutches and brake by name, with the angle along which each slips."""
+        # Clutches slip along psi, the brake along phi, which stays over without one.
         linings, angles = self._linings(), (*self.coordinates[1:], "phi")
         return {name: (x, linings[name]) for name, x in zip(linings, angles, strict=False)}
 
@@ -350,6 +353,6 @@ class ClutchTrain(Mechanism):
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        torques = {f"torque-{i + 1}": one.torque for i, one in enumerate(self.rotors)}
+        torques = {f"torque-{i + 1}": rotor.torque for i, rotor in enumerate(self.rotors)}
         turning = {name: drive for name, drive in torques.items() if drive is not None}
         return {**turning, **pressing_drives(self._linings())}

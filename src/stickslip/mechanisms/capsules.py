@@ -306,7 +306,6 @@ class Capsule(BoundedMechanism):
     squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
     """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters: only a force can come from outside."""
         if self.drive_on not in ("both", "inner mass"):
@@ -385,7 +384,7 @@ class Capsule(BoundedMechanism):
             inner_mass=1.0,
             stiffness=1.0,
             damping=2.0 * xi,
-            gravity=1.0 / (coefficient * (1.0 + gamma)),
+            gravity=1.0 / (coefficient * (1.0 + gamma)),  # mu (M + m) g = 1
             drive=Torque(drive=drive),
             drive_on=drive_on,
             upper_soft_stop=SoftStop(place=delta, stiffness=beta),
@@ -447,6 +446,8 @@ class Capsule(BoundedMechanism):
         between = drive - self.damping * q_dot["xi"]
         for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             between = between + stop.damper_force(q["xi"], q_dot["xi"], side, events)
+        # xi counts from the capsule: a force between both acts along xi alone, one from outside
+        # along x too.
         return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
 
     @override
@@ -743,7 +744,6 @@ class PendulumCart(Mechanism):
     """Acceleration of the ground along its normal [m/s^2], as of a vibrating pipe; rest if not
     given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters; a pivot without load is no contact."""
         super().__post_init__()
@@ -752,6 +752,8 @@ class PendulumCart(Mechanism):
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        # Where tipping is watched, `tilt` is a coordinate held at 0: its reaction is the moment of
+        # the ground.
         tilt, tilting = q.get("tilt", 0.0), q_dot.get("tilt", 0.0)
         angle, turning = q["theta"] + tilt, q_dot["theta"] + tilting
         h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
@@ -790,6 +792,7 @@ class PendulumCart(Mechanism):
         if self.ground is None:
             return {"theta": pivot}
         shaken = self._shaken(q, drives)
+        # In axes of the ground its acceleration acts like a weight.
         normal = -(self.cart_mass + self.ball_mass) * drives[GROUND]
         return {"theta": pivot + shaken, "y": normal} | dict.fromkeys(self.held(), shaken)
 

@@ -50,8 +50,10 @@ class ContactInput:
         power = over[quantity.unit if "{0}" in quantity.unit else ""]
         changes: dict[str, object] = {
             "symbol": quantity.symbol.replace("{0}", self.index),
+            # A difference of temperatures is in kelvins.
             "unit": quantity.unit.replace("{0}", "K" if self.unit == "degC" else self.unit),
         }
+        # What an expected change of the input does, over its size, is the parameter's.
         if power and quantity.bounds is not None and quantity.start is not None:
             scale = {-1: self.scale, 1: f"/{self.scale}", 2: f"/{self.scale}^2"}[power]
             level = "level" if quantity.scale == "level" else "1" * (power > 0)

@@ -150,6 +150,7 @@ class SampledLoop(MotorLoop):
             grown = before + self.integral_gain * error * self.period
         found, integral = within_limit(asked, before, grown, limit)
         if self.step is not None:
+            # Whole counts may lie beyond the limit.
             found = min(max(self.step * round(found / self.step), -limit), limit)
         return found, (integral, position)
 
@@ -275,7 +276,6 @@ class DCMotor(Parametrised):
     drive: Drive | None = None
     """Voltage [V], or the goal of the loop; 0 if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters: a supply droops from its voltage."""
         super().__post_init__()
@@ -348,6 +348,8 @@ class DCMotor(Parametrised):
         voltage = self.voltage(command, position, rate)
         resistance = self.resistance
         if self.supply_resistance is not None:
+            # The supply carries the motor's current times the duty, and its droop is switched with
+            # the duty again.
             duty = voltage / self.supply
             resistance = resistance + self.supply_resistance * duty * duty
         current = (voltage - self.back_emf * self.gear_ratio * rate) / resistance

@@ -99,6 +99,7 @@ def about(mass: Scalar, moment: Vector, place: Vector) -> Matrix:
     >>> about(2.0, (0.0, 0.0, 0.0), (0.0, 3.0, 0.0))[2][2]
     18.0
     """
+    # (p . r) 1 - (p r^T + r p^T) / 2, with p the place, h the moment, and r = m p + 2 h.
     twice = plus(moment, moment)
     reach = tuple(mass * place[i] + twice[i] for i in range(3))
     shared = [[0.5 * (place[i] * reach[j] + reach[i] * place[j]) for j in range(3)]
@@ -151,7 +152,7 @@ class _Place:
     def outward(self, a: Vector) -> Vector:
         """Return a vector of the parent's in axes of the body."""
         x, y, z = times(self.body.frame, a)
-        return (self.c * x + self.s * y, self.c * y - self.s * x, z)
+        return (self.c * x + self.s * y, self.c * y - self.s * x, z)  # back by the angle about z
 
     def inward(self, a: Vector) -> Vector:
         """Return a vector of the body's in axes of the parent."""
@@ -196,6 +197,7 @@ def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Be
     """Return what each joint carries, and mass times place of all bodies in axes of the base."""
     found = [_Beyond(body.mass, body.moment, body.inertia) for body in bodies]
     base: Vector = NONE
+    # Bodies stand behind what carries them: from the last one inwards all beyond is known.
     for i, body in reversed(list(enumerate(bodies))):
         own, place = found[i], places[i]
         moment = place.inward(own.moment)
@@ -205,6 +207,7 @@ def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Be
             continue
         more = about(own.mass, moment, place.offset)
         more = both(more, place.inertia(own.inertia))
+        # The rotor takes part in the motion of the link on which it sits, about its axis.
         more = both(more, tuple(_scaled(body.rotor * k, body.axis) for k in body.axis))
         parent = found[body.parent]
         parent.mass = parent.mass + own.mass
@@ -219,6 +222,8 @@ def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Sca
     carried, _ = _carried(bodies, places)
     rows: list[list[Scalar]] = [[0.0] * len(bodies) for _ in bodies]
     for i, (body, own) in enumerate(zip(bodies, carried, strict=True)):
+        # Force and torque about joint i that a unit acceleration of it takes, then passed on to the
+        # base.
         x, y, _ = own.moment
         force: Vector
         torque: Vector
@@ -232,6 +237,7 @@ def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Sca
         while bodies[at].parent != BASE:
             force = places[at].inward(force)
             torque = plus(places[at].inward(torque), _cross(places[at].offset, force))
+            # The rotor turns with its link and by its gear, J (w + n q'): n J couples both.
             if at == i:
                 torque = plus(torque, _scaled(body.gear * body.rotor, body.axis))
             at = bodies[at].parent
@@ -255,6 +261,7 @@ def taken_by(
     torques: list[Vector] = [NONE] * len(bodies)
     pushed: list[tuple[Vector, Vector]] = []
     for body, place, own, rate in zip(bodies, places, carried, q_dot, strict=True):
+        # Free fall as an acceleration of the base against it: weight needs no terms of its own.
         held = (NONE, NONE, _scaled(-1.0, gravity))
         before, spin, fall = held if body.parent == BASE else motions[body.parent]
         p = place.offset
@@ -280,10 +287,13 @@ def taken_by(
             )
         motions.append((omega, alpha, a))
         pushed.append((push, twist))
+        # By its gear the joint also feels the rotor's part in the link's angular acceleration.
         taken.append(body.gear * body.rotor * _dot(spin, body.axis))
         if body.parent != BASE:
+            # The gyroscopic torque of the spinning rotor on its link.
             swung = _scaled(body.gear * body.rotor * rate, _cross(before, body.axis))
             torques[body.parent] = plus(torques[body.parent], swung)
+    # Inwards: each joint takes what acts along its axis and passes all of it on.
     for i, body in reversed(list(enumerate(bodies))):
         own, place, (omega, alpha, a) = carried[i], places[i], motions[i]
         if body.slides:

@@ -71,7 +71,6 @@ class Link(Parametrised):
     torque: Drive | DCMotor | None = None
     """Torque at the joint, behind the gear [N m]; or a `DCMotor`, which has rotor and gear."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that a rotor is given once."""
         super().__post_init__()
@@ -87,6 +86,7 @@ def planar_bodies(links: Sequence[Link]) -> list[Body]:
     found: list[Body] = []
     reach: Scalar = 0.0
     for i, link in enumerate(links):
+        # Of motion in a plane, the inertia about the axis is all that counts.
         inertia = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, link.inertia))
         place, moment = (reach, 0.0, 0.0), (link.mass * link.centre, 0.0, 0.0)
         motor = link.torque if isinstance(link.torque, DCMotor) else link
@@ -123,7 +123,6 @@ class SerialArm(JointedMechanism):
     gravity: Annotated[float, Quantity("g", "m/s^2", low=0)] = 9.81
     """Acceleration of free fall; 0 where the arm moves in a horizontal plane."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the links."""
         super().__post_init__()
@@ -265,7 +264,7 @@ class TwoLinkArm(JointedMechanism):
         lower = unchecked(
             Link,
             mass=self.lower_mass,
-            length=0.0,
+            length=0.0,  # nothing is joined behind it
             centre=self.lower_centre,
             inertia=self.lower_inertia,
             torque=None,
@@ -415,7 +414,6 @@ class RobotJoint(Parametrised):
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Speed after an impact on a stop over the speed before."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the parameters and the geometry."""
         super().__post_init__()
@@ -506,6 +504,7 @@ class RobotJoint(Parametrised):
             symmetric(*(getattr(self, f"{name}_{entry}") for entry in ENTRIES))
             for name in ("inertia", "added_inertia")
         )
+        # About the joint: that about the centre of mass, and mass times distance squared.
         inertia = both(both(own, about(self.mass, NONE, centre)), added)
         return Body(
             parent,
@@ -586,28 +585,27 @@ class Robot(BoundedMechanism, JointedMechanism):
     gravity: Annotated[float, Quantity("g", "m/s^2", low=0)] = 9.81
     """Acceleration of free fall."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that the joints form a tree and that each moves something."""
         super().__post_init__()
         joints = checked_parts("Robot.joints", RobotJoint, self.joints, 1)
         object.__setattr__(self, "joints", joints)
         seen: dict[str, RobotJoint] = {}
-        for one in joints:
-            if one.parent and one.parent not in seen:
+        for joint in joints:
+            if joint.parent and joint.parent not in seen:
                 raise UnknownNameError(
-                    f"parent of Robot joint {one.joint!r}, which must stand before it:",
-                    one.parent,
+                    f"parent of Robot joint {joint.joint!r}, which must stand before it:",
+                    joint.parent,
                     seen,
                 )
-            for name in dict(one.coupling):
+            for name in dict(joint.coupling):
                 if name not in seen:
                     raise UnknownNameError(
-                        f"joint in the coupling of {one.joint!r}, which must stand before it:",
+                        f"joint in the coupling of {joint.joint!r}, which must stand before it:",
                         name,
                         seen,
                     )
-            seen[one.joint] = one
+            seen[joint.joint] = joint
         states = (*self.coordinates, *self.rates)
         for names in ([j.joint for j in joints], states, self._names()):
             twice = sorted({name for name in names if names.count(name) > 1})
@@ -620,6 +618,7 @@ class Robot(BoundedMechanism, JointedMechanism):
 
     def _check_masses(self) -> None:
         """Refuse a joint that moves no mass: its acceleration would not be determined."""
+        # Away from 0, where links may line up so that a joint moves nothing in that pose alone.
         places = [0.3 + 0.1 * i for i in range(len(self.joints))]
         rows = [[float(x) for x in row] for row in mass_matrix_of(self.bodies(), places)]
         largest = max(rows[i][i] for i in range(len(rows)))
@@ -667,14 +666,16 @@ class Robot(BoundedMechanism, JointedMechanism):
 
     @override
     def transmission(self) -> Sequence[Sequence[float]] | None:
-        if not any(one.coupling for one in self.joints):
+        if not any(joint.coupling for joint in self.joints):
             return None
         rows: dict[str, list[float]] = {}
-        for i, one in enumerate(self.joints):
+        for i, joint in enumerate(self.joints):
             row = [float(i == j) for j in range(len(self.joints))]
-            for name, factor in dict(one.coupling).items():
+            for name, factor in dict(joint.coupling).items():
+                # The coordinate is the angle plus these multiples: the angle is the coordinate less
+                # them.
                 row = [a - factor * b for a, b in zip(row, rows[name], strict=True)]
-            rows[one.joint] = row
+            rows[joint.joint] = row
         return list(rows.values())
 
     @override
@@ -686,45 +687,49 @@ class Robot(BoundedMechanism, JointedMechanism):
         self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
         found = {}
-        for one in self.joints:
-            x, name = one.coordinate, f"effort-{one.contact_name}"
-            found[x] = driving_force(one.effort, drives, q[x], q_dot[x], name)
+        for joint in self.joints:
+            x, name = joint.coordinate, f"effort-{joint.contact_name}"
+            found[x] = driving_force(joint.effort, drives, q[x], q_dot[x], name)
         return found
 
     @override
     def damped(self, q_dot: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
-        return {one.coordinate: -1.0 * one.damping * q_dot[one.coordinate] for one in self.joints}
+        return {
+            joint.coordinate: -1.0 * joint.damping * q_dot[joint.coordinate]
+            for joint in self.joints
+        }
 
     @override
     def start(self) -> Mapping[str, Scalar]:
         """Return the middle of the range of joints whose stops exclude 0."""
         found: dict[str, Scalar] = {}
-        for one in self.joints:
-            low, high = one.lower_stop, one.upper_stop
+        for joint in self.joints:
+            low, high = joint.lower_stop, joint.upper_stop
             if (low is not None and low > 0.0) or (high is not None and high < 0.0):
                 ends = [end for end in (low, high) if end is not None]
-                found[one.coordinate] = sum(ends) / len(ends)
+                found[joint.coordinate] = sum(ends) / len(ends)
         return found
 
     @override
     def stops(self) -> tuple[Stop, ...]:
         return tuple(
             stop
-            for one in self.joints
+            for joint in self.joints
             for stop in stops_between(
-                one.coordinate, one.lower_stop, one.upper_stop, one.restitution
+                joint.coordinate, joint.lower_stop, joint.upper_stop, joint.restitution
             )
         )
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return tuple(
-            Contact(name=one.contact_name, slip=one.coordinate, load=1.0) for one in self.joints
+            Contact(name=joint.contact_name, slip=joint.coordinate, load=1.0)
+            for joint in self.joints
         )
 
     @override
     def drives(self) -> Mapping[str, Drive]:
         found: dict[str, Drive] = {}
-        for one in self.joints:
-            found |= driving(one.effort, f"effort-{one.contact_name}")
+        for joint in self.joints:
+            found |= driving(joint.effort, f"effort-{joint.contact_name}")
         return found

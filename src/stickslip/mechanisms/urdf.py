@@ -110,6 +110,8 @@ class _Lump:
 
     def __add__(self, other: "_Lump") -> "_Lump":
         mass = self.mass + other.mass
+        # Both about the common centre of mass: the reduced mass m_1 m_2 / (m_1 + m_2) at their
+        # distance.
         share = other.mass / mass if mass else 0.0
         apart = [b - a for a, b in zip(self.centre, other.centre, strict=True)]
         more = about(self.mass * share, (0.0, 0.0, 0.0), apart)
@@ -192,7 +194,7 @@ def read_urdf(
             continue
         origin, axes = _brought(joint, stand[joint.name], origin, axes)
         on[link] = (carrier, origin, axes)
-        if carrier:
+        if carrier:  # what is fixed to the base moves nothing
             lumps[carrier] = lumps[carrier] + links[link].moved(origin, axes)
     if not moved:
         raise InputError(f"{file}: no joint moves; there must be a revolute or prismatic one.")
@@ -307,6 +309,7 @@ def _origin(one: "Element", where: str) -> tuple[Vector, Matrix]:
     origin = one.find("origin")
     roll, pitch, yaw = _reals(origin, "rpy", 3, (0.0, 0.0, 0.0), where)
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (roll, pitch, yaw))
+    # Rz(yaw) Ry(pitch) Rx(roll): turns about fixed axes, as the format has them.
     turn = (
         (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
         (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
@@ -373,6 +376,7 @@ def _joint(one: "Element", file: str) -> _Joint:
     ends_at = None
     if limit is not None and kind in ("revolute", "prismatic"):
         lower, upper = (_reals(limit, key, 1, (0.0,), where)[0] for key in ("lower", "upper"))
+        # 0 and 0 stand where a file gives none.
         ends_at = (lower, upper) if lower < upper else None
     return _Joint(
         name=name,
@@ -472,6 +476,7 @@ def _brought(joint: _Joint, at: float, origin: Vector, axes: Matrix) -> tuple[Ve
     c, s = math.cos(at), math.sin(at)
     x, y, z = axis
     skew = ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
+    # Rodrigues' formula.
     turn = tuple(
         tuple(c * (i == j) + s * skew[i][j] + (1.0 - c) * axis[i] * axis[j] for j in range(3))
         for i in range(3)

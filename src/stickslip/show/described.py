@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typing_extensions import Doc, override
+from typing_extensions import Doc
 
 from stickslip.errors import ParameterError, UnknownNameError
 
@@ -62,8 +62,7 @@ class Described(ABCMeta):
         whole = inspect.signature(constructor)
         return whole.replace(parameters=[*whole.parameters.values()][1:])
 
-    @property  # type: ignore[explicit-override]  # which mypy does not see below a setter
-    @override
+    @property
     def __doc__(cls) -> str | None:
         """The docstring, with a section on the fields unless it has one."""
         written: str | None = vars(cls).get("__doc__")
@@ -88,7 +87,7 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
     """Refuse arguments of a constructor without a name, of an unknown one, and missing ones."""
     if inspect.isabstract(kind) or not dataclasses.is_dataclass(kind):
         return
-    fields = {one.name: one for one in dataclasses.fields(kind) if one.init}
+    fields = {field.name: field for field in dataclasses.fields(kind) if field.init}
     hints = _hints(kind)
     quantities = {name: [*marks(hints.get(name))] for name in fields}
     symbols = {
@@ -100,7 +99,7 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
     for name in values:
         if name not in fields:
             raise UnknownNameError(f"parameter of {kind.__name__}", name, fields, symbols)
-    by_place = [name for name, one in fields.items() if not one.kw_only]
+    by_place = [name for name, field in fields.items() if not field.kw_only]
     if len(args) > len(by_place):
         first = next((name for name in fields if name not in values), "")
         cure = f"{kind.__name__}({first}=...)" if first else f"{kind.__name__}(...)"
@@ -108,9 +107,9 @@ def _check_names(kind: type, args: Sequence[object], values: Mapping[str, object
             f"{kind.__name__} takes parameters by name: write {cure}, got {args[-1]!r} without one."
         )
     missing = dataclasses.MISSING
-    for name, one in fields.items():
+    for name, field in fields.items():
         given = name in values or name in by_place[: len(args)]
-        if one.default is one.default_factory is missing and not given:
+        if field.default is field.default_factory is missing and not given:
             said = next((str(mark) for mark in quantities[name] if hasattr(mark, "symbol")), "")
             raise ParameterError(
                 f"{kind.__name__} lacks {name}" + (f" ({said})" if said else "") + ": give it by"

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast, final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.show.described import Described
@@ -88,7 +87,6 @@ class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
         """Draw the result; what the class of a result replaces that has a plot of its own."""
         return cast("Drawn_co", plots().plot(self, ax))
 
-    @override
     def __str__(self) -> str:
         """Return status or verdict and the table in short, as notebooks show them."""
         try:
@@ -96,7 +94,6 @@ class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
         except Exception:  # a debugger shows results that are only half made, too
             return object.__repr__(self)
 
-    @override
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self}>".replace("\n", "\n ")
 

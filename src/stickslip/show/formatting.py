@@ -63,6 +63,7 @@ def significant(value: float, digits: int = 3) -> str:
     if value == 0:
         return "0"
     exact = _decimal(value)
+    # Rounding may carry: 9.996 becomes 10.0, whose first digit is one place higher.
     shown = _at_place(exact, _power_of(exact) - digits + 1)
     power = _power_of(shown)
     if power in PLAIN_POWERS:
@@ -139,6 +140,7 @@ def estimate_text(value: float, half_width: float) -> EstimateText:
         return EstimateText(_not_finite(value), "")
     if not math.isfinite(half_width):
         return EstimateText(number(value), f"(uncertainty {_not_finite(half_width)})")
+    # Half a unit of the last digit that a value has at most.
     if half_width <= 0.5 * 10.0**-MOST_DIGITS * abs(value):
         return EstimateText(number(value, MOST_DIGITS), "")
     shown, error, place, power = _rounded(value, half_width)
@@ -229,6 +231,7 @@ def percent(fraction: float) -> str:
     if not math.isfinite(fraction):
         return _not_finite(fraction)
     share = 100 * _decimal(fraction)
+    # Near 100 % another digit: 99.6 % is not 100 %.
     digits = 2 if abs(fraction) < 0.995 else max(_power_of(share) + 1, 3)
     return f"{number(float(share), digits)} %"
 
@@ -276,6 +279,7 @@ def _rounded(value: float, half_width: float) -> tuple[Decimal, Decimal, int, in
     if _power_of(error) == place and finer.as_tuple().digits[0] == 1:
         error, place = finer, place - 1
     shown = _at_place(_decimal(value), place)
+    # The larger of both tells the power: a value may be less than its error.
     power = max(part.adjusted() for part in (shown, error) if part)
     return shown, error, place, 0 if power in PLAIN_POWERS else power
 
@@ -284,6 +288,7 @@ def _shared(low: float, high: float) -> tuple[int, int]:
     """Return the power of ten that both ends are rounded to, or how many digits each has else."""
     ends = [_decimal(low), _decimal(high)]
     place = _power_of(ends[1] - ends[0]) - 1
+    # Doubles have no more digits than that.
     place = max(place, _power_of(_decimal(max(abs(low), abs(high)))) - DIGITS_OF_A_FLOAT + 1)
     lost = any(end and _power_of(end) < place for end in ends)
     odd = any(end and _power_of(end) not in PLAIN_POWERS for end in ends)
@@ -383,6 +388,7 @@ class Scale(NamedTuple):
         >>> Scale(1.0, "N").interval(2.0, math.inf)
         'at least 2.00 N'
         """
+        # Ends that are the same to all digits shown are one value.
         if high - low <= 10.0**-MOST_DIGITS * max(abs(low), abs(high)) < math.inf:
             return self.quantity(low, MOST_DIGITS)
         return with_unit(interval(self.factor * low, self.factor * high), self.unit)

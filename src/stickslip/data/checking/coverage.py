@@ -110,12 +110,14 @@ def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
     speed = np.abs(velocity)
     ordered = np.sort(speed)
     found: NDArray[np.bool_] = velocity == 0.0
+    # Few readings below a gap of a decade are at rest; more of them are a range of speeds.
     gaps = np.flatnonzero(ordered[1:] > SLOWER * ordered[:-1])
     few = gaps[gaps < max(RARE * speed.size, 1.0)]
     if not few.size:
         return found
     slow = speed <= ordered[few[-1]]
     levels = [_level(side * velocity[~slow], side * friction[~slow]) for side in (-1.0, 1.0)]
+    # Without a level in a direction nothing tells rest from a law that fades.
     if any(level == 0.0 for level in levels):
         return found
     below, above = levels
@@ -409,6 +411,7 @@ def monotone(settings: Array) -> str:
     if np.unique(settings).size < FEWEST_IN_ORDER:
         return ""
     for how, rising in (("increases", settings), ("decreases", -settings)):
+        # How far each setting is from its place in sorted order.
         off = np.max(np.abs(np.argsort(rising, kind="stable") - np.arange(rising.size)))
         if off <= NEARLY * rising.size:
             return f"mostly {how}" if off else how
@@ -544,6 +547,7 @@ def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
         scale = np.sqrt(np.mean(matrix**2, axis=0))
         matrix = matrix / np.where(scale > 0, scale, 1.0)
         found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        # The constant stays in: it is the level that is looked at.
         left = values - matrix[:, :3] @ found[:3]
         what = (
             f"{words} after subtraction of its dependence on acceleration, velocity and direction"
@@ -568,8 +572,10 @@ def independent(values: Array) -> float:
     power = float(centred @ centred)
     if power <= 1e-24 * float(values @ values):
         return float(n)
+    # Padded to twice the length, so that the correlation does not wrap around.
     padded = next_fast_len(2 * n, real=True)
     seen = irfft(np.abs(rfft(centred, padded)) ** 2, padded)[:n] / power
+    # Up to the first value that is not positive: noise of later ones would add up.
     below = np.flatnonzero(seen <= 0)
     last = int(below[0]) if below.size else n
     return float(min(n, n / (1.0 + 2.0 * float(np.sum(seen[1:last])))))

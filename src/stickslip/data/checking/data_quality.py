@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
@@ -97,7 +96,6 @@ class Checks(Tabular):
             "findings": [finding.to_dict() for finding in self.findings],
         }
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the findings as a pandas DataFrame, a row each."""
         import pandas as pd
@@ -106,12 +104,10 @@ class Checks(Tabular):
         rows = [(one.kind, one.severity, one.record, str(one)) for one in self.findings]
         return pd.DataFrame(rows, columns=columns)
 
-    @override
     def __str__(self) -> str:
         """Return one sentence a line, warnings and errors marked."""
         return "\n".join(f"{MARKS[f.severity]}{f}" for f in self.findings)
 
-    @override
     def __repr__(self) -> str:
         return f"<Checks of {self.name or 'a measurement'}, {self.worst}\n{self}>"
 
@@ -173,6 +169,7 @@ def check(
         )
     if mechanism is not None:
         measurement = as_turning(measurement, mechanism.units)
+    # Findings of a joint that turns have units of turning.
     found = _findings(measurement, mechanism, conditions)
     return Checks(findings=tuple(_beside_mass(found, vary)), name=measurement.name)
 
@@ -236,6 +233,7 @@ def _of_records(
             yield from _joints(record, mechanism, label, grave)
             own = fits
         else:
+            # Where a record does not fit its mechanism, comparisons of both would say so once more.
             own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
 
@@ -247,6 +245,7 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     for one in findings:
         if one.kind == "reversals" and FORWARD in one.numbers:
             shares.setdefault(_joint_of(one), []).append(one.numbers[FORWARD])
+    # Trials in one direction only are no fault where others go the other way.
     both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
     for one in findings:
         if _still(one) and len(still) < trials:
@@ -282,6 +281,7 @@ def _joints(
         }
     said = [{one.sentence for one in found[name]} for name in moving or found]
     shared = set.intersection(*said)
+    # What all moving joints share is said once, in the place of the first.
     first = (moving or [*found])[0]
     for name, own in found.items():
         for one in own:
@@ -321,10 +321,12 @@ def _agreement(
     agree = [*motion.velocity_and_position(record)]
     yield from agree
     yield from motion.friction_sign(record, moving)
+    # Where signals contradict each other, energies would only repeat it.
     if not _wrong(agree) and not coupled:
         yield from motion.energy(record, mechanism)
         size = [*motion.proportion(record, mechanism)]
         yield from size
+        # Where its size is wrong, its sign tells no more.
         if not size:
             yield from motion.direction(record, moving)
 
@@ -354,8 +356,9 @@ def _record(
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
     rubbed = isinstance(record.friction, np.ndarray)
+    # What only asks for errors needs a motion only to compare it with friction.
     moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
-    enough = record.time.size >= signal_quality.FEWEST
+    enough = record.time.size >= signal_quality.FEWEST_SAMPLES
     if not grave:
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
@@ -429,6 +432,7 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
         return
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
+    # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
     inside = any(one.coordinate not in slip_names(mechanism) for one in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
@@ -605,5 +609,6 @@ def with_doubts(
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
+        # The class tells callers what went wrong: it stays.
         said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
         raise type(error)(said) from None

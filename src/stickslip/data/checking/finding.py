@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from typing_extensions import override
-
 from stickslip.show.described import Described
 
 OTHER_SPEEDS: Final = "Measure at further velocities"
@@ -48,7 +46,6 @@ class Finding(metaclass=Described):
         numbers = {str(name): float(value) for name, value in self.numbers.items()}
         object.__setattr__(self, "numbers", MappingProxyType(numbers))
 
-    @override
     def __getstate__(self) -> dict[str, Any]:
         """Return what crosses processes: a view of the numbers does not."""
         return {**self.__dict__, "numbers": dict(self.numbers)}
@@ -57,7 +54,6 @@ class Finding(metaclass=Described):
         """Keep what came from another process as it was made there."""
         self.__dict__.update(state, numbers=MappingProxyType(state["numbers"]))
 
-    @override
     def __str__(self) -> str:
         """Return the sentence, after the name of its trial."""
         return f"{self.record}: {self.sentence}" if self.record else self.sentence
@@ -85,4 +81,4 @@ def sentences_of(findings: Iterable[Finding], *kinds: str) -> tuple[str, ...]:
     >>> sentences_of(found, "drift")
     ('It drifts.',)
     """
-    return tuple(str(one) for one in findings if not kinds or one.kind in kinds)
+    return tuple(str(finding) for finding in findings if not kinds or finding.kind in kinds)

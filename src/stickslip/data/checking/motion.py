@@ -82,6 +82,7 @@ class Motion:
         """1, -1, or 0 where the speed is too low or the way too short to tell."""
         found = np.sign(np.where(np.abs(self.velocity) > self.sure, self.velocity, 0.0)).astype(int)
         first = np.flatnonzero(np.diff(found, prepend=2))
+        # The way in each direction: integrals of the velocity between its changes of sign.
         steps = np.diff(self.time, append=self.time[-1]) * self.velocity
         ways = np.add.reduceat(steps, first)
         path = np.cumsum(steps)
@@ -93,6 +94,7 @@ class Motion:
     def rests(self) -> Array:
         """Durations (k,) [s] of the periods in which nothing moves."""
         still = np.abs(self.velocity) <= max(RESTING * self.fastest, SURE * self.noise)
+        # Padded, so that rests at the ends of the record count.
         edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
         first, last = edges[::2], edges[1::2] - 1
         long = last - first + 1 >= SHORTEST
@@ -299,6 +301,7 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     power = float(derived @ derived)
     if power == 0.0 or not measured.any():
         return
+    # Least squares through 0.
     factor = float(derived @ measured) / power
     alike = float(derived @ measured) / float(np.sqrt(power * (measured @ measured)))
     numbers = {"factor": factor, "correlation": alike}
@@ -389,9 +392,12 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         return
     force, v, a = np.asarray(record.values("force")), motion.velocity, acceleration_of(record)
     steps = np.diff(motion.time, prepend=motion.time[0])
+    # Inertia, Coulomb and viscous friction, a constant and a spring: what a passive body takes.
     columns = np.stack([a, ways, v, np.ones(v.size), np.cumsum(v * steps)], axis=1)
+    # In a single sine acceleration and displacement are one: the spring is left out.
     if abs(float(np.corrcoef(a, columns[:, -1])[0, 1])) > ONE_SINE:
         columns = columns[:, :-1]
+    # Scaled to one size, as units differ by orders of magnitude.
     size = np.sqrt(np.mean(columns**2, axis=0))
     if not (size > 0.0).all() or not np.ptp(force):
         return
@@ -601,9 +607,11 @@ def _passages(position: Array, moving: Motion) -> tuple[float, float]:
         at = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
         if at.size < 2:
             continue
+        # Speeds are compared at the level itself, between samples.
         share = apart[at] / (apart[at] - apart[at + 1])
         squares = (v[at] + share * (v[at + 1] - v[at])) ** 2
         rise = float(np.max(squares - np.minimum.accumulate(squares)))
+        # Noise of a square is 2 v dv, and its range that of as many samples.
         noise = 2.0 * float(np.sqrt(np.mean(squares))) * _range_of_noise(moving, at.size)
         rises.append(max(rise - noise, 0.0) / most)
         if at.size >= LASTING and squares[0] > GAINED * most:
@@ -626,6 +634,7 @@ def _turned(moving: Motion) -> float:
 
 def _range_of_noise(moving: Motion, count: int) -> float:
     """Return between which velocities [m/s] the noise of as many samples lies."""
+    # Extremes of n normal numbers lie near sqrt(2 ln n) standard deviations.
     return 2.0 * math.sqrt(2.0 * math.log(count)) * moving.noise
 
 
@@ -652,6 +661,7 @@ def _pull(mechanism: Mechanism, x: Array) -> Array:
     own: Any = mechanism.forces(0.0, at, defaultdict(float), {"drive": 0.0}).get(name, 0.0)
     if isinstance(mechanism, MatrixMechanism):  # its forces are all of them
         return np.asarray(own + 0.0 * x)
+    # Central differences of the potential, by a millionth of the way.
     h = 1e-6 * max(float(np.ptp(x)), 1e-9)
     ahead, back = (
         mechanism.potential_energy(0.0, defaultdict(float, {name: x + side * h})) + 0.0 * x

@@ -22,7 +22,7 @@ WANDER: Final = 0.2
 """Mains keep to this [Hz] nearly all the time (EN 50160: 0.5 Hz for 99.5 % of a year)."""
 BLOCK: Final = 20.0
 """Length of the blocks whose spectra are averaged [s]: mains wander more in longer ones."""
-NEAR: Final = 0.15
+BAND_HALF_WIDTH: Final = 0.15
 """Half width, over its frequency, of the band that a line must stand out of. That of 50 Hz does not
 reach 60 Hz, and 45 and 55 Hz, of a motion of 5 Hz with all its harmonics, lie within it."""
 STANDS: Final = 8.0
@@ -83,6 +83,7 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
                 continue
             rows = slice(place - LOBE, place + LOBE + 1)
             share = float(power[rows].sum()) / variance
+            # Between bins: the mean of three, weighted by their power.
             center = float(np.average(np.arange(place - 1, place + 2), weights=power[rows][2:5]))
             lines.append(
                 MainsLine(
@@ -93,6 +94,7 @@ def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
                     amplitude=float(np.sqrt(2.0 * min(share, 1.0) * variance)),
                 )
             )
+        # A rectifier may leave the second harmonic alone; higher ones alone are of other motions.
         if any(line.order <= 2 for line in lines):
             found.append(tuple(lines))
     return max(found, key=lambda lines: sum(line.share for line in lines), default=())
@@ -118,11 +120,13 @@ def _spectrum(values: Array, step: float) -> tuple[Array, float]:
     """Return the power in each bin (m,), averaged over half overlapping blocks, and their width."""
     length = min(len(values), max(round(BLOCK / step), 2))
     starts = range(0, len(values) - length + 1, max(length // 2, 1))
+    # The window keeps strong lines from leaking over the band beside them.
     window = np.hanning(length)
     total = np.zeros(length // 2 + 1)
     ramp = np.linspace(-1.0, 1.0, length)
     for start in starts:
         part = values[start : start + length]
+        # Without mean and trend, whose leaking would hide lines.
         part = part - part.mean() - ramp * (ramp @ part) / (ramp @ ramp)
         total += np.abs(np.fft.rfft(window * part)) ** 2
     weight = float(window @ window) or 1.0  # a window of two samples has none
@@ -146,7 +150,8 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     """Return the bin of a line near a frequency that stands out of the band about it."""
     reach = round(WANDER / width) + 1
     middle = round(frequency / width)
-    aside = round(NEAR * middle)
+    aside = round(BAND_HALF_WIDTH * middle)
+    # The band must be wider than line and lobe, and end below half the sampling frequency.
     if aside < 2 * (reach + LOBE) or middle + reach + 2 * LOBE >= len(power):
         return None
     place = middle - reach + int(np.argmax(power[middle - reach : middle + reach + 1]))
@@ -207,7 +212,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
         )
 
 
-FEWEST: Final = 10
+FEWEST_SAMPLES: Final = 10
 FEW: Final = 50
 EVEN: Final = 0.01
 """Deviation of a step of time from the usual one, over it, that still counts as even."""
@@ -226,11 +231,11 @@ def length(time: Array) -> Iterator[Finding]:
     if n >= FEW:
         return
     sentence = "estimates from so few samples are unreliable."
-    if n < FEWEST:
-        sentence = f"a fit needs at least {FEWEST}."
+    if n < FEWEST_SAMPLES:
+        sentence = f"a fit needs at least {FEWEST_SAMPLES}."
     yield Finding(
         kind="length",
-        severity="error" if n < FEWEST else "warning",
+        severity="error" if n < FEWEST_SAMPLES else "warning",
         sentence=f"The record has only {count(n, 'sample')}: {sentence}",
         measure="Record more samples",
         numbers={"samples": n},
@@ -337,7 +342,7 @@ def usual(record: Measurement) -> Iterator[Finding]:
 LIMITED: Final = ("force", "spring_force")
 """What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
 NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
-LARGEST: Final = {
+LARGEST_VALUES: Final = {
     **{"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7},
     **{"V": 1e4, "A": 1e4},
 }
@@ -366,7 +371,7 @@ REPEATED: Final = 3
 """Times that each value is repeated at least, where a signal was logged more slowly ..."""
 LEVELS: Final = 8
 """Values at least of a signal that was logged more slowly; fewer may have been commanded."""
-ALIKE: Final = 0.8
+REPEATED_SHARE: Final = 0.8
 """... and share of the values that are repeated just as often."""
 
 
@@ -467,7 +472,9 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     beside = np.stack([size[:-4], size[1:-3], size[3:-1], size[4:]])
     allowed = np.partition(beside, 2, axis=0)[2]
     change = np.diff(speed)
+    # 1.4826 median absolute deviations are a standard deviation of normal noise.
     spread = 1.4826 * float(np.median(np.abs(change - np.median(change))))
+    # Noise of the speeds, and two counts of the sensor within a sample, are no jump.
     doubt = 10 * spread + 2 * max(step_of(position), _count_size(position)) / dt
     at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
     at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
@@ -500,11 +507,12 @@ def _count_size(position: Array) -> float:
     Between counts it goes in a straight line within a sample, but where it stays it stays at one.
     """
     held = position[1:][np.diff(position) == 0.0]
-    return step_of(held) if np.unique(held).size >= FEWEST else 0.0
+    return step_of(held) if np.unique(held).size >= FEWEST_SAMPLES else 0.0
 
 
 def _runs(values: Array) -> tuple[Array, Array]:
     """Return the levels a signal holds one after the other, and for how many samples each."""
+    # NaN differs from all: the first value begins a run.
     first = np.flatnonzero(np.diff(values, prepend=np.nan) != 0)
     return values[first], np.diff(np.append(first, values.size))
 
@@ -524,6 +532,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
         levels, lengths = _runs(values)
         for way, end, extreme in _ends(values):
             there = levels == extreme
+            # Levels within a tenth of the range tell how long a rounded peak stays.
             near = (np.abs(levels - extreme) < 0.1 * span) & ~there
             longest = int(lengths[there].max())
             beside = int(lengths[near].max()) if near.any() else 1
@@ -608,10 +617,11 @@ def held(record: Measurement) -> Iterator[Finding]:
     for name, values in arrays(record):
         _, lengths = _runs(values)
         usual = int(np.median(lengths))
-        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < ALIKE:
+        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < REPEATED_SHARE:
             continue
         if len(lengths) < LEVELS:  # a constant, or a few levels of a command
             continue
+        # A value held for n samples is (n - 1) / 2 samples late on average.
         late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
         yield Finding(
             kind="held samples",
@@ -633,7 +643,7 @@ def _own_step(values: Array) -> float:
     """
     step = step_of(values)
     repeated = np.unique(values[1:][np.diff(values) == 0.0])
-    if step == 0.0 or repeated.size < FEWEST:
+    if step == 0.0 or repeated.size < FEWEST_SAMPLES:
         return step
     return max(step, step_of(repeated))
 
@@ -667,7 +677,7 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         if unit in SPANNED:
             largest = span
         slid = name == "position" and record.friction is not None  # hundreds of metres, on a disc
-        if largest > LARGEST[unit] and not slid:
+        if largest > LARGEST_VALUES[unit] and not slid:
             words = WORDS.get(unit, unit)
             what = "spans" if unit in SPANNED else "reaches"
             yield _doubted(
@@ -686,7 +696,7 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     if record.turning:  # as fast as it likes
         return
     spans = float(np.ptp(record.values("position")))
-    if spans <= LARGEST["m"] and motion.fastest > LARGEST["m/s"]:
+    if spans <= LARGEST_VALUES["m"] and motion.fastest > LARGEST_VALUES["m/s"]:
         speed = motion.fastest
         text = (
             f"changes at {quantity(speed, 'm/s')}: check that the values are in metres and seconds."

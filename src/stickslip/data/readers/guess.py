@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data.differentiation import are_steady_readings
 from stickslip.data.measurement import (
@@ -257,7 +256,6 @@ class Guess(metaclass=Described):
             rotary=self.turning or None,
         )
 
-    @override
     def __str__(self) -> str:
         width = max(map(len, self.reasons), default=0)
         lines = [f"{name:{width}}  {why}" for name, why in self.reasons.items()]

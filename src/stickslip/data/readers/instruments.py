@@ -120,7 +120,7 @@ def read_labview(text: str) -> Table:
     trials = [*_trials(tables)]
     if trials[-1] > 1:
         remarks.append(f"Times begin again in later segments: {trials[-1]} trials.")
-        tables = [one.assign(**{TRIAL: n}) for one, n in zip(tables, trials, strict=True)]
+        tables = [table.assign(**{TRIAL: n}) for table, n in zip(tables, trials, strict=True)]
     return Table(data=pd.concat(tables, ignore_index=True), remarks=(*remarks,), lost=lost)
 
 
@@ -533,8 +533,8 @@ def read_tribometer(text: str) -> Table:
         raise InputError(
             f"has no rows of {TRIBOMETER}: names of columns, perhaps a row of units, then numbers."
         )
-    often = Counter(one.names for one in sections).most_common(1)[0][0]
-    kept = [one for one in sections if one.names == often]
+    often = Counter(section.names for section in sections).most_common(1)[0][0]
+    kept = [section for section in sections if section.names == often]
     decimal = "," if separator != "," and any("," in row for row in kept[0].rows) else "."
     units = [_step_units(one) for one in kept]
     alike = [_are_alike(own, units[0]) for own in units]
@@ -546,7 +546,7 @@ def read_tribometer(text: str) -> Table:
     others = [one for one, fits in zip(kept, alike, strict=True) if not fits]
     kept = [one for one in kept if one not in others]
     lost = _without_rows(lines, sections)
-    others = [one for one in sections if one.names != often or one in others]
+    others = [section for section in sections if section.names != often or section in others]
     if others:
         labels = [one.label or str(sections.index(one) + 1) for one in others]
         lost.append(f"Steps with other columns, or units of another kind: {joined(labels)}.")
@@ -615,7 +615,7 @@ def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[st
         one.lastgroup for one in found if one[one.lastgroup or 0] in {s.label for s in sections}
     }
     missed = Counter(one[one.lastgroup or 0] for one in found if one.lastgroup in kinds)
-    missed -= Counter(one.label for one in sections)
+    missed -= Counter(section.label for section in sections)
     return [
         f"Step {label} has no table of {FEWEST_IN_STEP} rows or more and is left out."
         for label in missed

@@ -128,14 +128,14 @@ def guess_robot(
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
     found, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
     joints = [replace(one, numbers=dict(_numbers(frame, one, units or {}))) for one in found]
-    driven = any(one.driven for one in joints)
-    moving = [one for one in joints if one.moves and (one.driven or not driven)]
+    driven = any(joint.driven for joint in joints)
+    moving = [joint for joint in joints if joint.moves and (joint.driven or not driven)]
     if not moving:
         raise InputError(
             f"{file}: no joint of {Path(urdf).name} moves in it: their positions change by less"
             f" than {MOVES[True]} rad."
         )
-    locked = {one.name: _mean(one) for one in joints if one not in moving}
+    locked = {joint.name: _mean(joint) for joint in joints if joint not in moving}
     seconds = times_of(frame, times)
     columns = {"time": times, **_columns(moving)}
     trial, why = trial_column(frame, {}, columns, seconds)
@@ -144,7 +144,7 @@ def guess_robot(
     reasons["time"] = column_text(times) + (rate_text(seconds) if seconds is not None else "")
     if trial:
         reasons["trial"] = f"column {trial!r}, {why}"
-    reasons |= {one.coordinate: _joint_text(one, delays) for one in joints}
+    reasons |= {joint.coordinate: _joint_text(joint, delays) for joint in joints}
     if repair:
         reasons["repair"] = repair_text(repair)
     current = [one.coordinate for one in moving if "current" in one.columns]
@@ -152,7 +152,7 @@ def guess_robot(
         file=str(path),
         layout=layout,
         columns={
-            **{q: one.name for q, one in columns.items() if q != one.name},
+            **{q: column.name for q, column in columns.items() if q != column.name},
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
         units=dict(_units(columns, units or {})),
@@ -427,11 +427,11 @@ def _doubts(
     joints: Sequence[_Joint], moving: Sequence[_Joint], current: Sequence[str]
 ) -> Iterator[str]:
     """Yield what was assumed, and what cannot be told."""
-    still = [one.name for one in joints if not one.moves]
+    still = [joint.name for joint in joints if not joint.moves]
     if still:
         yield f"{joined(still)} did not move: locked where it was, friction there is not fitted."
-    blind = [one.name for one in joints if one.moves and not one.driven]
-    if blind and len(blind) < len([one for one in joints if one.moves]):
+    blind = [joint.name for joint in joints if joint.moves and not joint.driven]
+    if blind and len(blind) < len([joint for joint in joints if joint.moves]):
         yield (
             f"{joined(blind)} moved, and what drove it was not recorded: locked at its mean"
             " position, which neglects how its motion drives the others."

@@ -417,7 +417,7 @@ def _named(
 
 def _recognise(names: dict[str, str], units: dict[str, str | None], *, of_run: bool) -> None:
     """Call the states of a run, and a time beside positions, by their quantities."""
-    states = next((one for one in STATES if of_run and one.keys() <= names.keys()), {})
+    states = next((state for state in STATES if of_run and state.keys() <= names.keys()), {})
     for word, quantity in states.items():
         names[quantity], units[quantity] = names.pop(word), units.pop(word)
     key = next((name for name in names if name.casefold() in TIMES), "")
@@ -481,7 +481,7 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
     for name, header in own.items():
         if column in (name, header):
             return name
-    of_run = next((one for one in STATES if own.keys() >= RUN | one.keys()), {})
+    of_run = next((state for state in STATES if own.keys() >= RUN | state.keys()), {})
     for word, quantity in {"t": "time", **of_run}.items():
         if of_run and column == quantity:
             return word

@@ -200,9 +200,11 @@ class _Joined:
         """Return the table, its times those of most samples."""
         wanted = {one.column: one for one in self._measured()}
         if not wanted:
-            wanted = {_full(one): one for one in self.signals if _full(one) in self.names}
+            wanted = {
+                _full(signal): signal for signal in self.signals if _full(signal) in self.names
+            }
         if not wanted:
-            listed = joined([shown(_full(one)) for one in self.signals[:MOST_TOPICS]])
+            listed = joined([shown(_full(signal)) for signal in self.signals[:MOST_TOPICS]])
             raise InputError(
                 f"{self.file}: no joint has a position or a velocity; there is {listed}."
             )
@@ -212,7 +214,7 @@ class _Joined:
                 f"{self.file}: all samples of {clock.topic} have one time: a record needs several."
             )
         wanted |= self._commands(wanted)
-        wanted |= {_full(one): one for one in self.signals if _full(one) in self.names}
+        wanted |= {_full(signal): signal for signal in self.signals if _full(signal) in self.names}
         begin = int(clock.times[0])
         data: dict[str, Any] = {"time [s]": (clock.times - begin) * 1e-9}
         apart: dict[tuple[str, str], list[str]] = {}
@@ -245,11 +247,11 @@ class _Joined:
     def _measured(self) -> list[_Signal]:
         """Return what was measured of joints; of one in two topics, that with efforts or more."""
         found: dict[str, _Signal] = {}
-        states = [one for one in self.signals if _of_joint(one)]
+        states = [signal for signal in self.signals if _of_joint(signal)]
         efforts = {
-            (one.topic, one.column.removeprefix("force."))
-            for one in states
-            if one.column.startswith("force.") and np.isfinite(one.values).any()
+            (state.topic, state.column.removeprefix("force."))
+            for state in states
+            if state.column.startswith("force.") and np.isfinite(state.values).any()
         }
 
         def order(one: _Signal) -> tuple[bool, int]:
@@ -259,7 +261,7 @@ class _Joined:
             joint = one.column.partition(".")[2]
             found.setdefault(joint, one)
         topics = {joint: one.topic for joint, one in found.items()}
-        return [one for one in states if topics[one.column.partition(".")[2]] == one.topic]
+        return [state for state in states if topics[state.column.partition(".")[2]] == state.topic]
 
     def _commands(self, measured: Mapping[str, _Signal]) -> dict[str, _Signal]:
         """Return the commanded positions of joints that were measured."""
@@ -281,14 +283,16 @@ class _Joined:
     def _told(self, data: Mapping[str, Any]) -> Iterator[str]:
         """Yield what is said of efforts that are missing or zero."""
         joints = [name.partition(".")[2] for name in data if name.startswith("position.")]
-        without = [one for one in joints if f"force.{one}" not in data]
+        without = [joint for joint in joints if f"force.{joint}" not in data]
         if without:
             yield (
                 f"No effort was recorded of {joined([shown(one) for one in without])}: friction of"
                 " such a joint cannot be derived from this log."
             )
         zero = [
-            one for one in joints if f"force.{one}" in data and not np.any(data[f"force.{one}"])
+            joint
+            for joint in joints
+            if f"force.{joint}" in data and not np.any(data[f"force.{joint}"])
         ]
         if zero:
             yield (
@@ -299,8 +303,10 @@ class _Joined:
     def _left(self, wanted: Mapping[str, _Signal]) -> Iterator[str]:
         """Yield which topics hold the same joints, and are not read."""
         used = {one.topic for one in wanted.values()}
-        for topic in dict.fromkeys(one.topic for one in self.signals if one.topic not in used):
-            first = next(one for one in self.signals if one.topic == topic)
+        for topic in dict.fromkeys(
+            signal.topic for signal in self.signals if signal.topic not in used
+        ):
+            first = next(signal for signal in self.signals if signal.topic == topic)
             yield (
                 f"The topic {topic} has the same joints and is left out; its columns are called as"
                 f" {shown(_full(first))}."
@@ -341,7 +347,7 @@ def _at(clock: _Signal, one: _Signal) -> tuple[Array, str]:
 
 def _apart(topic: str, how: str, names: Sequence[str], clock: _Signal) -> str:
     """Return what is said of columns that have other times than the rows."""
-    listed = joined([shown(one) for one in names[:6]]) + ", ..." * (len(names) > 6)
+    listed = joined([shown(name) for name in names[:6]]) + ", ..." * (len(names) > 6)
     verb = "is" if len(names) == 1 else "are"
     what = "the last value before" if how == "held" else "interpolated at"
     return f"{listed} of {topic} {verb} {what} each sample of {clock.topic}."
@@ -379,7 +385,7 @@ def _numbers(topic: Topic, message: Any, file: str, place: int) -> tuple[list[st
             f"{file}: message {place + 1} of {topic.name} is no {topic.kind}: {_reason(error)}."
         ) from None
     if len(set(columns)) < len(columns):
-        twice = next(one for one in columns if columns.count(one) > 1)
+        twice = next(column for column in columns if columns.count(column) > 1)
         raise InputError(f"{file}: message {place + 1} of {topic.name} has {twice!r} twice.")
     return columns, values
 
@@ -410,7 +416,7 @@ def joint_name(name: object) -> str:
 
 def _by_joint(names: Any, **fields: Any) -> Iterator[tuple[str, Any]]:
     """Yield the values of each joint; a field without values was not measured."""
-    joints = [joint_name(one) for one in names]
+    joints = [joint_name(name) for name in names]
     for what, values in fields.items():
         if values is None or not len(values):
             continue

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data.checking.motion import Swing
 from stickslip.data.readers.columns import Reading
@@ -22,8 +21,8 @@ from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
 from stickslip.data.travels import (
     HARMONICS,
+    OSCILLATION_SHARE,
     OTHER,
-    SHOWN,
     frequency_of,
     is_filmed,
     oscillation,
@@ -290,7 +289,6 @@ class FilmedRun:
     doubt: str = ""
     """What is doubtful about the frequency."""
 
-    @override
     def __str__(self) -> str:
         return (
             f"{self.file.name}  {self.frames} frames at {number(self.rate, 3)} Hz, drive"
@@ -308,7 +306,6 @@ class FilmedRig:
     runs: tuple[FilmedRun, ...]
     doubts: tuple[str, ...] = field(default=())
 
-    @override
     def __str__(self) -> str:
         parts = [str(run) for run in self.runs]
         return "\n".join([*parts, *(f"! {doubt}" for doubt in self.doubts)])
@@ -342,7 +339,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     named = IN_NAME.search(path.stem)
     stated = float(re.sub("[,_p]", ".", named[1].lower())) if named else math.nan
     doubt = ""
-    if share < SHOWN and not named:
+    if share < OSCILLATION_SHARE and not named:
         raise InputError(
             f"{path.name} shows no oscillation: the best frequency explains {share:.0%} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"

@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import BeforeValidator, Field, create_model
-from typing_extensions import override
 
 from stickslip.data.estimates import LOAD
 from stickslip.data.rig import KnownLaws
@@ -357,7 +356,6 @@ class _GivenValues(Mapping[str, Mapping[str, float]]):
     own: Mapping[str, Mapping[str, float]]
     shared: Mapping[str, Any]
 
-    @override
     def __getitem__(self, name: str) -> Mapping[str, float]:
         if name in self.own:
             return self.own[name]
@@ -369,11 +367,9 @@ class _GivenValues(Mapping[str, Mapping[str, float]]):
             raise KeyError(name)
         return {key: value for key, value in self.shared.items() if key in names}
 
-    @override
     def __iter__(self) -> Iterator[str]:
         return iter(self.own)
 
-    @override
     def __len__(self) -> int:
         return len(self.own)
 

@@ -47,7 +47,7 @@ from stickslip.mechanisms import (
 )
 from stickslip.mechanisms.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.units import LONGEST, shown, split_number
+from stickslip.units import LONGEST_TEXT, shown, split_number
 
 T = TypeVar("T")
 
@@ -129,7 +129,7 @@ class Number:
             return self._number(value)
         marked: object = False
         doubt: object = None
-        read = self.measured and isinstance(value, str) and len(value) <= 2 * LONGEST
+        read = self.measured and isinstance(value, str) and len(value) <= 2 * LONGEST_TEXT
         pair = PLUS_MINUS.fullmatch(value) if read else None
         if pair is not None:
             value = _with_one_unit(pair["value"], pair["doubt"])

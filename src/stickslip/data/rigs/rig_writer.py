@@ -50,7 +50,7 @@ def rig_toml(
     document["mechanism"] = _table(bare, _type(bare, mechanisms()))
     if told:
         document["contact"] = {name: _contact_input(value) for name, value in told.items()}
-    found = assigned(tuple(one.name for one in mechanism.contacts()), law)
+    found = assigned(tuple(contact.name for contact in mechanism.contacts()), law)
     document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
     if t_end is not None:
         document["run"] = {"t_end": float(t_end)}
@@ -82,7 +82,7 @@ def _law(law: FrictionLaw) -> dict[str, object]:
 def _by_contact(mechanism: Mechanism, found: Laws) -> dict[str, object]:
     """Return the tables of laws by contact, and what says that nothing rubs at one."""
     own = dict(found.members)
-    names = [one.name for one in mechanism.contacts()]
+    names = [contact.name for contact in mechanism.contacts()]
     idle: dict[str, object] = {name: "none" for name in names if name not in own}
     return idle | {name: _law(own[name]) for name in names if name in own}
 
@@ -138,8 +138,8 @@ def _drives(drive: Drive) -> list[dict[str, object]]:
     """Return the tables of the parts of a drive; none where one of them cannot be written."""
     parts = drive.parts if isinstance(drive, Sum) else (drive,)
     names = {kind: name for name, kind in DRIVES.items()}
-    known = all(type(one) in names for one in parts)
-    return [_table(one, names[type(one)]) for one in parts] if known else []
+    known = all(type(part) in names for part in parts)
+    return [_table(part, names[type(part)]) for part in parts] if known else []
 
 
 def _unwritten(root: Parametrised, path: str) -> Iterator[tuple[str, str]]:

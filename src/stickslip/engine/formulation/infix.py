@@ -86,7 +86,9 @@ class Block:
         lifted: dict[str, tuple[str, se.Piecewise]] = {}
         flat = [_lift(e, lifted, self) for e in expressions]
         for name, piecewise in lifted.values():
+            # Within a branch of its own: what the other side computes must not be evaluated.
             self._branch(name, piecewise)
+        # Common parts once, in the order of the expressions: sums keep their order in all tiers.
         shared, reduced = se.cse(flat)
         names: dict[str, str] = {}
         for symbol, value in shared:
@@ -110,6 +112,7 @@ class Block:
     def _condition(self, condition: se.Basic) -> str:
         low, high = condition.args
         flag = str(high)
+        # A flag of the solver is a bit; other conditions are comparisons of numbers.
         if self.syntax.switch and flag[0] == "s" and flag[1:].isdigit():
             return self.syntax.switch.format(bit=1 << int(flag[1:]))
         (left, right) = self.scope([low, high])
@@ -122,6 +125,7 @@ class Block:
         if e.is_Number:
             return _constant(e)
         if e.is_Add:
+            # The order of terms is the printer's, and the same in all languages.
             terms = [self._text(term, names) for term in e.args]
             return terms[0] + "".join(
                 f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:]
@@ -142,6 +146,7 @@ class Block:
     def _product(self, e: se.Expr, names: Mapping[str, str]) -> str:
         above, below, sign = [], [], ""
         for factor in e.args:
+            # Signs and negative powers apart: -a/b instead of a*-1*b**-1, as rounding differs.
             if factor.is_Number and factor < 0:
                 sign = "-"
                 if factor != -1:
@@ -162,6 +167,7 @@ class Block:
             return self._call("exp", exponent, names)
         if _negative(exponent):
             return f"1.0/({self._text(base**-exponent, names)})"
+        # A root is rounded correctly by all languages; a power need not be.
         if exponent == se.Rational(1, 2):
             return self._call("sqrt", base, names)
         if not exponent.is_Integer:
@@ -169,6 +175,7 @@ class Block:
                 base=self._text(base, names), exponent=self._text(exponent, names)
             )
         text = self._text(base, names)
+        # Whole powers are products of a name, which all languages round alike.
         if not base.is_Symbol:
             name = self.fresh()
             self.assign(name, text)
@@ -223,6 +230,7 @@ def program(
     everything = [e for cases in functions.values() for case in cases.values() for e in case]
     calls = _calls_of(everything, {f"p{i}" for i in parameters})
     if calls:
+        # Worked out once a run instead of at each evaluation.
         found = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}
         functions = {
             name: {mode: [e.xreplace(found) for e in case] for mode, case in cases.items()}
@@ -244,6 +252,7 @@ def _calls_of(expressions: Sequence[se.Expr], known: Set[str]) -> list[se.Expr]:
     waiting = [*reversed(expressions)]
     while waiting:
         e = waiting.pop()
+        # What stands inside a branch may have no value on its other side.
         if e in seen or not e.args or isinstance(e, se.Piecewise):
             continue
         seen.add(e)
@@ -288,6 +297,7 @@ def function(name: str, cases: Cases, plain: set[se.Expr] | None = None) -> str:
 def _unpack(block: Block, expressions: Sequence[se.Expr]) -> None:
     """Load the elements of y and p that occur into local names."""
     names = {str(s) for e in expressions for s in e.free_symbols}
+    # By letter, then by number: the text must not depend on the order of a set.
     for name in sorted(names, key=lambda n: (n[0], len(n), n)):
         if name[0] in "yp" and name[1:].isdigit():
             place = NUMBERS + int(name[1:]) if name[0] == "p" else f"at + {name[1:]}"

@@ -53,9 +53,9 @@ from stickslip.show.formatting import number
 
 # Reads the equations of a mechanism that gives matrices.
 
-FEW = 3
+MOST_ELIMINATED = 3
 """Coordinates that are eliminated by symbols, at most."""
-SAME = 1e-9
+ENTRY_TOLERANCE = 1e-9
 """Difference of two entries, over their size, that is the rounding of two ways to write them."""
 VANISHED = 1e-6
 """Share of the mass of a motion that is next to nothing: it is a thousand times as fast then."""
@@ -88,7 +88,8 @@ def matrix_rows(
             row, column = mechanism.coordinates[i], mechanism.coordinates[j]
             raise InputError(_asymmetry(mechanism, row, column, _shown(one), _shown(other)))
     free = [i for i in range(n) if mechanism.coordinates[i] not in mechanism.guided()]
-    for k in range(1, min(len(free), FEW) + 1):
+    # Leading minors up to a size that symbols can take; numbers are checked where a run begins.
+    for k in range(1, min(len(free), MOST_ELIMINATED) + 1):
         part = free[:k]
         minor = se.DenseMatrix(k, k, [found[i][j] for i in part for j in part])
         if is_zero(minor.det()):
@@ -106,15 +107,17 @@ def _differ(one: se.Expr, other: se.Expr) -> bool:
 
     Forms such as that of a sum of angles need not cancel by symbols.
     """
+    # With a fixed seed: the same model is refused or taken each time.
     random = np.random.default_rng(0)
     names = sorted(one.free_symbols | other.free_symbols, key=str)
+    # Away from 0 and from right angles, at which forms that differ may agree.
     for _ in range(3):
         numbers = dict(zip(names, random.uniform(0.2, 1.2, len(names)).tolist(), strict=True))
         try:
             a, b = (float(e.subs(numbers)) for e in (one, other))
         except (RuntimeError, TypeError, ValueError):
             return False  # with switches: the state at hand tells
-        if abs(a - b) > SAME * (abs(a) + abs(b)):
+        if abs(a - b) > ENTRY_TOLERANCE * (abs(a) + abs(b)):
             return True
     return False
 
@@ -145,7 +148,7 @@ def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
         q.items(), mechanism.units, strict=True
     ))  # fmt: skip
     for i, j in itertools.combinations(range(n), 2):
-        if abs(mass[i, j] - mass[j, i]) > SAME * (abs(mass[i, j]) + abs(mass[j, i])):
+        if abs(mass[i, j] - mass[j, i]) > ENTRY_TOLERANCE * (abs(mass[i, j]) + abs(mass[j, i])):
             values = number(mass[i, j], 6), number(mass[j, i], 6)
             return _asymmetry(mechanism, names[i], names[j], *values, f" at {at}")
     moving = [i for i in range(n) if names[i] not in mechanism.guided()]
@@ -155,8 +158,10 @@ def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
                 f"{owner}.mass_matrix must have masses above 0 on its diagonal, but the entry of"
                 f" row and column {names[i]!r} is {number(mass[i, i], 6)} at {at}."
             )
+    # Scaled to a diagonal of 1, as units of coordinates would else decide what is small.
     left = mass[np.ix_(moving, moving)]
     left = left / np.sqrt(np.outer(left.diagonal(), left.diagonal()))
+    # Elimination in order: the first row without mass names the motion that has none.
     for k, i in enumerate(
         moving
     ):  # elimination: what is left of each row once those before it move freely
@@ -180,6 +185,8 @@ def matrix_supply(
     """Return the power supplied [W]: what is given, or what the forces do beyond the energies."""
     if given is not None:
         return expression(given)
+    # Pairs of force and change of energy that cancel are those of the potential: no power is
+    # supplied.
     pairs = [(f * speeds[i], energy.diff(places[i]) * speeds[i]) for i, f in force.items()]
     left = [pair for pair in pairs if not is_zero(sum(pair))]
     total = sum((sum(part, se.Integer(0)) for part in zip(*left, strict=True)), se.Integer(0))
@@ -189,6 +196,7 @@ def matrix_supply(
 def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Sequence[float]) -> bool:
     """Whether some motion has next to no mass any more at the end of a run."""
     before, after = (_mass_at(mechanism, places) for places in (start, end))
+    # Scaled by the masses at the start, so that motions of different units are compared.
     scale = 1.0 / np.sqrt(before.diagonal())
     least = [np.linalg.eigvalsh(m * np.outer(scale, scale))[0] for m in (before, after)]
     return bool(least[1] <= VANISHED * least[0])
@@ -197,7 +205,10 @@ def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Seque
 def _mass_at(mechanism: MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
     """Return the mass matrix of the moving coordinates (n, n) at a place (n,)."""
     names = mechanism.coordinates
-    held = [*mechanism.held(), *(name for one in mechanism.contacts() for name in one.normals)]
+    held = [
+        *mechanism.held(),
+        *(name for contact in mechanism.contacts() for name in contact.normals),
+    ]
     q = dict(zip(names, map(float, places), strict=True))
     rows = mechanism.mass_matrix({**dict.fromkeys(held, 0.0), **q})
     return np.array([[float(entry) for entry in row] for row in rows[: len(names)]])
@@ -321,6 +332,7 @@ class Mechanics:
         found = [self.guides.get(i, se.Integer(0)) for i in range(len(self.coordinates))]
         if indices:
             right = [
+                # What guided coordinates do by themselves is force on the others.
                 self.forces[i]
                 - sum((self.mass[i, j] * a for j, a in self.guides.items()), se.Integer(0))
                 - int(i == self.slip) * friction
@@ -363,6 +375,8 @@ class Mechanics:
         pivot: se.Expr = se.Integer(1)
         normal = self._normal(free)
         if self.load is None:
+            # The normal force changes friction, and friction the accelerations that give the normal
+            # force: one linear equation.
             reaction = self._pushed(factor)
             pivot = 1 + sum((self.mass[n, j] * reaction[j] for j in range(n)), se.Integer(0))
             normal = normal / pivot
@@ -373,6 +387,7 @@ class Mechanics:
         """Return what happens while the slip coordinate is held, and the needed friction."""
         accelerations = self._solved([i for i in self.free if i != self.slip], se.Integer(0))
         normal = self._normal(accelerations)
+        # The reaction of the slip coordinate is what friction has to give: minus its surplus.
         needed = -self.surplus(self.slip, accelerations)
         return Motion(accelerations, normal, se.Integer(1)), needed
 
@@ -402,6 +417,7 @@ class Mechanics:
         An impulse P on the slip coordinate i, whose stops they are, changes the rates by
         P M^-1 e_i, and rate i by P (M^-1)_ii; those of guided coordinates do not change.
         """
+        # Friction is bounded and has no part in an impulse: the unit is along the slip alone.
         changes = self._pushed(se.Integer(1)) if self.walls else []
         shares = [e / changes[self.slip] for e in (se.Integer(1), *changes)] if self.walls else []
         return [e for wall in self.walls for e in (wall.position, wall.restitution, *shares)]
@@ -452,6 +468,8 @@ def _lagrange(
     momentum = {name: kinetic.diff(speeds[name]) for name in places}
     forces = []
     for name, p in momentum.items():
+        # d/dt of the momentum along the motion: its second part, with rates of places, goes to the
+        # forces.
         drift = sum((p.diff(places[j]) * speeds[j] for j in places), se.Integer(0))
         own = (kinetic - potential).diff(places[name]) + other[name]
         forces.append(own - drift)
@@ -501,6 +519,7 @@ def lagrange_rows(
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
     traced = functools.partial(_traced, board=board)
     seen, seen_speeds = traced(places), traced(speeds)
+    # Energies are given in coordinates of the mechanism; traced are those of the equations.
     if directions is not None:
         seen |= traced(dict(zip(q, directions.seen(list(q.values())), strict=True)))
         seen_speeds |= traced(dict(zip(q, directions.seen(list(q_dot.values())), strict=True)))
@@ -511,6 +530,7 @@ def lagrange_rows(
     if directions is not None:
         moving = directions.along([other[name] for name in q])
         other |= dict(zip(q, moving, strict=True))
+    # Only now: derivatives along held coordinates give the rows of their reactions.
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
     supplied = _work_rate(other, speeds)
     if isinstance(mechanism, MatrixMechanism):
@@ -609,6 +629,7 @@ class JointTorques:
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
+        # Parameters, motion and drives as symbols: the forces become one function of all.
         symbol = {path: se.Symbol(f"p{i}") for i, path in enumerate(known)}
         twin = shadow(mechanism, "mechanism", lambda path: Traced(symbol[path], board))
         t = se.Symbol("t")
@@ -618,13 +639,15 @@ class JointTorques:
         )
         drives = {name: se.Symbol(f"d{i}") for i, name in enumerate(mechanism.drives())}
         rows = lagrange_rows(twin, t, q, rates, drives, mechanism.held(), board)
+        # What drives the motion is what is looked for.
         undriven = dict.fromkeys(drives.values(), 0)
-        if any(one.hold is not None for one in board.switches.values()):
+        if any(switch.hold is not None for switch in board.switches.values()):
             raise InputError(
                 f"{type(mechanism).__name__} has latched switches, which a measured motion does not"
                 " tell of: use stickslip.maths.where."
             )
-        shown = {one.symbol: one.margin for one in board.switches.values()}
+        # A measured motion tells the sides of all switches: margins stand in their places.
+        shown = {switch.symbol: switch.margin for switch in board.switches.values()}
         count = len(q)
         forces = []
         for row, force in zip(rows.mass[:count], rows.forces[:count], strict=True):
@@ -633,6 +656,7 @@ class JointTorques:
                 se.Integer(0),
             )
             forces.append((taken - force).subs(undriven).subs(shown))
+        # Linear in each parameter alone is not enough: products of two of them bend the fit.
         slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
         bent = _are_bent(slopes, [symbol[path] for path in linear])
         if by_position:
@@ -666,6 +690,7 @@ class JointTorques:
         count = len(self.coordinates)
         places, none = np.tile(q, (count, 1)), np.zeros((count, count))
         time = np.zeros(count)
+        # By differences of unit accelerations: the function has no mass matrix by itself.
         still, _ = self.along(mechanism, time, places, none, none)
         moving, _ = self.along(mechanism, time, places, none, np.eye(count))
         return np.diagonal(moving - still).copy()

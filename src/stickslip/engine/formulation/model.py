@@ -79,6 +79,7 @@ class _Own:
     def shadows(self, rows: Sequence[int], board: Switchboard) -> dict[str, FrictionLaw]:
         """Return laws by contact whose parameters are symbols, of which each row begins before."""
         twins = []
+        # Contacts that share a law share its numbers, and so its symbols.
         for row, (prefix, one) in zip(rows, self.distinct, strict=False):
             place = {p: row + i for i, (p, _, _) in enumerate(parameters(one, prefix), 1)}
             symbol = partial(_symbol, place, board)
@@ -96,11 +97,12 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
         shared = tuple(range(len(laws)))
         distinct = tuple((f"friction.{name}", one) for name, one in law.members)
     else:
-        names = tuple(one.name for one in mechanism.contacts())
+        names = tuple(contact.name for contact in mechanism.contacts())
         laws, shared = (law,) * len(names), (0,) * len(names)
         distinct = (("friction", law),)
     keys = list(dict.fromkeys(structure(one) for one in laws))
     kinds = tuple(keys.index(structure(one)) for one in laws)
+    # Equations of a law are written once for each structure, whatever its values are.
     structures = tuple(laws[kinds.index(kind)] for kind in range(len(keys)))
     return _Own(names, laws, shared, distinct, kinds, structures)
 
@@ -110,6 +112,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     own = _own_laws(mechanism, law)
     board = Switchboard()
     paths = [path for path, _, _ in parameters(mechanism, "mechanism")]
+    # Value, slope and start of each drive, its value from outside, and the time stand before them.
     first = 4 * len(mechanism.drives()) + 1
     index = {path: first + i for i, path in enumerate(paths)}
     twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
@@ -137,6 +140,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
     dampens = equations.dampens() or any(one.may_dampen for one in laws)
+    # Motions that die away may be stiff; others need no slopes, which cost time to derive.
     if slopes or dampens:  # what is stiff is integrated with the Jacobian
         along = [*symbols.states, symbols.t]
     if slopes:
@@ -144,6 +148,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
         along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
     columns = equations.part_slopes(along)
+    # The constants stand behind all parameters, laws' ones included.
     text, found = program(_contact_functions(equations, columns), index.values(), rows[-1])
     sizes = _contact_sizes(
         mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
@@ -163,7 +168,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         states=(
             *mechanism.coordinates,
             *mechanism.rates,
-            *bristle_names(tuple(one.name for one in mechanism.contacts()), law),
+            *bristle_names(tuple(contact.name for contact in mechanism.contacts()), law),
         ),
         parameter_paths=(*paths, *law_paths),
         places=tuple(places),
@@ -207,7 +212,7 @@ def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
 
 
 def _titles(own: _Own) -> str:
-    return " and ".join(dict.fromkeys(type(one).__name__ for one in own.laws))
+    return " and ".join(dict.fromkeys(type(law).__name__ for law in own.laws))
 
 
 class _Equations:
@@ -226,6 +231,7 @@ class _Equations:
         self.efforts = [closed(e) for e in parts.efforts.values()]
         self.limits = [closed(e) for e in parts.limits.values()]
         states = [*symbols.coordinates, *symbols.rates]
+        # Only slopes that are not 0: kernels go along the list instead of a matrix.
         self.slopes = {
             (i, k): slope
             for i in range(n)
@@ -262,6 +268,7 @@ class _Equations:
         restitutions of stops, and contact inputs.
         """
         behind = _motion(self.symbols, 0).accelerations
+        # M a - h with the accelerations as further variables: its slopes are all that kernels need.
         rows = [-e for e in self.forces]
         for (i, j), entry in self.parts.mass.items():
             rows[i] += entry * behind[j]
@@ -273,6 +280,7 @@ class _Equations:
             {
                 i: slope
                 for i, e in enumerate(rows)
+                # Cheap first: most parts do not have the variable at all.
                 if str(x) in names[i] and (slope := collapsed(e.diff(x))) != 0
             }
             if x is not None
@@ -282,11 +290,13 @@ class _Equations:
 
     def varies(self, e: se.Expr) -> bool:
         """Whether an expression changes in a run."""
+        # By names first, as expanding is slow; cancelled terms may leave none of them.
         return bool(_names(e) & self.moving) and bool(_names(se.expand(e)) & self.moving)
 
     def dampens(self) -> bool:
         """Whether the power that goes in has products of rates: motions die away, or grow."""
         rates = {str(rate) for rate in self.symbols.rates}
+        # Damping is power that is quadratic in rates.
         return any(_names(self.supplied.diff(v)) & rates for v in self.symbols.rates)
 
     def constant_mass(self) -> bool:
@@ -313,6 +323,7 @@ class _Equations:
 
         Forces may have harmonics in time beside.
         """
+        # Sines and cosines in time are symbols here: affine in them is what series can do.
         forces = [self.waves.replaced(e) for e in self.forces[: len(self.parts.coordinates)]]
         along = [*self.symbols.states, self.symbols.t]
         linear = (
@@ -329,6 +340,7 @@ class _Equations:
 
     def rest_is_final(self) -> bool:
         """Whether nothing but the drives can move what is held."""
+        # Time, switches, changing loads and reactions may end a rest without a drive.
         timed = any("t" in _names(e) for e in self.given_forces)
         ends = any(self.parts.reacts) or bool(self.limits)
         return not timed and not self.switched and self.constant_loads() and not ends
@@ -373,10 +385,10 @@ def _contact_sizes(
         kinds=own.kinds,
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
-        inputs_of=tuple(len(one.inputs) for one in own.laws),
+        inputs_of=tuple(len(law.inputs) for law in own.laws),
         bristles_of=tuple(bristles),
-        holds=tuple(one.holds for one in own.laws),
-        directional=tuple(one.directional for one in own.laws),
+        holds=tuple(law.holds for law in own.laws),
+        directional=tuple(law.directional for law in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),
         channels=len(parts.efforts),
@@ -385,11 +397,11 @@ def _contact_sizes(
         mass=tuple(parts.mass),
         slopes=tuple(equations.slopes),
         time_slopes=tuple(equations.time_slopes),
-        law_switches=max((len(one.switch_events) for one in laws), default=0),
+        law_switches=max((len(law.switch_events) for law in laws), default=0),
         constant_mass=equations.constant_mass(),
         constant_loads=equations.constant_loads(),
         affine=equations.affine(),
-        exact=not dampens and equations.affine() and all(one.is_linear for one in laws),
+        exact=not dampens and equations.affine() and all(law.is_linear for law in laws),
         supplies=parts.supplied != 0,
         part_slopes=tuple(tuple(column) for column in columns),
     )
@@ -424,6 +436,7 @@ def _contact_functions(
         "limits": equations.limits,
         "walls": equations.walls,
     }
+    # What a mechanism has none of needs no function.
     same = {**same, **{name: case for name, case in some.items() if case}}
     if columns:
         same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
@@ -433,13 +446,13 @@ def _contact_functions(
 def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
     """Return the functions of each law, once per structure, and their slopes if wanted."""
     texts = []
-    for kind, one in enumerate(laws):
-        texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
-        texts.append(function(f"law_margins_{kind}", {None: one.margins}))
+    for kind, law in enumerate(laws):
+        texts.append(function(f"law_{kind}", {side: list(c) for side, c in law.numbers.items()}))
+        texts.append(function(f"law_margins_{kind}", {None: law.margins}))
         if along:
-            sides = {side: list(case) for side, case in one.slopes.items()}
+            sides = {side: list(case) for side, case in law.slopes.items()}
             texts.append(function(f"law_slopes_{kind}", sides))
-            texts.append(function(f"law_margin_slopes_{kind}", {None: one.margin_slopes}))
+            texts.append(function(f"law_margin_slopes_{kind}", {None: law.margin_slopes}))
     return texts
 
 
@@ -464,6 +477,7 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     ('x', 'v')
     """
     key = structure(mechanism), structure(law), slopes
+    # Under the lock: two threads that ask for one model must not trace it twice.
     with _LOCK:
         try:
             model = _MODELS.get(key)
@@ -472,6 +486,7 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
         if model is not None:
             _MODELS.move_to_end(key)
             return model
+        # Recently asked models stay: ensembles and fits ask for few structures, many times.
         model = _MODELS[key] = _formulated(mechanism, law, slopes)
         while len(_MODELS) > MOST_MODELS:
             _MODELS.popitem(last=False)
@@ -483,7 +498,10 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     contacts = mechanism.contacts()
     if isinstance(law, Laws) or len(contacts) > 1:
         return True
-    if any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal)):
+    # Slips that are sums, and loads that contacts share, are of parts even with one contact.
+    if any(
+        isinstance(way, Mapping) for contact in contacts for way in (contact.slip, contact.normal)
+    ):
         return True
     # what does not slip may rest at a stop too, beside whatever the contact does
     inside = any(stop.coordinate not in contacts[0].slips for stop in stops_of(mechanism))
@@ -501,9 +519,11 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     quantities = _quantities(symbols, index.values()) if slopes else []
     switches = list(board.switches.values())
     functions = _mode_functions(symbols, mechanics, modes, board, quantities)
+    # Drives, their values from outside, and a place for the time come before parameters.
     first = 4 * len(symbols.drives) + 1 + len(index)
     text, constants = program(functions, index.values(), first)
     sizes = _mode_sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    # In series one place a state and a guard holds what harmonics add.
     if "waves" in functions:
         sizes = replace(sizes, waves=sizes.states + sizes.guards)
     return Model(
@@ -561,7 +581,7 @@ def _informed(
         return law
 
     def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
-        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+        return {name: Traced(value, board) for name, value in zip(names, values, strict=True)}
 
     told = mechanism.contact_inputs(
         Traced(symbols.t, board),
@@ -599,6 +619,7 @@ def _mode_functions(
     flags = [switch.symbol for switch in switches]
     margins = [closed(board.deciding(s)) for s in switches]
 
+    # Guards have to be affine too: events of a linear mode are roots of its polynomials.
     waves = waves_of([e for mode in modes for e in (*rates[mode], *guards[mode])], t, y)
     linear = {
         mode: linear_where(
@@ -632,6 +653,7 @@ def _mode_functions(
     }
     if waves.symbols and any(linear.values()):
         terms = {m: [waves.term(e) for e in (*rates[m], *guards[m])] for m in modes}
+        # Modes that are not linear are not stepped by series, and never asked for waves.
         parts["waves"] = each(
             lambda m: (
                 [*terms[m], *[e.diff(t) for e in terms[m]], waves.square]
@@ -669,6 +691,7 @@ def _guards(
 def _limits(modes: Mapping[Mode, ModeEquations]) -> tuple[str, ...]:
     """Return the names of all limits that any mode has, that of the equations' meaning first."""
     names = dict.fromkeys(name for equations in modes.values() for name in equations.limits)
+    # The pivot first, as with several contacts, whose kernels know it as limit 0.
     return tuple(sorted(names, key=lambda name: name != PAINLEVE))
 
 
@@ -718,6 +741,7 @@ def _diagram(
 ) -> list[se.Expr]:
     """Return accelerations, normal force, needed friction and power for a given friction force."""
     friction = se.Symbol(f"p{3 * len(symbols.drives)}")
+    # With a load factor of 0: the force is given, whatever the load is.
     motion = mechanics.slipping(friction, se.Integer(0))
     _, needed = mechanics.sticking()
     supplied = mechanics.power(motion, symbols.rates)
@@ -738,5 +762,6 @@ def _rest_is_final(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> boo
         return False
     stick = modes[Mode.STICK]
     still = all(rate == 0 for rate in stick.rates)
+    # Guards and forces both: a level that changes with time ends a rest as well as a force does.
     timed = any(symbols.t in e.free_symbols for e in [*stick.guards.values(), *stick.contact])
     return still and not timed

@@ -175,6 +175,7 @@ def mode_equations(
 
 
 def _slip(context: _Context, mode: Mode) -> ModeEquations:
+    # A law may differ by direction; in a mode the direction is known.
     law, v = context.law.towards(int(mode)), context.velocity
     load = se.Symbol("N")
     z = tuple(context.traced(symbol) for symbol in context.bristles)
@@ -224,7 +225,7 @@ def _stick(context: _Context) -> ModeEquations:
         contact=[needed, normal, needed, level],
         power=[
             context.mechanics.power(motion, context.coordinate_rates).subs(held),
-            se.Integer(0),
+            se.Integer(0),  # friction does no work at rest
         ],
         channels={name: e.subs(held) for name, e in context.channels(motion).items()},
         limits={name: e.subs(held) for name, e in context.limits(motion).items()},
@@ -240,6 +241,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
     equations = _stick(context)
     friction, normal, needed, level = equations.contact
     rates, held = equations.rates, {context.velocity: 0}
+    # Bristles alone hold nothing: they push as they are bent, and relax.
     if not context.law.holds:
         z = tuple(context.traced(symbol) for symbol in context.bristles)
         arguments = context.traced(context.velocity), context.traced(normal), z
@@ -251,6 +253,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
         # friction resists the stop's side with the level of the other direction's slip
         leaving, holding = (context.level(normal, -side), context.level(normal, side))
         missing = leaving.subs(held) + side * needed
+        # At the stop friction takes up to its level, and the stop what is beyond.
         taken = side * needed > holding.subs(held)
         friction = se.Piecewise((side * holding.subs(held), taken), (needed, True))
     leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
@@ -266,6 +269,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
     """Add a guard for each switch that this mode's rates or guards depend on."""
     used: set[str] = set()
     guards = dict(equations.guards)
+    # A margin may have switches in turn, and so have theirs: until no new symbol appears.
     pending = [*equations.rates, *guards.values(), *equations.limits.values()]
     while pending:
         names = {str(s) for e in pending for s in e.free_symbols} - used
@@ -276,6 +280,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                 pending.append(switch.margin)
                 if context.varies(switch.margin):
                     on = switch.symbol > 0
+                    # While it is on, a latched switch has no guard: `deciding` tells its end.
                     lasts = switch.margin if switch.hold is None else se.Integer(1)
                     guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
     return replace(equations, guards=guards)
@@ -350,9 +355,10 @@ def derive_parts(
     board: Switchboard,
 ) -> ContactParts:
     """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
-    contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
+    contacts = tuple(contact for contact in mechanism.contacts() if contact.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
+    # Symbols stand for coordinates of the equations; the mechanism sees its own.
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
@@ -361,11 +367,16 @@ def derive_parts(
     loads = _loads(mechanism, contacts, mechanism.loads(Traced(t, board), *seen))
     informed = _informed(mechanism, rubbing, Traced(t, board), *seen)
     _check_shares(mechanism, contacts, directions, held)
+    # Guided coordinates and slips exclude each other: a prescribed motion leaves friction nothing
+    # to do.
     guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
-    arms = [_along(direction_of(one.slip), held) for one in contacts]
+    arms = [_along(direction_of(contact.slip), held) for contact in contacts]
+    # What held and guided coordinates take: rows of the equations that nothing else uses.
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
     forces, mass = _guided(rows, guides)
+    # A reaction that parameters alone give is a load like any other: no contact has to be solved
+    # for.
     fixed = _constant_load(contacts, reactions)
     traced = {name: Traced(force, board) for name, force in reactions.items()}
     limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
@@ -375,17 +386,17 @@ def derive_parts(
     parts = ContactParts(
         coordinates=tuple(q),
         held=held,
-        contacts=tuple(one.name for one in contacts),
+        contacts=tuple(contact.name for contact in contacts),
         directions=directions,
         held_slips=tuple(arms),
-        held_normals=tuple(_along(direction_of(one.normal), held) for one in contacts),
-        reacts=tuple(one.normal is not None and fixed is None for one in contacts),
+        held_normals=tuple(_along(direction_of(contact.normal), held) for contact in contacts),
+        reacts=tuple(contact.normal is not None and fixed is None for contact in contacts),
         mass=mass,
         forces=forces,
         loads=loads if fixed is None else (fixed,),
         inputs=tuple(
             {name: expression(law.contact(name)) for name in law.inputs}
-            for law in (informed[one.name] for one in contacts)
+            for law in (informed[contact.name] for contact in contacts)
         ),
         energy=rows.energy,
         supplied=rows.supplied + sum(work, se.Integer(0)),
@@ -431,10 +442,10 @@ def _taken(
     motion: EffortSymbols,
 ) -> se.Expr:
     """Return the force that a guided or held coordinate needs beside those of the equations."""
-    total = -rows.forces[row]
+    total = -rows.forces[row]  # M a - h, with the accelerations that guided coordinates are told
     for j, entry in enumerate(rows.mass[row]):
         total += entry * guides.get(j, motion.accelerations[j])
-    held = row - len(rows.mass[row])
+    held = row - len(rows.mass[row])  # rows behind the moving ones are of held coordinates
     if held >= 0:
         for arm, friction in zip(arms, motion.friction, strict=True):
             total += arm[held] * friction
@@ -457,6 +468,8 @@ def _guided(
                 forces[i] -= entry * guides[j]
             elif i not in guides and (i >= len(row) or j <= i):
                 mass[i, j] = entry
+    # Any inertia will do: nothing couples to the row any more, and its own keeps numbers of one
+    # size.
     for i, acceleration in guides.items():
         mass[i, i] = se.Integer(1) if rows.mass[i][i] == 0 else rows.mass[i][i]
         forces[i] = mass[i, i] * acceleration
@@ -469,7 +482,7 @@ def _along(table: Mapping[str, se.Expr], held: Sequence[str]) -> tuple[se.Expr, 
 
 def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     """Return the held coordinates, those that normal forces act on first."""
-    normals = dict.fromkeys(name for one in contacts for name in direction_of(one.normal))
+    normals = dict.fromkeys(name for contact in contacts for name in direction_of(contact.normal))
     others = [name for name in mechanism.held() if name not in normals]
     owner = type(mechanism).__name__
     for name in (*normals, *others):
@@ -478,11 +491,11 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
                 f"{owner} holds {name!r} at 0, but that coordinate moves: give held coordinates"
                 " names of their own."
             )
-    reacting = [one.name for one in contacts if one.normal is not None]
+    reacting = [contact.name for contact in contacts if contact.normal is not None]
     idle = [
-        one.name
-        for one in mechanism.contacts()
-        if one.normal is not None and one.name not in reacting
+        contact.name
+        for contact in mechanism.contacts()
+        if contact.normal is not None and contact.name not in reacting
     ]
     if idle:  # its reaction holds a coordinate, and has to be watched for lift-off
         raise InputError(
@@ -505,17 +518,19 @@ def _check_shares(
     held: Sequence[str],
 ) -> None:
     """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
-    if all(one.normal is None for one in contacts):
+    # Prescribed loads do not depend on how friction is shared.
+    if all(contact.normal is None for contact in contacts):
         return
     known: dict[int, tuple[str, list[se.Expr]]] = {}
-    for one, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
-        arms = [se.expand(e / factor) for e in _along(direction_of(one.slip), held)]
-        other, expected = known.setdefault(index, (one.name, arms))
+    for contact, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
+        arms = [se.expand(e / factor) for e in _along(direction_of(contact.slip), held)]
+        other, expected = known.setdefault(index, (contact.name, arms))
         if arms != expected:
             raise InputError(
-                f"{type(mechanism).__name__}: the contacts {other!r} and {one.name!r} slip along"
-                " one coordinate but act differently on the held ones, so that the loads depend on"
-                " how they share friction while they stick: let them slip at the same height."
+                f"{type(mechanism).__name__}: the contacts {other!r} and {contact.name!r} slip"
+                " along one coordinate but act differently on the held ones, so that the loads"
+                " depend on how they share friction while they stick: let them slip at the same"
+                " height."
             )
 
 
@@ -578,24 +593,24 @@ def _loads(
     mechanism: Mechanism, contacts: Sequence[Contact], given: Mapping[str, Scalar]
 ) -> tuple[se.Expr, ...]:
     """Return the prescribed loads, 0 where a load is a reaction."""
-    known = [one.name for one in mechanism.contacts()]
+    known = [contact.name for contact in mechanism.contacts()]
     for name in given:
         if name not in known:
             raise UnknownNameError(f"contact in {type(mechanism).__name__}.loads", name, known)
     found = []
-    for one in contacts:
-        prescribed = given.get(one.name, one.load)
-        if one.normal is not None and prescribed is not None:
+    for contact in contacts:
+        prescribed = given.get(contact.name, contact.load)
+        if contact.normal is not None and prescribed is not None:
             raise InputError(
-                f"{type(mechanism).__name__}: the load of the contact {one.name!r} is the reaction"
-                " of its normal coordinate and cannot be prescribed too."
+                f"{type(mechanism).__name__}: the load of the contact {contact.name!r} is the"
+                " reaction of its normal coordinate and cannot be prescribed too."
             )
-        if one.normal is None and prescribed is None:
+        if contact.normal is None and prescribed is None:
             raise InputError(
-                f"{type(mechanism).__name__}: the contact {one.name!r} has neither a normal"
+                f"{type(mechanism).__name__}: the contact {contact.name!r} has neither a normal"
                 " coordinate nor a load: give one of them."
             )
-        found.append(se.Integer(0) if one.normal is not None else expression(prescribed))
+        found.append(se.Integer(0) if contact.normal is not None else expression(prescribed))
     return tuple(found)
 
 
@@ -640,6 +655,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}
+    # Parameters are variables as the speed is: slopes are taken along all of them.
     twin = shadow(law, "friction", lambda path: Traced(se.Symbol(f"y{place[path]}"), board))
     speed, load = se.Symbol("y0"), se.Symbol("N")
     variables = [
@@ -652,15 +668,17 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         twin, {name: Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)}
     )
     numbers, slopes = {}, {}
+    # Both directions, with the speed along the slip positive in each.
     for side in (1, -1):
         one = twin.towards(side)
+        # y0 is the speed along the direction: above 0 in slip, so that |v| needs no switch.
         board.signs = {"y0": 1}
         arguments = (
             Traced(side * speed, board),
             Traced(load, board),
             tuple(Traced(z, board) for z in states),
         )
-        friction = side * expression(one.force(*arguments))
+        friction = side * expression(one.force(*arguments))  # back to the direction of the slip
         rates = [expression(rate) for rate in one.rates(*arguments)]
         board.signs = {}
         level = expression(one.break_away(Traced(load, board)))
@@ -668,6 +686,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]
         linear = linear_where([constant, factor], [speed], flags)
+        # Series take a constant damping: neither bristles, nor damping that goes with the load.
         if rates or se.expand(collapsed(factor.diff(speed))) != 0:
             linear = se.Integer(0)
         numbers[side] = [
@@ -687,6 +706,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         if switch.hold is None:
             margins.append(switch.margin)
             continue
+        # With the margins of other switches in it: while these settle, none must make it latch.
         lasts = se.Piecewise(
             (se.Integer(1), switch.symbol > 0), (board.settled(switch.margin), True)
         )

@@ -69,6 +69,7 @@ def trials_of(closing: Sequence[Entries]) -> list[tuple[list[int], int]]:
     """Return how many sets of held contacts are tried for the cuts of each loop."""
     found = []
     for own in _components(closing):
+        # Held are s - 1 of the s coordinates and the closing slips: what is left is one motion.
         s = len({j for d in own for j, e in enumerate(closing[d]) if e != 0})
         found.append((own, math.comb(s + len(own), s - 1)))
     return found
@@ -78,6 +79,7 @@ def loops_of(closing: Sequence[Entries]) -> Loops | None:
     """Return the cuts of the loops that some slips close."""
     cuts: list[Entries] = []
     crossings: list[Entries] = []
+    # Loops without a coordinate in common break open by themselves.
     for own, trials in trials_of(closing):
         if trials > MOST_TRIALS:
             return None
@@ -86,6 +88,7 @@ def loops_of(closing: Sequence[Entries]) -> Loops | None:
         units = [tuple(se.Integer(j == k) for k in support) for j in support]
         rows = [*units, *(tuple(closing[d][k] for k in support) for d in own)]
         seen: dict[tuple[bool, ...], list[list[se.Expr]]] = {}
+        # A cut is a motion in which all but one of the independent slips hold.
         for held in combinations(rows, s - 1):
             motion = _motion(held, s)
             if motion is None:
@@ -127,6 +130,7 @@ def _are_one(crossed: Sequence[se.Expr], other: Sequence[se.Expr]) -> bool:
     first = next(j for j, e in enumerate(crossed) if e != 0)
     symbols = sorted(crossed[first].free_symbols | other[first].free_symbols, key=str)
     factors = []
+    # At two values of the parameters: one ratio for both is one for all.
     for numbers in _trials(symbols):
         a, b = (complex(one[first].subs(numbers)) for one in (crossed, other))
         factors.append(a / b)
@@ -146,21 +150,25 @@ def _motion(held: Sequence[Entries], s: int) -> Entries | None:
     that cuts are fewer, a parameter that is a factor of all rates is left out.
     """
     minors: dict[tuple[int, ...], se.Expr] = {(): se.Integer(1)}
+    # Rows with few entries first: minors of sparse rows stay short.
     for row in sorted(held, key=lambda row: sum(e != 0 for e in row)):
         larger: dict[tuple[int, ...], se.Expr] = {}
         for columns, minor in minors.items():
             for j, e in enumerate(row):
                 if e != 0 and j not in columns:
+                    # The sign of a minor's term is that of moving column j into its place.
                     place = sum(k < j for k in columns)
                     sign = -1 if (len(columns) - place) % 2 else 1
                     own = tuple(sorted((*columns, j)))
                     larger[own] = larger.get(own, ZERO) + sign * minor * e
         minors = {columns: e for columns, e in larger.items() if e != 0}
     every = range(s)
+    # By Cramer: the rates are orthogonal to all held rows.
     rates = [_exact((-1) ** j * minors.get(tuple(k for k in every if k != j), ZERO)) for j in every]
     for symbol in set[se.Symbol]().union(*(e.free_symbols for e in rates)):
         while all(_has_factor(e, symbol) for e in rates if e != 0) and any(e != 0 for e in rates):
             rates = [se.expand(e / symbol) for e in rates]
+    # A number as the last rate is divided by, so that multiples are the same cut.
     last = next((e for e in reversed(rates) if e != 0), None)
     if last is None:
         return None
@@ -204,6 +212,7 @@ class SlipDirections:
         """Return generalised forces along the coordinates of the equations."""
         if not self.backward:
             return list(forces)
+        # Virtual work: forces go by the transposed matrix.
         return [_product(column, forces) for column in zip(*self.backward, strict=True)]
 
     def congruent(self, mass: Sequence[Sequence[se.Expr]]) -> list[list[se.Expr]]:
@@ -212,6 +221,7 @@ class SlipDirections:
             return [list(row) for row in mass]
         columns = [self.along(row) for row in mass]
         n = len(self.backward)
+        # Congruence B^T M B for moving rows and columns; held rows only change their columns.
         moving = zip(
             *[self.along(column) for column in zip(*columns[:n], strict=True)], strict=True
         )
@@ -235,13 +245,14 @@ def direction_of(way: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
 def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDirections:
     """Return the coordinates along which contacts slip."""
     names, owner = list(mechanism.coordinates), type(mechanism).__name__
-    rows = [_row(mechanism, one, names) for one in contacts]
+    rows = [_row(mechanism, contact, names) for contact in contacts]
     kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
     # index of the coordinate that stands for each direction, the direction, whose slip it is
     found: dict[int, tuple[Row, str]] = {}
     echelon: dict[int, Row] = {}
     slips, factors = [0] * len(rows), [se.Integer(1)] * len(rows)
     closing: list[tuple[Row, str]] = []
+    # Slips along a single coordinate first: they take no other's place.
     for c in sorted(range(len(rows)), key=lambda c: len(rows[c]) > 1):
         row, name = rows[c], contacts[c].name
         if len(row) == 1:
@@ -254,10 +265,12 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         if same is not None:
             slips[c], factors[c] = same
             continue
+        # What earlier slips do not give of it; nothing left means that it closes a loop.
         free = _reduced(row, echelon)
         if not free:
             slips[c], factors[c] = _closing(row, name, closing, len(names))
             continue
+        # A coordinate with a stop or a prescribed motion has to stay one of the equations.
         replaced = [i for i in free if names[i] not in kept]
         if not replaced:
             raise InputError(
@@ -297,12 +310,12 @@ def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
     """
     names = list(mechanism.coordinates)
     matrix, sums = np.eye(len(names)), {}
-    for one in mechanism.contacts():
-        place = contacts.get(one.name, -1)
-        factors = {} if isinstance(one.slip, str) else dict(one.slip)
+    for contact in mechanism.contacts():
+        place = contacts.get(contact.name, -1)
+        factors = {} if isinstance(contact.slip, str) else dict(contact.slip)
         moving = {name: float(x) for name, x in factors.items() if name in names}
-        if len(moving) > 1 and 0 <= place < len(names) and one.name not in sums:
-            sums[one.name] = moving
+        if len(moving) > 1 and 0 <= place < len(names) and contact.name not in sums:
+            sums[contact.name] = moving
             matrix[place] = [moving.get(name, 0.0) for name in names]
     if _is_regular(matrix):
         return
@@ -322,6 +335,7 @@ def _is_regular(matrix: NDArray[np.float64]) -> bool:
     """Whether a change of coordinates can be undone."""
     if not np.isfinite(matrix).all():
         return False
+    # Scaled rows: the volume tells how near to dependent they are, whatever their units.
     sizes = np.linalg.norm(matrix, axis=1)
     if not sizes.all():
         return False
@@ -374,6 +388,7 @@ def _ratio(row: Row, other: Row) -> se.Expr | None:
 
 def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
     """Return what is left of a row beside others, at whose pivots it vanishes then."""
+    # At the pivot of each earlier row the new one has to vanish.
     rest = dict(row)
     for pivot, other in echelon.items():
         weight = rest.get(pivot, se.Integer(0)) / other[pivot]
@@ -392,6 +407,7 @@ def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tu
     forward, backward = list(identity), list(identity)
     for i, row in changed.items():
         forward[i] = tuple(row.get(j, zero) for j in range(n))
+    # Only the block of replaced coordinates is inverted; the rest is unchanged.
     inverse = se.DenseMatrix([[changed[i].get(j, zero) for j in new] for i in new]).inv()
     for place, i in enumerate(new):
         own = [zero] * n

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import symengine as se
-from typing_extensions import override
 
 from stickslip.engine.kernels.state_layout import Sizes
 from stickslip.errors import InputError, TracingError, not_finite
@@ -24,7 +23,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.maths import NO_COMPARISON
 from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 
-LONGEST = 2000
+LONGEST_EXPRESSION = 2000
 """Characters of an expression beyond which it is not expanded to look for cancellations."""
 
 EXACT = 1024
@@ -58,6 +57,7 @@ class Switchboard:
         self, margin: se.Expr, events: tuple[str, str] | None, hold: se.Expr | None = None
     ) -> Switch:
         """Return the switch of a margin, a new one if it was not met before."""
+        # Expanded: the same condition may be written in several ways, and is one switch.
         key = str(se.expand(margin)) + ("" if hold is None else f" while {se.expand(hold)}")
         if key not in self.switches:
             symbol = se.Symbol(f"s{len(self.switches)}")
@@ -79,9 +79,10 @@ class Switchboard:
 
     def settled(self, e: se.Expr) -> se.Expr:
         """Put the margins of switches in place of their symbols; a margin may have switches too."""
-        for one in reversed(self.switches.values()):
-            if one.hold is None:
-                e = e.subs({one.symbol: one.margin})
+        # A margin may have symbols of switches that were met before it: the last one first.
+        for switch in reversed(self.switches.values()):
+            if switch.hold is None:
+                e = e.subs({switch.symbol: switch.margin})
         return e
 
     def known_sign(self, expr: se.Expr) -> int | None:
@@ -90,6 +91,7 @@ class Switchboard:
             return int(bool(expr > 0)) - int(bool(expr < 0))
         if str(expr) in self.signs:
             return self.signs[str(expr)]
+        # |v| and |-v| are switched by one sign.
         if str(-expr) in self.signs:
             return -self.signs[str(-expr)]
         return None
@@ -150,7 +152,6 @@ class Traced:
     def _new(self, expr: se.Expr) -> Traced:
         return Traced(expr, self.board)
 
-    @override
     def __repr__(self) -> str:
         return f"Traced({self.expr})"
 
@@ -184,6 +185,7 @@ class Traced:
 
     def __pow__(self, exponent: Any) -> Traced:
         if isinstance(exponent, (float, int)) and float(exponent).is_integer():
+            # A negative base is fine for whole powers alone.
             return self._new(self.expr ** int(exponent))
         raise TracingError(
             "** requires a whole-number exponent here; use stickslip.maths.power or sqrt"
@@ -211,7 +213,6 @@ class Traced:
             " instead of if, and, or, min, max"
         )
 
-    @override
     def __eq__(self, other: object) -> NoReturn:
         raise TracingError(
             "a traced value cannot be compared for equality: use stickslip.maths.where with < or >"
@@ -242,9 +243,12 @@ class Traced:
         if isinstance(exponent, (float, int)) and float(exponent).is_integer():
             return self._new(b ** int(exponent))
         n = expression(exponent)
+        # A number to the power of an expression is an exponential, which has a derivative
+        # everywhere.
         if b.is_Number:
             positive = float(b) > 0.0
             return self._new(se.exp(n * math.log(float(b))) if positive else se.Integer(0))
+        # 0 where the base is not positive, as `stickslip.maths.power` has it for numbers.
         return self._new(se.Piecewise((b**n, b > 0), (se.Integer(0), True)))
 
 
@@ -279,7 +283,7 @@ class Condition:
 
 def is_zero(e: se.Expr) -> bool:
     """Whether the terms of an expression cancel; long ones are not examined."""
-    return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
+    return bool(e == 0) or (len(str(e)) <= LONGEST_EXPRESSION and bool(se.expand(e) == 0))
 
 
 def collapsed(e: se.Expr, plain: set[se.Expr] | None = None) -> se.Expr:
@@ -289,6 +293,7 @@ def collapsed(e: se.Expr, plain: set[se.Expr] | None = None) -> se.Expr:
     def merged(switch: se.Piecewise) -> se.Expr:
         yes, condition, no, _ = switch.args
         yes, no = collapsed(yes, known), collapsed(no, known)
+        # Derivatives of |v| and its like have branches that no longer differ.
         return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
 
     return rebuilt(e, merged, known)
@@ -315,6 +320,8 @@ def rebuilt(
         else:
             old = part.args
             parts = [changed(one) for one in old]
+            # By identity: what has no switch inside is kept as it is, without a comparison of
+            # trees.
             if all(map(operator.is_, parts, old)):
                 known.add(part)
                 return part
@@ -367,6 +374,7 @@ def symbols_of(
     for k, (name, drive) in enumerate(twin.drives().items()):
         value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
         drives[name] = se.Symbol(f"d{k}")
+        # A drive is a straight line in each piece; what shapes it is traced along with it.
         linear = value + slope * (t - start)
         inputs[drives[name]] = expression(drive.shaped(Traced(linear, board), Traced(t, board)))
     given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
@@ -401,12 +409,14 @@ class Waves:
 
 def waves_of(expressions: Sequence[se.Expr], t: se.Symbol, states: Sequence[se.Symbol]) -> Waves:
     """Return the waves in expressions; none where their frequencies differ, or change."""
+    # Only what depends on time: sines of places are no waves.
     atoms = {a for e in expressions for a in e.atoms(se.sin, se.cos) if not _free_of(a, {str(t)})}
     moving = {str(t), *map(str, states)}
     squares = {se.expand(a.args[0].diff(t) ** 2) for a in atoms}
     steady = all(_free_of(square, moving) for square in squares)
     alone = all(_free_of(a.args[0], moving - {str(t)}) for a in atoms)
     if len(squares) != 1 or not (steady and alone):
+        # Steps by series know harmonics of one frequency.
         return Waves({}, se.Integer(0))
     ordered = sorted(atoms, key=str)
     return Waves({a: se.Symbol(f"wave{i}") for i, a in enumerate(ordered)}, squares.pop())
@@ -418,6 +428,7 @@ def linear_where(
     """Return 1 where all expressions are affine in the variables together, else 0."""
     names = {str(s) for e in expressions for s in e.free_symbols}
     used = [switch for switch in switches if str(switch) in names]
+    # Each switch doubles the cases: few of them are examined.
     if len(used) > MOST_SWITCHES:
         return se.Integer(0)
     return _decide(list(expressions), list(variables), used, {})
@@ -433,6 +444,7 @@ def _decide(
         affine = all(_affine(_chosen(e, fixed), variables) for e in expressions)
         return se.Integer(int(affine))
     first, *others = pending
+    # Both sides of a switch: linear where it is on, or off, or always.
     yes, no = (
         _decide(expressions, variables, others, {**fixed, str(first): value})
         for value in (True, False)
@@ -458,9 +470,10 @@ def _affine(e: se.Expr, variables: list[se.Symbol]) -> bool:
 
 
 def _free_of(e: se.Expr, names: set[str]) -> bool:
+    # Names are cheap to look at; expanding is not, and long expressions count as dependent.
     if not names & {str(s) for s in e.free_symbols}:
         return True
-    if len(str(e)) > LONGEST:
+    if len(str(e)) > LONGEST_EXPRESSION:
         return False
     return not names & {str(s) for s in se.expand(e).free_symbols}
 
@@ -517,7 +530,7 @@ def _fault(
     if name in slips:
         which = "the" if len(set(slips)) == 1 else "a"
         return f"{name} is {which} slip coordinate, whose motion cannot be prescribed."
-    others = [one for one in mechanism.coordinates if one not in slips]
+    others = [coordinate for coordinate in mechanism.coordinates if coordinate not in slips]
     if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
         return (
             f"{name!r} is guided by {guide!r}; only {', '.join(others) or 'no coordinate'} can be"
@@ -600,7 +613,6 @@ class Model:
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 
-    @override
     def __hash__(self) -> int:
         """Return the hash of the text, which Python works out once: each run looks models up."""
         return hash(self.text)

@@ -174,8 +174,12 @@ def add_work(w: Vector, whole: Wholes) -> None:
         ask_here(BOOK, w, whole)
         return
     terms = w[whole[DENSE]]
+    # A short series and the dense output of Rodas, which is marked below 0, are of low degree: the
+    # few nodes integrate them as exactly.
     few = 0.0 < terms <= FEW_TERMS or terms < 0.0
     supplied, taken, gross = 0.0, 0.0, 0.0
+    # The nodes lie in the part of the step that holds: beyond an event the dense output is that of
+    # a mode which has ended.
     for node in range(len(FEW_NODES) if few else len(NODES)):
         x = share * (FEW_NODES[node] if few else NODES[node])
         interpolate(w, whole, x, point)
@@ -183,6 +187,8 @@ def add_work(w: Vector, whole: Wholes) -> None:
         weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
         supplied += weight * w[values]
         taken += weight * w[values + 1]
+        # Sizes are added whatever their sign: the energy error is judged against all work that was
+        # done, not against what is left of it.
         gross += weight * (abs(w[values]) + abs(w[values + 1]))
     w[SUPPLIED] += supplied
     w[TAKEN] += taken
@@ -200,6 +206,7 @@ def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
     log[at + 3] = whole[MODE]
     log[at + 4] = whole[FLAGS]
     log[at + 5] = whole[PIECE]
+    # Of a series the start is enough: its terms follow from the equations again, to the last bit.
     terms = 0 if w[dense] > 0.0 else TERMS
     for i in range(1 + (terms + 1) * n):
         log[at + ROW_DENSE + i] = w[dense + i]
@@ -233,12 +240,14 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
             value = min(0.0, value + BALANCED * size_of_balance(i, w, whole))
         if value < 0.0:
             size = guard_size(i, w, whole)
+            # The only guard of one contact that is a speed, not a force: its size is kept with the
+            # states.
             if i == STOP and whole[N_CONTACTS] == 0:
                 size = max(size, w[whole[SCALE] + whole[SLIP]])
             if value < -NOTABLE * size:
                 before = max(0.0, w[FRACTION] - CLOCK * max(1.0, w[TIME] / h))
                 value = min(0.0, max(value, guard_at(i, before, start, h, w, whole)))
-                guard_values(w[TIME], w, whole, whole[Y], values)
+                guard_values(w[TIME], w, whole, whole[Y], values)  # `guard_at` has overwritten them
             at = RESIDUAL if i == guard else VIOLATION
             if size > 0.0:
                 w[at] = max(w[at], -value / size)
@@ -255,8 +264,11 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     start = w[TIME]
     end = start + share * h
     if guard == NO_GUARD:
+        # The stepper's own result, which the dense output repeats only to rounding.
         for i in range(n):
             w[y + i] = w[y1 + i]
+        # The end of a piece is met to the last bit: by the time the next piece of the drives is
+        # chosen.
         if abs(stop - end) <= ROUNDING * max(abs(stop), abs(h)):
             end = stop
     else:
@@ -278,6 +290,7 @@ def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
     width = whole[ROW_COLUMNS]
     low = 0
     high = count
+    # Row `low` begins at or before the time, row `high` after it, or it is the end of the log.
     while high - low > 1:
         middle = (low + high) // 2
         if log[middle * width] <= t:
@@ -329,6 +342,7 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     dense = whole[DENSE]
     at = row * whole[ROW_COLUMNS]
     restore_start(log, row, table, w, whole)
+    # The terms of a series are not kept: the same equations give them again.
     if log[at + ROW_DENSE] > 0.0 and whole[N_CONTACTS] > 0:
         w[TIME] = log[at]
         ask_of(SERIES_FROM, log[at + 2], w, whole, y, 0)
@@ -367,9 +381,12 @@ def play(
     for i in range(len(times)):
         t = times[i]
         here = row
+        # Times mostly increase: the row at hand is tried before any is searched for.
         if row < 0 or t < log[row * width] or not t < log[row * width + 1]:
             here = row_at(log, count, t, whole)
         at = here * width
+        # A body at rest has one row for many pieces. Within it they are gone through onwards from
+        # the last one, and from the first one again where times go back.
         if here != row or t < times[i - 1]:
             piece = int(log[at + 5])
         if here != row:
@@ -439,7 +456,7 @@ def resized(h: float, error: float, w: Vector, whole: Wholes) -> float:
         return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
     if error == 0.0:
         return 10.0 * h
-    if not error < 1e30:
+    if not error < 1e30:  # NaN, too
         return 0.1 * h
     # powers of h with which the estimates fall; 0.9, 0.2 and 10 are those of DOPRI5
     order = 5.0 if whole[STEPPER] == STIFF else 8.0
@@ -462,6 +479,7 @@ def accepted_step(
             h = left
         elif 2.0 * h > left:  # two equal steps, and no splinter at the end
             h = 0.5 * left
+        # The clock no longer tells the end of the step from its start.
         if not t + h > t:
             whole[STATUS] = STEP_TOO_SMALL
             return 0.0
@@ -487,10 +505,12 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     coarse = coarseness(t, h, w, whole)
     if coarse == 0.0:
         return 0.0
+    # Five samples make a polynomial of degree four, from which a guard differs by h^5.
     good = h * max(0.1, 0.9 * math.pow(coarse, -0.2)) if coarse < math.inf else 0.1 * h
     if coarse <= 1.0:
         w[slot] = min(w[slot], good)
         return 0.0
+    # samples that the clock cannot tell apart show nothing
     return good if t + good / 8.0 > t else 0.0
 
 
@@ -584,6 +604,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     slot = STEP
     if exact:
         slips = whole[N_CONTACTS] > 0 or abs(whole[MODE]) == 1
+        # What slips and what is held may change on very different scales: each goes on with its own
+        # length.
         slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
     doubted, sought = NO_GUARD, NO_GUARD
@@ -615,6 +637,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         if shorter > 0.0:
             w[slot] = shorter
             continue
+        # A series has noted its sizes where its crossings were looked for.
         if w[FRACTION] > 0.0 and not exact:
             note_sizes(w, whole)
         w[LENGTH] = h
@@ -643,6 +666,7 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
         w[dense + 1 + i] = w[y + i]
     if whole[ALWAYS_EXACT]:
         w[dense] = 1.0  # a series, of which the first state is kept
+    # Places within a row are divided by its length, which must not be 0.
     w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
     record(log, end, w, whole)
 
@@ -669,12 +693,16 @@ def finish_step(
             add_work(w, whole)
         record(log, start, w, whole)
     close_step(guard, stop, w, whole)
+    # The end in the log was only that of the step: `close_step` may have put it on the start of a
+    # piece.
     if w[FRACTION] > 0.0:
         log[(whole[STEPS] - 1) * whole[ROW_COLUMNS] + 1] = w[TIME]
         if whole[N_CONTACTS] > 0:
             note_rhythm(guard, w[TIME] - start, w)
     if guard != NO_GUARD:
         change(guard, w, whole, events)
+    # Only after the event: a run that is taken up again at its end time begins behind all that
+    # happens there.
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
         whole[STATUS] = END_TIME
     elif whole[STATUS] == RUNNING and w[TIME] >= stop:
@@ -760,7 +788,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)
         take_changes(w, whole, events)
-        w[RHYTHM] = math.inf
+        w[RHYTHM] = math.inf  # no event has been met that could shorten a series
     else:
         initial_mode(w, whole)
         settle(w, whole, events)
@@ -818,6 +846,8 @@ def run(
     else:
         begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
+        # Before the step: the caller comes back with longer vectors, and nothing may have happened
+        # twice.
         if log_is_full(whole, log) or events_are_full(whole, events):
             whole[STATUS] = FULL
             return

@@ -174,6 +174,7 @@ def note_state(w: Vector, whole: Wholes) -> None:
     if whole[N_CONTACTS] > 0:
         ask_here(MOTION, w, whole)
     guard_values(w[TIME], w, whole, whole[Y], sampled)
+    # There is no step whose samples could be looked at: the one state stands for all of them.
     for s in range(1, SAMPLES + 1):
         for guard in range(guards_of):
             w[sampled + s * guards_of + guard] = w[sampled + guard]
@@ -186,6 +187,8 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
     at = row * whole[ROW_COLUMNS]
     restore(log, row, table, w, whole)
     interpolate(w, whole, (t - log[at]) / log[at + 2], point)
+    # A row at rest lasts for many pieces; the one that holds at the time is looked for from its
+    # first.
     whole[PIECE] = piece_at(table, int(log[at + 5]), t, whole)
     load_piece(table, whole[PIECE], w, whole)
     for i in range(n):
@@ -196,6 +199,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over."""
+    # First what turns states into the coordinates of the equations, then what depends on the state.
     put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, w[TIME], w, whole)
@@ -210,6 +214,7 @@ def rates_along(point: int, w: Vector, whole: Wholes) -> None:
     n, matrix = whole[N_STATES], whole[MATRIX]
     take_over(whole[DRIFT], w, whole)
     jacobian(w[TIME], w, whole, point, matrix)
+    # J d, with d in the coordinates of the equations; the result is turned back.
     for i in range(n):
         total = 0.0
         for j in range(n):

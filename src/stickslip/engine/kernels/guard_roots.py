@@ -148,13 +148,17 @@ def itp_point(
     `spare` is the number of trials left, `width` the length of the first bracket.
     """
     middle = 0.5 * (low + high)
+    # How far from the middle a point may lie if bisection is still to end in the trials that are
+    # left.
     radius = max(epsilon * 2.0**spare - 0.5 * (high - low), 0.0)
+    # Interpolate, push towards the middle, and project into that radius: the three steps of ITP.
     secant = (f_high * low - f_low * high) / (f_high - f_low)
     side = 1.0 if middle > secant else -1.0
     push = PUSH / width * (high - low) ** 2
     x = middle if push > abs(middle - secant) else secant + side * push
     if abs(x - middle) > radius:
         x = middle - side * radius
+    # Each trial takes half a unit off the bracket at least, so that none is wasted at its ends.
     return min(max(x, low + 0.5 * epsilon), high - 0.5 * epsilon)
 
 
@@ -198,6 +202,7 @@ def bisect(
     """Return the fraction just past a sign change."""
     f_low = guard_at(guard, low, t, h, w, whole)
     f_high = guard_at(guard, high, t, h, w, whole)
+    # A fraction of the step is told no better than the clock tells the time.
     epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
     width = high - low
     limit = itp_limit(width, epsilon)
@@ -206,6 +211,8 @@ def bisect(
             break
         x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
         value = guard_at(guard, x, t, h, w, whole)
+        # The guard holds at `low` and is violated at `high`: what is returned lies just past the
+        # root.
         if value < 0.0:
             high = x
             f_high = value
@@ -253,6 +260,7 @@ def turns(edge: float, near: float, far: float) -> bool:
     steadily would be searched, at forty evaluations each. Very near to where it turns, the three
     values do not tell its slope.
     """
+    # Slope of the parabola at the edge, and its second difference, both per sample.
     slope = 0.5 * (4.0 * near - 3.0 * edge - far)
     bend = edge - 2.0 * near + far
     if 0.0 < edge < BARELY * near:
@@ -274,7 +282,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     armed = value > 0.0
     for s in range(1, SAMPLES + 1):
         low = (s - 1) / SAMPLES
-        if armed and low >= first:
+        if armed and low >= first:  # a fall behind the earliest one known need not be found
             return first
         earlier = before
         before = value
@@ -316,6 +324,7 @@ def start_on_thresholds(w: Vector, whole: Wholes) -> None:
     guard_slopes(w[TIME], w, whole, whole[Y], whole[SLOPES])
     for guard in range(first, whole[FIRST_LIMIT]):
         rounding = rounding_of_places(guard, w, whole)
+        # Only what has not been away from its threshold in this run: larger values are no rounding.
         for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * rounding else 0):
             at = whole[SAMPLED] + s * guards + guard
             if abs(w[at]) <= rounding:
@@ -344,7 +353,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     if whole[STEPS] < EARLY and (whole[N_CONTACTS] == 0 or whole[N_VARIABLES] > 0):
         start_on_thresholds(w, whole)
     best = NO_GUARD
-    w[FRACTION] = 2.0
+    w[FRACTION] = 2.0  # beyond the step: any fall is earlier
     for guard in range(n_guards):
         x = first_sign(guard, w[FRACTION], t, h, w, whole)
         if x < 0.0:
@@ -447,6 +456,8 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         known = max(guard_size(guard, w, whole), abs(w[sampled + opposite(guard, whole)]))
         known = max(known, size_of_balance(guard, w, whole))
         size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
+        # Weights of the polynomial of degree four through every other sample, at those between,
+        # times 128.
         through = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
         difference = abs(through - 128.0 * w[at + n_guards])
         through = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
@@ -530,7 +541,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     dense = whole[DENSE]
     reached = whole[REACHED]
     n = whole[N_STATES]
-    row = whole[SLOPES] + guard * (n + 1)
+    row = whole[SLOPES] + guard * (n + 1)  # slopes along the states, then along time
     w[POLYNOMIAL] = w[values + guard]
     last = w[values + guard]
     degree = 0
@@ -572,6 +583,8 @@ def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
     drift = whole[DRIFT]
     n = whole[N_STATES]
     matrix = whole[MATRIX]
+    # Fields of both directions differ by twice the friction. With slopes times states and time they
+    # tell how large the forces are that balance.
     evaluate(FIELD, 1, whole[FLAGS], t, w, y, point)
     size = w[point + slip]
     evaluate(FIELD, -1, whole[FLAGS], t, w, y, point)
@@ -614,6 +627,7 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
         if x == FALLS_AT_ONCE:
             w[FRACTION] = 0.0
             return guard
+        # A fall right at the end of the step counts only if no other guard has one.
         if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
             w[FRACTION] = x
             best = guard

@@ -102,6 +102,7 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
     if whole[N_WALLS] == 0:
         return 0
     evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    # SLIP is the index of the rate; its place stands N_COORDINATES before it.
     place = y + whole[SLIP] - whole[N_COORDINATES]
     for wall in range(whole[N_WALLS]):
         position = w[walls_at + wall * columns]
@@ -115,6 +116,7 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 def pressed_by(side: int, flags: int, w: Vector, whole: Wholes) -> float:
     """Return the force that is missing for the slipping body to leave its stop."""
     values = whole[VALUES]
+    # In mode 2 * side the body is held at its stop, and the guard of the way back tells how firmly.
     evaluate(GUARDS, 2 * side, flags, w[TIME], w, whole[Y], values)
     return w[values + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
 
@@ -134,7 +136,11 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
     digit, and its impact cost a height that is not lost in the rounding of the place: of a bounce
     that gains by rounding what it loses by impact there is no end.
     """
+    # Without a least cost the bound of an elastic impact would be infinite, and nothing would
+    # bounce.
     cost = max(1.0 - restitution * restitution, ELASTIC)
+    # A bounce of speed v rises v^2 / (2 push), of which `cost` is lost, and lasts 2 v / push: the
+    # bounds follow from the rounding of the place and of the time.
     blurred = math.sqrt(2.0 * abs(push) * BLUR * abs(place) / cost)
     return max(RESTING * size, INSTANT * abs(t * push), blurred)
 
@@ -162,19 +168,25 @@ def strike(wall: int, w: Vector, whole: Wholes) -> None:
     side = wall_side(wall, whole)
     rate = coordinates + wall_coordinate(wall, whole)
     restitution = w[at + 1]
+    # To the last bit: by this place `touched` finds the body at its stop later.
     w[y + wall_coordinate(wall, whole)] = w[at]
     evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, whole[VALUES])
     push = side * w[whole[VALUES] + rate]
     smallest = resting_speed(w[TIME], w[whole[SCALE] + rate], push, w[at], restitution)
     speed = approach(whole[FIRST_WALL] + wall, w, whole)
+    # What nothing presses leaves its stop, however slow it is.
     if speed <= smallest and pressed_by(side, flags, w, whole) > 0.0:
         restitution = 0.0
-    if speed > 0.0:
+    if speed > 0.0:  # what leaves already takes no impulse
         before = energy_now(w, whole)
+        # Behind position and restitution stand the inertia that the impulse meets, and the change
+        # of each rate over that of the struck one.
         for i in range(coordinates):
             w[y + coordinates + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
+        # Set, not added up: 0.0 - 0 is +0, so that what stays has no sign of motion.
         w[y + rate] = 0.0 - side * restitution * speed
         if whole[BOOKS] and whole[STEPS] > 0:  # books open after what happens as a run begins
+            # The energy of the struck motion, m v^2 / 2, but for the share e^2 that comes back.
             lost = 0.5 * w[at + 2] * (1.0 - restitution * restitution) * speed * speed
             w[LOST] += lost
             w[GROSS] += lost
@@ -198,6 +210,7 @@ def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing:
     """
     switches = whole[N_SWITCHES]
     values = whole[VALUES]
+    # One may depend on another: as many sweeps as there are switches settle any chain of them.
     for _ in range(switches):
         evaluate(MARGINS, 0, flags, t, w, at, values)
         flags = 0
@@ -217,6 +230,7 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
     found, now = whole[FLAGS], w[rate]
     if whole[N_SWITCHES] == 0:
         return found
+    # A switch that is at its threshold at both rates does not depend on the rate at all.
     for trial in range(2):
         w[rate] = now + ANY_RATE if trial == 0 else now
         evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
@@ -230,9 +244,11 @@ def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a body whose slip velocity is zero."""
     values = whole[VALUES]
     side = touched(flags, w, whole)
+    # At its stop a body can only be pressed or leave it; friction decides nothing there.
     if side != 0:
         return 2 * side if pressed_by(side, flags, w, whole) >= 0.0 else -side
     if whole[CAN_STICK]:
+        # CONTACT writes friction, normal force, needed friction and level, in this order.
         evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
         if abs(w[values + 2]) <= w[values + 3]:
             return 0
@@ -246,6 +262,7 @@ def direction(flags: int, w: Vector, whole: Wholes) -> int:
     y = whole[Y]
     values = whole[VALUES]
     slip = whole[SLIP]
+    # At rest both directions have the same field: bristles push as they are bent.
     evaluate(FIELD, 1, flags, w[TIME], w, y, values)
     if w[values + slip] == 0.0:  # where a load begins to grow, its rate tells
         evaluate(TIME_SLOPE, 1, flags, w[TIME], w, y, values)
@@ -326,13 +343,13 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
         and not whole[CAN_STICK]
         and touched(flags, w, whole) == 0
     ):
-        whole[MODE] = -mode
+        whole[MODE] = -mode  # bristles go on without a jump of force: nothing has to hold
     elif guard == STOP:
         w[y + whole[SLIP]] = 0.0
         whole[MODE] = mode_from_rest(flags, w, whole)
         if whole[MODE] == mode and not whole[HAS_BRISTLES]:  # forces balance but for their rounding
             whole[MODE] = 0
-    elif abs(mode) == 2:
+    elif abs(mode) == 2:  # it leaves its stop
         whole[MODE] = -mode // 2
     elif whole[HAS_BRISTLES]:
         whole[MODE] = direction_of_break(guard, flags, w, whole)

@@ -209,6 +209,8 @@ def series_sensed(
         for i in range(size):
             w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
             w[result + i] = w[now + i]
+        # Horner's scheme, from the highest power down: result = S + h F_k + (h A / (k + 1)) result,
+        # where F_k is the mean of the forcing with the weight (1 - s / h)^k.
         for c in range(m):
             if own[c] >= 0.0:  # nothing acts along an initial state
                 for i in range(n):
@@ -233,11 +235,15 @@ def radau_stage(
         columns_at(5, q, m, whole),
     )
     right = matrix + stages * (stages + 1)
+    # Nodes of the part that is advanced, as fractions of the whole row, which the dense output
+    # spans.
     share = RADAU_NODES[s] * length / h
     interpolate(w, whole, share, point)
     jacobian(t + share * h, w, whole, point, matrix_at)
     forcing(t + share * h, point, w, whole, own, q, m, slopes)
+    # The unknowns are the slopes K of the stages: K = F + J (S + length * (sum of RADAU x K)).
     add_product(w, whole, matrix_at, now, m, slopes)
+    # Rows of I - length * (RADAU x J).
     for i in range(n):
         row = matrix + (s * n + i) * stages
         for other in range(RADAU_STAGES):
@@ -302,7 +308,7 @@ def guard_changes(
         total = w[parameters + int(own[c])] if own[c] >= 0.0 else 0.0
         for k in range(3 * n_drives):
             total += w[parameters + k] * w[directions + k * m + c]
-        for i in range(n):
+        for i in range(n):  # the chain rule: by quantities, drives and states
             total += w[row + i] * w[now + i * m + c]
         w[to + c] = total
 
@@ -368,6 +374,7 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
     moment = columns_at(4, q, m, whole)
     for i in range(n):
         for c in range(m):
+            # to the moment of the impact, which parameters move, from the end of the row
             w[now + i * m + c] += w[y1 + i] * w[moment + c]
         w[y1 + i] = 0.0
     impact_slopes(case, t, w, whole, whole[Y], slopes)
@@ -378,6 +385,7 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
             for j in range(n):
                 total += w[slopes + i * n + j] * w[now + j * m + c]
             w[new + i * m + c] = total
+    # Places go on without a jump; only rates have new sensitivities.
     for i in range(coordinates * m):
         w[now + coordinates * m + i] = w[new + i]
 
@@ -419,6 +427,7 @@ def pass_piece(
 def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Go over to the mode and the flags that follow an event."""
     y = whole[Y]
+    # The run has stopped it exactly; the dense output leaves rounding.
     if guard == STOP and whole[CAN_STICK]:
         w[y + whole[SLIP]] = 0.0
     field(t, w, whole, y, whole[VALUES])
@@ -445,6 +454,7 @@ def pass_impact(
     rate = n + wall_coordinate(wall, whole)
     evaluate(WALLS_OF, 0, whole[FLAGS], t, w, y, whole[WALLS])
     held = mode not in (1, -1)
+    # The mode after the impact and the rate in the next row tell whether it bounced or stayed.
     end = log[following * whole[ROW_COLUMNS] + ROW_DENSE + 1 + rate]
     case = wall if bounces(wall, end, held, w, whole) else whole[N_WALLS] + wall
     rebound(case, t, w, whole, own, q, m)
@@ -491,6 +501,8 @@ def pass_instant(
         return first
     following = int(log[at + width + 5])
     known = following != int(log[at + 5])
+    # Where a new piece begins, its start gives the moment, and all events of the instant follow
+    # from it.
     if known:
         pass_piece(t, following, table, dtable, w, whole, q, m)
     k, last = first, NO_GUARD
@@ -501,6 +513,7 @@ def pass_instant(
         if not known:
             moments(guard, t, w, whole, own, q, m)
             known = True
+        # A second stop met in the same instant has a moment of its own, for parameters nearby.
         elif guard >= whole[FIRST_WALL] and guard != last:
             same_moment(guard, t, w, whole, own, q, m)
         if guard >= whole[FIRST_WALL]:
@@ -528,6 +541,8 @@ def first_guard(events: Vector, k: int, number: int, t: float) -> int:
     while k < number and events[k * EVENT_COLUMNS] <= t:
         known = int(events[k * EVENT_COLUMNS + 3])
         if guard == NO_GUARD:
+            # Events of changed modes carry the guard that fell first as -2 - guard: see
+            # `transitions.OF_MODES`.
             guard = known if known >= 0 else -2 - known
         k += 1
     return guard
@@ -542,6 +557,7 @@ def note_struck(
     """
     n, rates = whole[N_COORDINATES], whole[Y] + whole[N_COORDINATES]
     after = row * whole[ROW_COLUMNS] + ROW_DENSE + 1 + n
+    # The modes after the instant stand at the end of the next row.
     modes = (row + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
     t, found, k = log[row * whole[ROW_COLUMNS]], False, first
     for i in range(n):
@@ -589,6 +605,7 @@ def own_moments(
         stops = mode != HELD_FAST and other % 2 == 0 and not is_cut
         if stops and struck:  # an impact may give it another mode, however fast it is
             stops = abs(w[values + other]) <= COINCIDENT * t * abs(w[rates + other // 2])
+        # Both guards of what is held add up to its two levels.
         level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
         breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
         if stops or breaks:
@@ -708,6 +725,7 @@ def sense(
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     asked = 0
     k = 0
+    # What happens as a run begins has no row before it.
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         if events[k * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
             lose(w, whole, q, m)
@@ -727,6 +745,7 @@ def sense(
         at = row * width
         last = row == count - 1
         load_directions(int(log[at + 5]), dtable, w, whole, q, m)
+        # The last row also answers all times behind its end.
         while asked < len(times) and (last or times[asked] < log[at + 1]):
             restore(log, row, table, w, whole)
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)

@@ -23,8 +23,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
-from typing_extensions import override
-
 # Whole numbers that pass between generated modules, kernels and their readers.
 
 # Index of each guard in the vector of guards; switch j has index SWITCH + j. Limits, which end the
@@ -524,18 +522,15 @@ class ModeSizes(Sizes):
     """Whether the normal force can change."""
 
     @property
-    @override
     def guards(self) -> int:
         """Guards of a mode."""
         return SWITCH + self.switches + self.limits + len(self.walls)
 
     @property
-    @override
     def columns(self) -> int:
         """Friction, normal force, efforts."""
         return 2 + self.channels
 
-    @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
         n, guards = self.states, self.guards
@@ -563,7 +558,6 @@ class ModeSizes(Sizes):
             "impact_parameters": self.coordinates * quantities,
         }
 
-    @override
     def _own(self) -> dict[int, int]:
         return {
             N_LIMITS: self.limits,
@@ -577,11 +571,9 @@ class ModeSizes(Sizes):
             MOST_EVENTS: 4 + self.switches * self.switches,
         }
 
-    @override
     def _rooms(self) -> dict[int, int]:
         return {**super()._rooms(), WALLS: len(self.walls) * (3 + self.coordinates)}
 
-    @override
     def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
         yield None, tuple(number for wall in self.walls for number in wall)
 
@@ -678,7 +670,6 @@ class ContactSizes(Sizes):
         return len(self.slips)
 
     @property
-    @override
     def guards(self) -> int:
         """Two of each pair, switches and opening of each contact, switches, limits, stops."""
         own = 2 * self.pairs + self.contacts * (self.law_switches + 1)
@@ -690,12 +681,10 @@ class ContactSizes(Sizes):
         return int(any(self.reacts)) + self.own_limits
 
     @property
-    @override
     def columns(self) -> int:
         """Friction, load and mode of each contact, efforts."""
         return 3 * self.contacts + self.channels
 
-    @override
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
         own = {
@@ -758,7 +747,6 @@ class ContactSizes(Sizes):
     def _most_bristles(self) -> int:
         return max(self.bristles_of, default=0)
 
-    @override
     def _own(self) -> dict[int, int]:
         diagonal = self.constant_mass and all(
             row == column for row, column in self.mass if row < self.coordinates
@@ -799,7 +787,6 @@ class ContactSizes(Sizes):
             LAW_SLOPE_ROOM: self._law_slopes,
         }
 
-    @override
     def _rooms(self) -> dict[int, int]:
         n, c, reacting = self.coordinates, self.contacts, sum(self.reacts)
         rows, pairs = n + self.held, self.pairs
@@ -877,7 +864,6 @@ class ContactSizes(Sizes):
             BRISTLE_SLOPES: self.bristles,
         }
 
-    @override
     def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
         n, c = self.directions, self.contacts
         places = self.law_places()

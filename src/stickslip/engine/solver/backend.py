@@ -8,25 +8,12 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import Model
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.driver import events_are_full, log_is_full, piece_at
 from stickslip.engine.kernels.equations import load_piece, put_constants
 from stickslip.engine.kernels.mode_transitions import set_flags
-from stickslip.engine.kernels.state_layout import (
-    ADDRESS,
-    BOOKS,
-    FULL,
-    GIVEN,
-    N_DRIVES,
-    ROW_COLUMNS,
-    SEVERAL,
-    SIZE,
-    STATUS,
-    Sizes,
-    Y,
-)
 from stickslip.engine.solver.compile.modules import is_loaded, load, load_compiled, plain_equations
 from stickslip.engine.solver.starts import Inputs
 
@@ -45,14 +32,13 @@ class Runner:
     """Address of what works out the equations of several contacts, or the function."""
     compiled: bool
     """Whether kernels and equations are machine code."""
-    sizes: Sizes
+    sizes: layout.Sizes
     """How much of everything the model has."""
     places: tuple[int, ...]
     """Place of each parameter in the vector of a run."""
     model: Model
     """The equations."""
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the equations: code is a process's own, and both tiers give the same bits."""
         return _again, (self.model, self.compiled)
@@ -84,7 +70,7 @@ class Runner:
     def _beginning(self) -> Any:
         """Those whole numbers, to copy."""
         whole = self.wholes(self.header)
-        whole[BOOKS] = 1
+        whole[layout.BOOKS] = 1
         return whole
 
     def wholes(self, numbers: Iterable[int]) -> Any:
@@ -94,7 +80,7 @@ class Runner:
 
     def working(self, numbers: Sequence[float]) -> Any:
         """Return the vector of a run, with the parameters in it."""
-        w = self.zeros(self.header[SIZE])
+        w = self.zeros(self.header[layout.SIZE])
         for place, number in zip(self.places, numbers, strict=True):
             w[place] = number
         return self._addressed(w)
@@ -103,7 +89,7 @@ class Runner:
         """Return the vector of a run that the other tier has begun."""
         numbers = list(w)
         # functions in one tier and bits of addresses in the other: neither is a number to convert
-        numbers[ADDRESS] = numbers[SEVERAL] = 0.0
+        numbers[layout.ADDRESS] = numbers[layout.SEVERAL] = 0.0
         return self._addressed(self.vector(numbers))
 
     def run(
@@ -123,7 +109,7 @@ class Runner:
         while True:
             log, events = self.with_room(whole, log, events)
             self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
-            if whole[STATUS] != FULL:
+            if whole[layout.STATUS] != layout.FULL:
                 return log, events
 
     def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
@@ -144,9 +130,9 @@ class Runner:
         """Put in where the equations are."""
         if self.compiled:
             # the bits of an address, which compiled code reads as a whole number
-            w[ADDRESS : SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
+            w[layout.ADDRESS : layout.SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
         else:
-            w[ADDRESS], w[SEVERAL] = self.equations, self.contacts
+            w[layout.ADDRESS], w[layout.SEVERAL] = self.equations, self.contacts
         return w
 
 
@@ -188,8 +174,8 @@ class Equations:
         self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
         self.lengths, w, whole = _beginning_of(model, tuple(inputs.p))
         self.w, self.whole = w.copy(), whole.copy()  # states and drives are written into them
-        self._first, self._last = whole[Y], whole[Y] + model.sizes.states
-        self.width = 1 + 3 * self.whole[N_DRIVES]
+        self._first, self._last = whole[layout.Y], whole[layout.Y] + model.sizes.states
+        self.width = 1 + 3 * self.whole[layout.N_DRIVES]
         self.load(0)
 
     def load(self, piece: int) -> None:
@@ -200,6 +186,7 @@ class Equations:
     def load_at(self, t: float) -> None:
         """Load the piece of the drives that holds at a time; times mostly go forwards."""
         begun = self.piece * self.width
+        # From the first piece again only where time has gone back.
         first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
         self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
 
@@ -215,7 +202,7 @@ class Equations:
     def flags(self, t: float, y: Sequence[Any]) -> int:
         """Return the flags of the switches that a state asks for."""
         self._put(y)
-        return set_flags(t, self.w, self.whole, self.whole[Y], 0, 0)
+        return set_flags(t, self.w, self.whole, self.whole[layout.Y], 0, 0)
 
     def __call__(
         self,
@@ -234,9 +221,9 @@ class Equations:
         self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
     ) -> list[Any]:
         """Return what a function gives at the state that flags were last asked for."""
-        w, to = self.w, self.whole[SIZE]
+        w, to = self.w, self.whole[layout.SIZE]
         if len(given):
-            place = self.whole[GIVEN]
+            place = self.whole[layout.GIVEN]
             w[place : place + len(given)] = given
         self.functions[name](mode, flags, t, w, self._first, to)
         return w[to : to + self.lengths[name]]
@@ -267,13 +254,12 @@ class Playback:
         cls, model: Model, runner: Runner, inputs: Inputs, log: Sequence[float], count: int
     ) -> Self:
         """Take the recorded part of a log."""
-        width = runner.header[ROW_COLUMNS]
+        width = runner.header[layout.ROW_COLUMNS]
         log = log[: count * width]  # behind them is room that no step needed
         return cls(
             model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the rows; the log is made of them, as the tier takes it."""
         return _restored, (self.model, self.runner, self.inputs, self.rows)

@@ -7,49 +7,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
-from typing_extensions import override
-
 from stickslip.engine.formulation import PAINLEVE, Model, contact_model, formulate
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.contacts.assembly import prepare, put_motion, refresh
 from stickslip.engine.kernels.contacts.decisions import strike_stops
 from stickslip.engine.kernels.contacts.motion import law_flags, slip_rate, supply
 from stickslip.engine.kernels.contacts.transitions import rubs, set_own_flags
 from stickslip.engine.kernels.equations import ENERGY, LIMITS, LOADS, evaluate, turn_states
 from stickslip.engine.kernels.mode_transitions import wall_coordinate, wall_side
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    BACKWARD,
-    BRISTLE_RATES,
-    BRISTLES,
-    CONSTANT_LOADS,
-    FIRST_WALL,
-    FLAGS,
-    FORWARD,
-    FREE,
-    FRICTION,
-    HELD_FAST,
-    LEVELS,
-    LOAD,
-    MODES,
-    MOTION_POINT,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_STATES,
-    N_SWITCHES,
-    N_WALLS,
-    NEEDED,
-    OPEN,
-    PUSHED,
-    REACTS,
-    RIGID,
-    SLIP,
-    SLIPS,
-    TIME,
-    VALUES,
-    WALL_COLUMNS,
-    WALLS,
-    Y,
-)
 from stickslip.engine.solver.backend import Equations
 from stickslip.engine.solver.starts import gather
 from stickslip.errors import InputError, SimulationError
@@ -185,14 +150,14 @@ class BlockDiagram(ABC):
         """Energy that impacts at hard stops have taken so far [J]."""
         return 0.0
 
-    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:  # noqa: ARG002  # for those with stops
+    def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:  # for those with stops
         """Whether each coordinate of `slips` is at rest at a hard stop."""
         return (False,) * len(self.slips)
 
     def struck(
         self,
-        t: float,  # noqa: ARG002
-        dt: float,  # noqa: ARG002
+        t: float,
+        dt: float,
         y: list[float],
         held: tuple[bool, ...],
     ) -> tuple[list[float], tuple[bool, ...]]:
@@ -208,6 +173,7 @@ class BlockDiagram(ABC):
         Steps would add up what each misses of a phase that ends within it, and the guided
         coordinate would stray: in a block diagram its motion is a source.
         """
+        # The run may begin beside the profile: its offset, and that of its rate, stay for all time.
         for place, rate, profile, ahead, faster in self.leads:
             position, speed = profile.at(t)
             y[place], y[rate] = position + ahead + faster * t, speed + faster
@@ -262,6 +228,8 @@ class Diagram(BlockDiagram):
         step: float = 0.0,
     ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
+        # The force of the contact is left open below, so that the law that equations are traced
+        # with has no part in them.
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         if model.latched:
@@ -272,7 +240,7 @@ class Diagram(BlockDiagram):
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
-        slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        slips, leads = (model.sizes.header[layout.SLIP],), leads_of(mechanism, y0)
         return cls(
             equations,
             law,
@@ -288,16 +256,13 @@ class Diagram(BlockDiagram):
         )
 
     @property
-    @override
     def coordinates(self) -> int:
         return self.equations.sizes.coordinates
 
     @property
-    @override
     def columns(self) -> tuple[str, ...]:
         return (*self.states, *self.bristles, "friction", "normal_force", "mode")
 
-    @override
     def begun(self, y0: Sequence[float]) -> list[float]:
         return list(y0)
 
@@ -308,6 +273,8 @@ class Diagram(BlockDiagram):
 
     def _at(self, t: float, y: Sequence[float]) -> _State:
         """Set the equations to a state, unless they stand there; lists are not written to after."""
+        # By identity: a step makes a new list for each state, and asks for friction, rates and
+        # samples at one.
         if self.asked and self.asked[0].y is y and self.asked[0].t == t:
             return self.asked[0]
         self.equations.load_at(t)
@@ -338,6 +305,7 @@ class Diagram(BlockDiagram):
         assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
         if not law.inputs:
             return law
+        # Bound once for each state: laws are frozen, and each binding is a new object.
         state = self._at(t, y)
         if state.law is None:
             n, names = self.coordinates, self.mechanism.coordinates
@@ -347,7 +315,7 @@ class Diagram(BlockDiagram):
             (contact,) = self.mechanism.contacts()
             told = self.mechanism.contact_inputs(t, q, q_dot, drives)
             state.law = bound(law, of_contact(told, contact.name))
-            check_within({name: float(one) for name, one in state.law.limits().items()}, t)
+            check_within({name: float(limit) for name, limit in state.law.limits().items()}, t)
         return state.law
 
     @cached_property
@@ -381,6 +349,7 @@ class Diagram(BlockDiagram):
 
     def _rests(self, t: float, y: Sequence[float], held: bool) -> bool:
         """Whether friction holds the body, by a rule or because it is at rest and not pushed on."""
+        # These have a rule of their own for rest, or none at all.
         exempt = self.break_away == "zero" or self.soft is not None or bool(self.bristles)
         if held or exempt or isinstance(self.law, PrintedForm) or y[self.slip] != 0.0:
             return held
@@ -399,6 +368,8 @@ class Diagram(BlockDiagram):
         """Return the friction of a soft constraint, at most that of the law."""
         normal, needed = self._open(t, y)
         v, viscous = y[self.slip], self.viscous * y[self.slip]
+        # MuJoCo's constraint: of the force that would hold the body and stop it at a rate, the
+        # impedance is taken, at most the level.
         mobility = self._mobilities(t, y)[self.slip - self.coordinates]
         wanted = soft.impedance * (needed - viscous + soft.damping * v / mobility)
         side = 1 if wanted > 0.0 else -1
@@ -410,10 +381,10 @@ class Diagram(BlockDiagram):
     def _mobilities(self, t: float, y: Sequence[float]) -> list[float]:
         """Return the accelerations that a unit of friction takes away (coordinates,)."""
         state, n = self._at(t, y), self.coordinates
+        # Affine in the friction force: two evaluations give the slope.
         open_, loaded = self._evaluated(state, 0.0)[:n], self._evaluated(state, 1.0)[:n]
         return [a - b for a, b in zip(open_, loaded, strict=True)]
 
-    @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         return (held[0] and self._can_hold(t, y),)
 
@@ -421,13 +392,13 @@ class Diagram(BlockDiagram):
         normal, needed = self._open(t, y)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
+            # Equations as printed may hold by returning what is needed.
             return self.law.force(0.0, normal, z, needed) == needed
         if not self.law.holds:
             return False
         level = self._informed(t, y).towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
-    @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
@@ -435,10 +406,12 @@ class Diagram(BlockDiagram):
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
         if self.viscous and not stuck:
+            # With the velocity at the end, a' = a - (D dt / m) a', which is solved for a'.
             lag, away = self.step * self.viscous, self._mobilities(t, y)
             ahead = lag * accelerations[self.slip - n] / (1.0 + lag * away[self.slip - n])
             accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
         if stuck:
+            # Exactly: rounding of the balance would make the body creep.
             accelerations[self.slip - n] = 0.0
         moved: Sequence[float] = (0.0,) * len(z)
         if z and not stuck:
@@ -447,35 +420,33 @@ class Diagram(BlockDiagram):
                 moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
 
-    @override
     def turn(self, t: float, y: Sequence[float]) -> None:
         if not any(self.latches):
             return
         v, z = self._split(y)
         normal, _ = self._open(t, y)
         law = self._informed(t, y)
+        # Within a step latches stay as they are, so that all stages see one law.
         for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
             with latches:
                 equation(v, normal, z)
             latches.turn()
 
-    @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         stuck = self._rests(t, y, held[0])
         friction, normal = self.friction(t, y, stuck)
         v = y[self.slip]
         return [t, *y, friction, normal, 0.0 if stuck else float((v > 0) - (v < 0))]
 
-    @override
     def lifts(self, row: Sequence[float]) -> bool:
         return row[NORMAL] < 0.0
 
-    @override
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
         friction = row[FRICTION_PLACE]
         (energy,) = self.equations.here("energy", 0, self._at(t, y).flags, t)
+        # By the friction of the sample, so that powers are those of the columns.
         *_, supplied = self._free(t, y, friction)
         return float(energy), supplied, friction * y[self.slip]
 
@@ -557,6 +528,7 @@ class ContactDiagram(BlockDiagram):
         break_away: BreakAway,
     ) -> Self:
         """Derive the parts of the equations."""
+        # Impacts are those of parts, also with a single contact.
         stops = bool(stops_of(mechanism))
         model = contact_model(mechanism, law) if stops else formulate(mechanism, law)
         if model.closing:
@@ -572,26 +544,25 @@ class ContactDiagram(BlockDiagram):
             )
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole
-        first, n = whole[SLIPS], whole[N_COORDINATES]
-        slips = {n + whole[first + c] for c in range(whole[N_CONTACTS])}
-        w[whole[Y] : whole[Y] + whole[N_STATES]] = y0
-        for _ in range(whole[N_SWITCHES]):
+        first, n = whole[layout.SLIPS], whole[layout.N_COORDINATES]
+        slips = {n + whole[first + c] for c in range(whole[layout.N_CONTACTS])}
+        # Switches, and so the geometry, are those of the state at which the run begins.
+        w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]] = y0
+        for _ in range(whole[layout.N_SWITCHES]):
             set_own_flags(0, w, whole)
         prepare(0.0, w, whole)  # gives the change of coordinates, too
         walls = tuple(
             Wall(wall_coordinate(k, whole), wall_side(k, whole), *_numbers_of(k, w, whole))
-            for k in range(whole[N_WALLS])
+            for k in range(whole[layout.N_WALLS])
         )
         held = tuple(sorted(slips | {n + wall.place for wall in walls}))
         return cls(model, equations, held, walls, leads_of(mechanism, y0), break_away)
 
     @property
-    @override
     def coordinates(self) -> int:
-        return int(self.equations.whole[N_COORDINATES])
+        return int(self.equations.whole[layout.N_COORDINATES])
 
     @property
-    @override
     def columns(self) -> tuple[str, ...]:
         contacts = self.model.contacts
         kinds = ("friction", "normal_force", "mode")
@@ -599,30 +570,27 @@ class ContactDiagram(BlockDiagram):
         return (*self.model.states, *(kinds if self.model.alone else own))
 
     @property
-    @override
     def contacts(self) -> tuple[str, ...]:
         return () if self.model.alone else self.model.contacts
 
     def _put(self, t: float, y: Sequence[float]) -> None:
         w, whole = self.equations.w, self.equations.whole
-        first = whole[Y]
-        w[first : first + whole[N_STATES]] = y
-        w[TIME] = t
+        first = whole[layout.Y]
+        w[first : first + whole[layout.N_STATES]] = y
+        w[layout.TIME] = t
 
     def _turned(self, y: Sequence[float], back: int) -> list[float]:
         """Return a state in coordinates of the equations, or back in those of the mechanism."""
         w, whole = self.equations.w, self.equations.whole
-        first, count = whole[Y], whole[N_STATES]
+        first, count = whole[layout.Y], whole[layout.N_STATES]
         w[first : first + count] = y
         turn_states(first, back, w, whole)
         self.asked.clear()
         return [float(x) for x in w[first : first + count]]
 
-    @override
     def begun(self, y0: Sequence[float]) -> list[float]:
         return self._turned(y0, 0)
 
-    @override
     def led(self, t: float, y: list[float]) -> list[float]:
         if not self.leads:
             return y
@@ -641,39 +609,54 @@ class ContactDiagram(BlockDiagram):
         """
         w, whole = self.equations.w, self.equations.whole
         asked: list[Any] = [t, held, dict(pushed or {})]
+        # By identity and by what is held: within a step the same state is asked for with other
+        # holds.
         if self.asked and self.asked[0] is y and self.asked[1:] == asked:
             return w, whole
         self.equations.load_at(t)
         self._put(t, y)
         set_own_flags(0, w, whole)
-        if not whole[CONSTANT_LOADS]:
-            evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
-        for c in range(whole[N_CONTACTS]):
-            closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
-            whole[whole[OPEN] + c] = 0 if closed else 1
-        n, modes = whole[N_COORDINATES], whole[MODES]
+        # Which contacts are open follows from the loads alone: steps locate no lift-off.
+        if not whole[layout.CONSTANT_LOADS]:
+            evaluate(LOADS, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOAD])
+        for c in range(whole[layout.N_CONTACTS]):
+            closed = whole[whole[layout.REACTS] + c] or w[whole[layout.LOAD] + c] > 0.0
+            whole[whole[layout.OPEN] + c] = 0 if closed else 1
+        n, modes = whole[layout.N_COORDINATES], whole[layout.MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
             rate, side = y[n + i], asked[2].get(n + i, 0)
-            whole[modes + i] = FORWARD if rate > 0.0 else BACKWARD if rate < 0.0 else FREE
+            whole[modes + i] = (
+                layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
+            )
             if rate == 0.0 and side:
+                # Bent bristles have a friction of their own at rest, beside which there is no level
+                # to break.
                 level = self.break_away == "static" and not self._bends(i)
-                whole[modes + i] = side * (PUSHED if level else FORWARD)
+                whole[modes + i] = side * (layout.PUSHED if level else layout.FORWARD)
             if kept.get(n + i):
-                whole[modes + i] = HELD_FAST
+                whole[modes + i] = layout.HELD_FAST
             elif not rubs(i, whole):
-                whole[modes + i] = FREE
-        law_flags(t, w, whole, whole[Y])
-        refresh(t, w, whole, whole[Y])
+                whole[modes + i] = layout.FREE
+        # After modes: laws whose switches depend on the slip see its sign.
+        law_flags(t, w, whole, whole[layout.Y])
+        refresh(t, w, whole, whole[layout.Y])
         limits = [name for name in self.model.limits if name != PAINLEVE]
         if limits:
-            put_motion(w, whole, whole[Y])
-            evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[VALUES])
-            check_within(dict(zip(limits, w[whole[VALUES] :], strict=False)), t)
+            put_motion(w, whole, whole[layout.Y])
+            evaluate(
+                LIMITS,
+                0,
+                whole[layout.FLAGS],
+                t,
+                w,
+                whole[layout.MOTION_POINT],
+                whole[layout.VALUES],
+            )
+            check_within(dict(zip(limits, w[whole[layout.VALUES] :], strict=False)), t)
         self.asked[:] = [y, *asked]
         return w, whole
 
-    @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
         if not any(held):
             return tuple(held)
@@ -683,12 +666,13 @@ class ContactDiagram(BlockDiagram):
     def _decided(self, t: float, y: Sequence[float]) -> tuple[tuple[bool, ...], dict[int, int]]:
         """Return which coordinates at rest stay there, and where others are pushed."""
         whole = self.equations.whole
-        n, rigid = whole[N_COORDINATES], whole[RIGID]
+        n, rigid = whole[layout.N_COORDINATES], whole[layout.RIGID]
         kept = tuple(
             own or (y[slip] == 0.0 and bool(whole[rigid + slip - n]))
             for slip, own in zip(self.slips, self.stopped(y), strict=True)
         )
         pushed: dict[int, int] = {}
+        # One after another: who lets go first changes what the others have to hold.
         while any(kept):
             slip, side = self._weakest(t, y, kept, pushed)
             if side == 0:
@@ -701,6 +685,8 @@ class ContactDiagram(BlockDiagram):
         self, t: float, y: Sequence[float], held: Sequence[bool]
     ) -> tuple[list[Any], list[int]]:
         """Work everything out at a state, with the friction of what breaks away there."""
+        # What is at rest and not held breaks away, or is held after all, before its friction is
+        # known.
         resting = (y[slip] == 0.0 and not one for slip, one in zip(self.slips, held, strict=True))
         if self.break_away == "zero" or not any(resting):
             return self._at(t, y, tuple(held))
@@ -716,8 +702,8 @@ class ContactDiagram(BlockDiagram):
         """Whether bristles carry friction along a coordinate, whatever holds them at rest."""
         whole = self.equations.whole
         return any(
-            whole[whole[SLIPS] + c] == i and whole[whole[BRISTLES] + c] >= 0
-            for c in range(whole[N_CONTACTS])
+            whole[whole[layout.SLIPS] + c] == i and whole[whole[layout.BRISTLES] + c] >= 0
+            for c in range(whole[layout.N_CONTACTS])
         )
 
     def _weakest(
@@ -725,10 +711,11 @@ class ContactDiagram(BlockDiagram):
     ) -> tuple[int, int]:
         """Return the held slip that exceeds its level most and where it is pushed, 0 if none."""
         w, whole = self._at(t, y, held, pushed)
-        n, found, excess = whole[N_COORDINATES], (0, 0), 0.0
+        n, found, excess = whole[layout.N_COORDINATES], (0, 0), 0.0
         for slip, one in zip(self.slips, held, strict=True):
-            needed = float(w[whole[NEEDED] + slip - n])
-            level = float(w[whole[LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            needed = float(w[whole[layout.NEEDED] + slip - n])
+            level = float(w[whole[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            # What no closed contact holds must not stay held by a level of 0 either.
             if not one or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
@@ -742,17 +729,14 @@ class ContactDiagram(BlockDiagram):
         return at_stop or rubs(i, self.equations.whole)
 
     @property
-    @override
     def lost(self) -> float:
         return sum(self.losses)
 
-    @override
     def stopped(self, y: Sequence[float]) -> tuple[bool, ...]:
         n = self.coordinates
         at = {n + wall.place for wall in self.walls if wall.margin(y) == 0.0}
         return tuple(slip in at and y[slip] == 0.0 for slip in self.slips)
 
-    @override
     def struck(
         self, t: float, dt: float, y: list[float], held: tuple[bool, ...]
     ) -> tuple[list[float], tuple[bool, ...]]:
@@ -761,22 +745,29 @@ class ContactDiagram(BlockDiagram):
             return y, held
         depths = {k: -self.walls[k].margin(y) for k in beyond}
         y = [*y]
+        # Back onto the stop first: forces are those there, not those of the depth.
         for wall in (self.walls[k] for k in beyond):
             y[wall.place] = wall.position
         hits = [k for k in beyond if self.walls[k].side * y[n + self.walls[k].place] > 0.0]
         w, whole = self._at(t, y, held)
-        pushes = {k: w[whole[ACCELERATION] + self.walls[k].place] for k in hits}
+        pushes = {k: w[whole[layout.ACCELERATION] + self.walls[k].place] for k in hits}
         for k in hits:
+            # The speed at the stop follows from that at the end of the step by the work of the
+            # press over the depth.
             wall = self.walls[k]
             speed, push = wall.side * y[n + wall.place], wall.side * pushes[k]
             met = max(speed - push * min(dt, depths[k] / speed), 0.0)  # as it reached the stop
             e = wall.restitution
+            # A bounce that steps cannot resolve would gain from the integrator what it loses by
+            # impact.
             ends = (1.0 - e) * met <= GAINED * push * dt and e * met <= UNRESOLVED * push * dt
+            # Restitution is told relative to the speed that kernels see, which is that at the end
+            # of the step.
             w[_row_of(k, whole) + 1] = 0.0 if ends else e * met / speed
         if hits:
             before = self._energy(t)
-            strike_stops(whole[FIRST_WALL] + hits[0], w, whole)
-            y = [float(x) for x in w[whole[Y] : whole[Y] + whole[N_STATES]]]
+            strike_stops(whole[layout.FIRST_WALL] + hits[0], w, whole)
+            y = [float(x) for x in w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]]]
             self.asked.clear()
             self.losses.append(before - self._energy(t))
         stays = zip(self.slips, held, self.stopped(y), strict=True)
@@ -786,56 +777,53 @@ class ContactDiagram(BlockDiagram):
     def _energy(self, t: float) -> float:
         """Return the mechanical energy of the state at hand."""
         w, whole = self.equations.w, self.equations.whole
-        evaluate(ENERGY, 0, whole[FLAGS], t, w, whole[Y], whole[VALUES])
-        return float(w[whole[VALUES]])
+        evaluate(ENERGY, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.VALUES])
+        return float(w[whole[layout.VALUES]])
 
-    @override
     def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
-        n, states = whole[N_COORDINATES], whole[N_STATES]
-        first, bristles = whole[ACCELERATION], whole[BRISTLE_RATES]
+        n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
+        first, bristles = whole[layout.ACCELERATION], whole[layout.BRISTLE_RATES]
         return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
 
-    @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
         w, whole = self._moving(t, y, held)
-        count, friction, load = whole[N_CONTACTS], whole[FRICTION], whole[LOAD]
-        is_open = [bool(whole[whole[OPEN] + c]) for c in range(count)]
+        count, friction, load = whole[layout.N_CONTACTS], whole[layout.FRICTION], whole[layout.LOAD]
+        # What is open carries nothing, whatever its law would give.
+        is_open = [bool(whole[whole[layout.OPEN] + c]) for c in range(count)]
         loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
         modes = []
         for c in range(count):
-            sticks = whole[whole[MODES] + whole[whole[SLIPS] + c]] == HELD_FAST
-            v = 0.0 if sticks else slip_rate(c, w, whole, whole[Y])
+            sticks = whole[whole[layout.MODES] + whole[whole[layout.SLIPS] + c]] == layout.HELD_FAST
+            v = 0.0 if sticks else slip_rate(c, w, whole, whole[layout.Y])
             modes.append(OPENED if is_open[c] else float((v > 0) - (v < 0)))
         forces = w[friction : friction + count]
         row = [float(x) for x in (*forces, *loads, *modes)]
         return [t, *self._turned(y, 1), *row]
 
-    @override
     def lifts(self, row: Sequence[float]) -> bool:
-        whole, count = self.equations.whole, self.equations.whole[N_CONTACTS]
-        loads = row[1 + whole[N_STATES] + count :][:count]
-        return any(whole[whole[REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
+        whole, count = self.equations.whole, self.equations.whole[layout.N_CONTACTS]
+        loads = row[1 + whole[layout.N_STATES] + count :][:count]
+        return any(whole[whole[layout.REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
 
-    @override
     def balance(
         self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
     ) -> tuple[float, ...]:
         w, whole = self._moving(t, y, held)
-        values, at = whole[VALUES], whole[Y]
+        values, at = whole[layout.VALUES], whole[layout.Y]
         energy = self._energy(t)
         supply(t, w, whole, at, values)
         supplied = float(w[values])
         taken = [
-            float(w[whole[FRICTION] + c] * slip_rate(c, w, whole, at))
-            for c in range(whole[N_CONTACTS])
+            float(w[whole[layout.FRICTION] + c] * slip_rate(c, w, whole, at))
+            for c in range(whole[layout.N_CONTACTS])
         ]
         return energy, supplied, *taken
 
 
 def _row_of(wall: int, whole: Sequence[int]) -> int:
     """Return where position and restitution of a stop stand."""
-    return whole[WALLS] + wall * whole[WALL_COLUMNS]
+    return whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]
 
 
 def _numbers_of(wall: int, w: Sequence[Any], whole: Sequence[int]) -> tuple[float, float]:

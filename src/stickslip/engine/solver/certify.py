@@ -29,36 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.formulation import PAINLEVE, Model, formulate
-from stickslip.engine.kernels import state_layout
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.sensitivities import columns_at, sense_size
-from stickslip.engine.kernels.state_layout import (
-    AMBIGUOUS,
-    CAN_LIFT,
-    DECISIONS,
-    EVENTS,
-    FIRST_LIMIT,
-    GROSS,
-    HOLDS,
-    LOOPS,
-    LOST,
-    LOWEST,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_PAIRS,
-    REACHED,
-    REJECTED,
-    RESIDUAL,
-    ROW_DENSE,
-    SLIP,
-    SLIPS,
-    STATUS,
-    STEPS,
-    SUPPLIED,
-    TAKEN,
-    VIOLATION,
-    WORKS,
-    Y,
-)
 from stickslip.engine.solver.backend import Equations, Playback, Runner, runner_of
 from stickslip.engine.solver.run import Record, work_of
 from stickslip.engine.solver.starts import Inputs, schedule_slopes, start_slopes
@@ -72,7 +44,7 @@ from stickslip.show.formatting import number, percent, quantity
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
-CLOSE = 0.1
+NEAR_LIMIT_SHARE = 0.1
 """Share of its largest margin at which a run is said to come near to a limit."""
 ROUNDED = 2e-15
 """Share of the largest places by which a sum of them may change by rounding, within a row."""
@@ -105,7 +77,7 @@ def certify(
     """Check energy, guards, events and stick of a finished run."""
     books = _books(playback, w)
     energy_error = books["energy_error"]
-    violation, residual = float(w[VIOLATION]), float(w[RESIDUAL])
+    violation, residual = float(w[layout.VIOLATION]), float(w[layout.RESIDUAL])
     drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
@@ -122,23 +94,27 @@ def certify(
         )
     if drift != 0:
         problems.append(f"a sticking body moved by {number(drift, 2)} m")
-    margins = _margins(playback, w, whole[STATUS])
+    margins = _margins(playback, w, whole[layout.STATUS])
     return Certificate(
         **books,
         margins=margins,
         warnings=(
-            *(_warning(name, share) for name, share in margins.items() if 0.0 < share < CLOSE),
+            *(
+                _warning(name, share)
+                for name, share in margins.items()
+                if 0.0 < share < NEAR_LIMIT_SHARE
+            ),
             *_doubts(whole),
         ),
         work=_works(playback, w),
-        decisions=whole[DECISIONS] if playback.model.contacts else 0,
-        ambiguous=whole[AMBIGUOUS] if playback.model.contacts else 0,
+        decisions=whole[layout.DECISIONS] if playback.model.contacts else 0,
+        ambiguous=whole[layout.AMBIGUOUS] if playback.model.contacts else 0,
         indeterminate=_indeterminate(playback, w) if playback.model.contacts else (),
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
-        steps=whole[STEPS],
-        rejected=whole[REJECTED],
+        steps=whole[layout.STEPS],
+        rejected=whole[layout.REJECTED],
         problems=tuple(problems),
     )
 
@@ -146,13 +122,18 @@ def certify(
 def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, float]:
     """Return the least margin of each limit over its largest, and that of the normal force."""
     header, limits = playback.runner.header, playback.model.limits
-    guards = {"lift-off": state_layout.LIFT_OFF} if header[CAN_LIFT] else {}
-    guards |= {name: header[FIRST_LIMIT] + i for i, name in enumerate(limits)}
-    ends = {"lift-off": state_layout.LIFTED_OFF}
-    ends |= {name: state_layout.LIMITED + i for i, name in enumerate(limits)}
+    guards = {"lift-off": layout.LIFT_OFF} if header[layout.CAN_LIFT] else {}
+    guards |= {name: header[layout.FIRST_LIMIT] + i for i, name in enumerate(limits)}
+    # A limit ends a run by a status of its own: its margin is 0 then, whatever the least sample
+    # was.
+    ends = {"lift-off": layout.LIFTED_OFF}
+    ends |= {name: layout.LIMITED + i for i, name in enumerate(limits)}
     found = {}
     for name, guard in guards.items():
-        least, size = float(w[header[LOWEST] + guard]), float(w[header[REACHED] + guard])
+        least, size = (
+            float(w[header[layout.LOWEST] + guard]),
+            float(w[header[layout.REACHED] + guard]),
+        )
         if status == ends[name]:
             found[name] = 0.0
         elif math.isfinite(least) and size > 0.0:
@@ -162,13 +143,13 @@ def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, f
 
 def _works(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return the work that friction has taken at each of several contacts."""
-    first = playback.runner.header[WORKS]
+    first = playback.runner.header[layout.WORKS]
     return {name: float(w[first + c]) for c, name in enumerate(playback.model.contacts)}
 
 
 def _doubts(whole: Sequence[int]) -> tuple[str, ...]:
     """Return what the rigid model leaves open: which contacts hold at an instant."""
-    count = whole[AMBIGUOUS]
+    count = whole[layout.AMBIGUOUS]
     if not count:
         return ()
     times = "instant" if count == 1 else "instants"
@@ -218,6 +199,8 @@ def may_drive(law: FrictionLaw) -> bool:
     """Whether friction may be along the slip; factors that would turn it end a run before."""
     if law.passivity is ALWAYS or law.composition is None:
         return law.passivity is not ALWAYS
+    # Factors only change the size of what they multiply; their own limits end a run where they
+    # would turn it.
     parts = (name.part for name in law.composition.parts() if name.role != "factor")
     return not all(part.opposes for part in parts)
 
@@ -228,6 +211,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
     if len(starts) > MOST_ROWS:  # between evenly chosen times instead of all events
         times = np.linspace(starts[0], ends[-1], MOST_ROWS + 1)
         starts, ends = times[:-1], times[1:]
+    # Gauss's rule in each step: the power is smooth within one, and jumps between them.
     halves = 0.5 * (ends - starts)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     columns = playback((0.5 * (starts + ends) + halves * nodes[:, None]).ravel())
@@ -236,6 +220,7 @@ def _driving_work(mechanism: Mechanism, contact: Contact, playback: Playback) ->
     moving = {name: factor for name, factor in slip.items() if rates.get(name) in columns}
     speed = sum(float(factor) * columns[rates[name]] for name, factor in moving.items())
     name = f"friction:{contact.name}" if playback.model.contacts else "friction"
+    # Only where friction is along the slip: what it brakes elsewhere must not balance that.
     power = np.minimum(columns[name] * speed, 0.0).reshape(NODES, -1)
     return float(-(weights @ power * halves).sum())
 
@@ -244,10 +229,10 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over all energies and all work done."""
     (start, still), (end, at_rest) = _energies(playback, w)
     # the run books works as it goes, by quadrature along its steps; energies are of states alone
-    supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
-    lost = float(w[LOST])
+    supplied, taken = float(w[layout.SUPPLIED]), float(w[layout.TAKEN])
+    lost = float(w[layout.LOST])
     # of what falls freely, the sum of both energies may be rounding alone
-    size = max(abs(start), abs(end), float(w[GROSS]), start - still, end - at_rest)
+    size = max(abs(start), abs(end), float(w[layout.GROSS]), start - still, end - at_rest)
     mismatch = abs(end - start - supplied + taken + lost)
     return {
         "energy_error": mismatch / size if mismatch != 0 else 0.0,  # what is no number stays none
@@ -261,12 +246,12 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
 
 def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
     """Return the energies at the start of the first row and at the end of the last, and at rest."""
-    rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
+    rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[layout.Y]
     # lists, as plain equations take them: of few numbers they are faster than arrays
-    start = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n].tolist()
+    start = rows[0, layout.ROW_DENSE + 1 : layout.ROW_DENSE + 1 + n].tolist()
     states = start, [float(number) for number in w[y : y + n]]
     equations = Equations(playback.model, playback.inputs)
-    coordinates = playback.runner.header[N_COORDINATES]
+    coordinates = playback.runner.header[layout.N_COORDINATES]
     still = [0.0] * coordinates
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
@@ -285,24 +270,26 @@ def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
     Of a sum the rounding of its parts is no change.
     """
     header = playback.runner.header
-    rows, n, y = playback.rows, header[N_COORDINATES], header[Y]
+    rows, n, y = playback.rows, header[layout.N_COORDINATES], header[layout.Y]
+    # The last row has no follower: its end is the state with which the run ended.
     end = np.array([float(x) for x in w[y : y + n]])
-    places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end])
+    places = np.vstack([rows[:, layout.ROW_DENSE + 1 : layout.ROW_DENSE + 1 + n], end])
     modes = _modes(playback)
-    moved = np.abs(np.diff(places, axis=0))[modes[:, :n] == state_layout.HELD_FAST]
+    moved = np.abs(np.diff(places, axis=0))[modes[:, :n] == layout.HELD_FAST]
     closing = _closing_slips(playback, w)
     if not closing.size:
         return float(moved.max(initial=0.0))
     sums = np.diff(places @ closing.T, axis=0)
+    # Rounding of a sum is that of its largest parts.
     allowed = ROUNDED * np.abs(places).max(axis=0) @ np.abs(closing).T
     beyond = np.maximum(np.abs(sums) - allowed, 0.0)
-    beyond = beyond[modes[:, n : n + len(closing)] == state_layout.HELD_FAST]
+    beyond = beyond[modes[:, n : n + len(closing)] == layout.HELD_FAST]
     return float(max(moved.max(initial=0.0), beyond.max(initial=0.0)))
 
 
 def _modes(playback: Playback) -> NDArray[np.float64]:
     """Return the modes of all directions and cuts in each row."""
-    count, pairs = len(playback.model.contacts), playback.runner.header[N_PAIRS]
+    count, pairs = len(playback.model.contacts), playback.runner.header[layout.N_PAIRS]
     last = playback.rows.shape[1] - 2 * count
     return playback.rows[:, last - pairs : last]
 
@@ -310,8 +297,8 @@ def _modes(playback: Playback) -> NDArray[np.float64]:
 def _closing_slips(playback: Playback, w: Sequence[float]) -> NDArray[np.float64]:
     """Return the factors (m, n) of the coordinates in the slips that close loops."""
     header = playback.runner.header
-    n, first = header[N_COORDINATES], header[LOOPS]
-    m = header[N_DIRECTIONS] - n
+    n, first = header[layout.N_COORDINATES], header[layout.LOOPS]
+    m = header[layout.N_DIRECTIONS] - n
     return np.array([float(x) for x in w[first : first + m * n]]).reshape(m, n)
 
 
@@ -321,20 +308,22 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
     Those are contacts along one direction, and those of a loop.
     """
     header, names = playback.runner.header, playback.model.contacts
-    slips = header[header[SLIPS] : header[SLIPS] + len(names)]
-    holds = header[header[HOLDS] : header[HOLDS] + len(names)]
-    n = header[N_COORDINATES]
+    slips = header[header[layout.SLIPS] : header[layout.SLIPS] + len(names)]
+    holds = header[header[layout.HOLDS] : header[layout.HOLDS] + len(names)]
+    n = header[layout.N_COORDINATES]
+    # With one contact a direction, and without loops, what holds is what is needed.
     if len(set(slips)) == len(slips) and not playback.model.closing:
         return ()
     every = np.vstack([np.eye(n), _closing_slips(playback, w)])
     width, count = playback.rows.shape[1], len(names)
     states = np.hstack([_modes(playback)[:, : len(every)], playback.rows[:, width - count :]])
     found: dict[tuple[str, ...], None] = {}
+    # Few states of contacts occur in a run: each is looked at once.
     for state in np.unique(states, axis=0):
         held = [
             c
             for c in range(count)
-            if holds[c] and not state[len(every) + c] and state[slips[c]] == state_layout.HELD_FAST
+            if holds[c] and not state[len(every) + c] and state[slips[c]] == layout.HELD_FAST
         ]
         for loop in _dependent(every[[slips[c] for c in held]]):
             found[tuple(names[held[k]] for k in loop)] = None
@@ -345,12 +334,14 @@ def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
     """Return the sets of rows in which each follows from others, those apart from each other."""
     if len(rows) == 0:
         return []
+    # Of the transposed rows, so that right singular vectors are weights of rows.
     _, sizes, right = np.linalg.svd(rows.T)
     rank = int((sizes > sizes[0] * len(rows) * DEPENDENT).sum())
     # weights with which rows add up to nothing; a row without one follows from no others
     shared = np.abs(right[rank:].T @ right[rank:]) > SHARED
     sets: list[list[int]] = []
     for k in range(len(rows)):
+        # Sets that have a row in common are one: a loop may close another.
         if shared[k, k]:
             own = {k, *np.flatnonzero(shared[k]).tolist()}
             apart = [one for one in sets if not own & set(one)]
@@ -364,11 +355,11 @@ def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
         return _contact_drift(playback, w)
-    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()
+    (held,) = (np.abs(rows[:, 3]) != 1.0).nonzero()  # modes -1 and 1 slip
     if not held.size:
         return 0.0
-    coordinate = header[SLIP] - header[N_COORDINATES]
-    places = playback.column(ROW_DENSE + 1 + coordinate, w[header[Y] + coordinate])
+    coordinate = header[layout.SLIP] - header[layout.N_COORDINATES]
+    places = playback.column(layout.ROW_DENSE + 1 + coordinate, w[header[layout.Y] + coordinate])
     moved = places[held + 1] - places[held]
     return float(np.abs(moved).max()) if np.count_nonzero(moved) else 0.0
 
@@ -436,6 +427,7 @@ def directions_of(
             own[c] = numbers + model.parameter_paths.index(path)
         else:
             start[model.states.index(path.removeprefix("initial.")), c] = 1.0
+    # States that begin where the mechanism says change with its parameters.
     for state, slope in start_slopes(mechanism, columns, paths, told).items():
         start[model.states.index(state)] += slope
     driven = {path: column for path, column in columns.items() if len(column) == len(tables)}
@@ -475,14 +467,16 @@ class Sensing:
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
         log, events = record.log, record.events
+        # The record may be of the other tier, whose vectors are lists or arrays.
         if runner.compiled is not record.runner.compiled:
             log, events = runner.flat(log), runner.flat(events)
+        # Time of the interpreter alone: it decides when machine code would have paid.
         begun = 0.0 if runner.compiled else thread_time()
         runner.kernels.enter_sense(
             log,
-            record.whole[STEPS],
+            record.whole[layout.STEPS],
             events,
-            record.whole[EVENTS],
+            record.whole[layout.EVENTS],
             runner.flat(t[order]),
             runner.flat(self.inputs.table),
             runner.flat(along.table),
@@ -495,6 +489,7 @@ class Sensing:
         )
         if not runner.compiled:
             work_of(model).add(thread_time() - begun)
+        # Kernels answer in increasing times; users ask in any order.
         found = np.empty((len(t), len(model.states), len(full)))
         found[order] = np.reshape(out, found.shape)
         return found

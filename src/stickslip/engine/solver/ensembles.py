@@ -156,8 +156,10 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
         run = runner.kernels.enter_batch
     *settings, whole, log, events = _settings(job, runner, along)
     row, begun = 0, thread_time()
+    # The kernels come back where rows or events find no room, and go on with the same run.
     while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
         log, events = runner.with_room(whole, log, events)
+    # Processor time of a run, by which later ensembles of this model are cut into chunks.
     work_of(model).pace = (thread_time() - begun) / rows
     return Chunk(
         start,
@@ -171,6 +173,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
 def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
     """Return what the runs of a chunk are made with: end, limits, and room to work in."""
     header, whole = runner.header, runner.whole()
+    # Sensitivities stand behind the vector of a run, which is longer then.
     size = max(header[SIZE], sense_size(along.quantities, len(along.own), whole))
     return [
         job.t_end,
@@ -215,9 +218,11 @@ def _cuts(
     """
     pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     count = len(next(iter(columns.values())))
+    # A chunk holds the tables of all its rows: fewer rows where drives have many pieces.
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
     pace = work_of(job.model()).pace
     if pace * count > 2.0 * LEAST_WORK:
+        # A chunk that is worth a thread, and not more of them than there are shares.
         rows = min(rows, max(math.ceil(LEAST_WORK / pace), math.ceil(count / shares)))
     for start in range(0, count, rows):
         part = slice(start, start + rows)
@@ -272,6 +277,7 @@ def run_ensemble(
 
     begun = starts_as_told(mechanism, columns, told)
     begun = starts_within_stops(mechanism, begun, y0)
+    # Where anything is extreme; to look at the masses of each row would take too long.
     for row in _extreme(columns):
         state = [
             float(begun.get(f"initial.{name}", np.full(count, value))[row])
@@ -299,6 +305,7 @@ class _Parts:
         self.job, self.model, self.wanted, self.places = job, model, wanted, places
         columns, slopes = len(job.kinds) // 2, len(model.states) * len(job.gradients)
         check_size("ensemble", count * (columns + EVIDENCE + slopes), FEWER)
+        # What a cancelled ensemble has not run stays NaN.
         self.results = np.full((count, columns), np.nan)
         self.codes = np.zeros(count, dtype=np.int8)
         self.evidence = np.full((count, EVIDENCE), np.nan)
@@ -320,6 +327,7 @@ class _Parts:
                 state = self.model.states.index(output.state)
                 direction = self.job.gradients.index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
+        # A status for each code of the kernels, limits behind all others.
         most = state_layout.LIMITED + len(self.model.limits)
         table = np.array([status_of(code, self.model) for code in range(most)])
         return Ensemble(
@@ -400,6 +408,7 @@ def check_columns(
     (count,) = lengths
     if count == 0:
         raise InputError("parameters must contain at least one value each, got empty arrays.")
+    # A copy: a broadcast number is one place that all rows share.
     columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
     _check(mechanism, law, model, columns, known)
     return columns, count
@@ -434,6 +443,7 @@ def _check(
             raise ParameterError(f"{path} must be finite in all runs, got {_odd(values)}.")
         for value in (values.min(), values.max()):
             known[path].check(owner, name, float(value))
+    # Ranges hold by the extremes; what depends on several parameters is checked there alone.
     for row in sorted(_extreme(columns) | narrowest(mechanism, columns)):
         own = _varied(mechanism, "mechanism", columns, row)
         try:

@@ -27,7 +27,6 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import (
     LINKS,
@@ -37,27 +36,9 @@ from stickslip.engine.formulation import (
     mass_fault,
     mass_vanishes,
 )
-from stickslip.engine.kernels import state_layout
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.batch import happened
 from stickslip.engine.kernels.equations import PREPARE, RESTORE, ask_here, field, put_constants
-from stickslip.engine.kernels.state_layout import (
-    EVENT_COLUMNS,
-    EVENTS,
-    FORWARD,
-    HELD_FAST,
-    MASS,
-    MODE,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    PIECE,
-    SCALE,
-    STATUS,
-    STEPS,
-    TIME,
-    Y,
-)
 from stickslip.engine.solver.backend import Playback, runner_of
 from stickslip.engine.solver.certify import Sensing, certify, driving, may_drive
 from stickslip.engine.solver.reducers import reasons
@@ -110,34 +91,35 @@ class _Rates:
         self.w: list[Any] = runner.taken_over(record.w)
         self.places = runner.places
         self.n = len(model.states)
-        self.first, self.to = self.whole[Y], len(self.w)
+        self.first, self.to = self.whole[layout.Y], len(self.w)
         self.w += [0.0] * self.n
         self.y = np.array(self.w[self.first : self.first + self.n])
-        reached = np.abs(self.w[self.whole[SCALE] : self.whole[SCALE] + self.n])
+        reached = np.abs(self.w[self.whole[layout.SCALE] : self.whole[layout.SCALE] + self.n])
         self.sizes = np.maximum(reached, np.abs(self.y))
+        # What has never moved is given the largest size: its differences must not be divided by 0.
         self.sizes[self.sizes == 0.0] = self.sizes.max(initial=0.0) or 1.0
 
     def slip(self) -> None:
         """Let all that is held slip."""
-        if self.whole[N_CONTACTS] == 0:
-            self.whole[MODE] = self.whole[MODE] or FORWARD
+        if self.whole[layout.N_CONTACTS] == 0:
+            self.whole[layout.MODE] = self.whole[layout.MODE] or layout.FORWARD
             return
-        modes = self.whole[MODES]
-        for i in range(modes, modes + self.whole[N_DIRECTIONS]):
-            if self.whole[i] == HELD_FAST:
-                self.whole[i] = FORWARD
+        modes = self.whole[layout.MODES]
+        for i in range(modes, modes + self.whole[layout.N_DIRECTIONS]):
+            if self.whole[i] == layout.HELD_FAST:
+                self.whole[i] = layout.FORWARD
 
     def prepare(self) -> None:
         """Write what follows from the parameters and modes alone."""
         put_constants(self.w, self.whole)
-        if self.whole[N_CONTACTS] > 0:
+        if self.whole[layout.N_CONTACTS] > 0:
             ask_here(PREPARE, self.w, self.whole)
             ask_here(RESTORE, self.w, self.whole)
 
     def at(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the rates (n,) at a state (n,)."""
         self.w[self.first : self.first + self.n] = y.tolist()
-        field(self.w[TIME], self.w, self.whole, self.first, self.to)
+        field(self.w[layout.TIME], self.w, self.whole, self.first, self.to)
         return np.array(self.w[self.to : self.to + self.n])
 
     def along(self, direction: NDArray[Any]) -> NDArray[Any]:
@@ -147,6 +129,7 @@ class _Rates:
         largest = float((np.abs(direction) / self.sizes).max())
         if largest == 0.0:
             return np.zeros(self.n)
+        # A share of the sizes, whatever the length of the direction is.
         step = STATE_STEP / largest
         after, before = self.at(self.y + step * direction), self.at(self.y - step * direction)
         return (after - before) / (2.0 * step)
@@ -190,6 +173,7 @@ def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     values, vectors = np.linalg.eig(scaled)
     at = int(np.argmax(np.abs(values)))
     try:
+        # Rows of the inverse of the right vectors are the left ones, with product 1.
         left = np.linalg.inv(vectors)[at]
     except np.linalg.LinAlgError:  # a double eigenvalue with one vector
         left = np.full(rates.n, math.nan)
@@ -207,7 +191,7 @@ def _power(
     left: NDArray[Any],
 ) -> float:
     """Return the power with which a parameter enters the time scale."""
-    if value == 0.0:
+    if value == 0.0:  # a relative change leaves it 0
         return 0.0
     sides = []
     for sign in (1.0, -1.0):
@@ -216,6 +200,7 @@ def _power(
         sides.append(rates.along(right))
     rates.w[place] = value
     rates.prepare()
+    # s (p dJ/dp) r by central differences; p cancels, as the change is relative.
     slope = complex(left @ (sides[0] - sides[1])) / (2.0 * PARAMETER_STEP)
     return -(slope / eigenvalue).real
 
@@ -229,8 +214,10 @@ def cause_of_step_limit(
     t_end: float,
 ) -> str:
     """Say what makes the steps of a run so short, and what to do."""
-    steps, events, pieces = (record.whole[place] for place in (STEPS, EVENTS, PIECE))
-    t = float(record.w[TIME])
+    steps, events, pieces = (
+        record.whole[place] for place in (layout.STEPS, layout.EVENTS, layout.PIECE)
+    )
+    t = float(record.w[layout.TIME])
     taken = f"{steps} steps led to {quantity(t, 's', 4)}."
     if t > 0.0:
         needed = number(steps * t_end / t, 2)
@@ -241,6 +228,7 @@ def cause_of_step_limit(
     if pieces > OFTEN * steps:
         return f"{taken} The drives have changed their course {pieces} times. {advice}"
     fastest = fastest_motion(model, inputs, record)
+    # Steps last a sixth of that scale at most: the shorter of both is the cause.
     if inputs.time_scale < (math.inf if fastest is None else fastest.time_scale):
         scale = quantity(inputs.time_scale, "s", 2)
         return f"{taken} A drive changes within {scale}, and a step takes a sixth of that. {advice}"
@@ -262,7 +250,7 @@ def cause_of_small_steps(
     mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, inputs: Inputs, record: Record
 ) -> str:
     """Say what the equations are like where no step is short enough."""
-    where = f"That was at {quantity(float(record.w[TIME]), 's', 4)}."
+    where = f"That was at {quantity(float(record.w[layout.TIME]), 's', 4)}."
     fastest = fastest_motion(model, inputs, record)
     if fastest is None:
         if _has_negative_mass(model, record):
@@ -276,18 +264,18 @@ def cause_of_small_steps(
     by = f", set by {_listed(_values(mechanism, law), named)}" if named else ""
     return (
         f"{where} The fastest motion of the equations has a time scale of {scale}{by}, and times"
-        f" are told apart to {quantity(math.ulp(float(record.w[TIME])), 's', 2)} there."
+        f" are told apart to {quantity(math.ulp(float(record.w[layout.TIME])), 's', 2)} there."
     )
 
 
 def _has_negative_mass(model: Model, record: Record) -> bool:
     """Whether the mass matrix of several contacts, where a run ended, is not positive definite."""
-    if record.whole[N_CONTACTS] == 0:
+    if record.whole[layout.N_CONTACTS] == 0:
         return False
     rates = _Rates(model, record)
     rates.prepare()
     rates.at(rates.y)
-    n, at = rates.whole[N_COORDINATES], rates.whole[MASS]
+    n, at = rates.whole[layout.N_COORDINATES], rates.whole[layout.MASS]
     masses = np.array(rates.w[at : at + n * n], dtype=float).reshape(n, n)
     return bool(np.isfinite(masses).all() and np.linalg.eigvalsh(masses)[0] <= 0.0)
 
@@ -297,6 +285,7 @@ def cause_of_zeno(events: Sequence[Event], t: float) -> str:
     names: list[str] = []
     for event in reversed(events):
         name = f"{event.reason} at {event.contact}" if event.contact else event.reason
+        # Only what happened at that very instant counts.
         if event.t != t or len(names) == MOST_NAMED + 1:
             break
         if name not in names:
@@ -327,20 +316,20 @@ def _listed(values: dict[str, str], paths: Sequence[str]) -> str:
 
 
 _STATUS = {
-    state_layout.END_TIME: Status.END_TIME,
-    state_layout.AT_REST: Status.AT_REST,
-    state_layout.LIFTED_OFF: Status.LIFT_OFF,
-    state_layout.STEP_LIMIT: Status.STEP_LIMIT,
-    state_layout.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
-    state_layout.ZENO: Status.ZENO,
+    layout.END_TIME: Status.END_TIME,
+    layout.AT_REST: Status.AT_REST,
+    layout.LIFTED_OFF: Status.LIFT_OFF,
+    layout.STEP_LIMIT: Status.STEP_LIMIT,
+    layout.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    layout.ZENO: Status.ZENO,
 }
 
 
 def status_of(code: int, model: Model) -> Status:
     """Return how a run ended, from the kernels' code."""
-    if code < state_layout.LIMITED:
+    if code < layout.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
-    limits = model.limits[code - state_layout.LIMITED :]
+    limits = model.limits[code - layout.LIMITED :]
     return Status.LIMIT if limits and limits[0] != PAINLEVE else Status.PAINLEVE
 
 
@@ -388,7 +377,6 @@ class EventDriven(Solver):
     ``"auto"`` takes what this process or an earlier one has compiled already, and compiles once
     plain runs have taken twice as long as that would."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -405,7 +393,6 @@ class EventDriven(Solver):
         given = (one for one in (self.stiff_tolerance, self.tolerance) if one is not None)
         return next(given, BRISTLE_TOLERANCE)
 
-    @override
     def run(
         self,
         mechanism: Mechanism,
@@ -558,8 +545,8 @@ def bare_run(
     whole = record.whole
     return BareRun(
         states=model.states,
-        status=status_of(whole[STATUS], model),
-        playback=Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS]),
+        status=status_of(whole[layout.STATUS], model),
+        playback=Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS]),
         differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
     )
 
@@ -589,8 +576,8 @@ def trajectory_of(
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
     pair, whole = _pair_of(mechanism, law), record.whole
-    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
-    status, cause = status_of(whole[STATUS], model), ""
+    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS])
+    status, cause = status_of(whole[layout.STATUS], model), ""
     if status is Status.STEP_LIMIT:
         cause = cause_of_step_limit(mechanism, law, model, inputs, record, t_end)
     elif status is Status.STEP_TOO_SMALL:
@@ -623,6 +610,7 @@ def _with_masses(mechanism: Mechanism, playback: Playback, certificate: Certific
     """Return a certificate that also knows whether matrices given were masses all along the run."""
     if not isinstance(mechanism, MatrixMechanism):
         return certificate
+    # Ends of steps, thinned to about PLACES: a run may have a million of them.
     times = playback.times()
     states = playback.played(times[:: 1 + len(times) // PLACES])[0]
     for state in states[:, : len(mechanism.coordinates)]:
@@ -655,9 +643,11 @@ def _events(
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
     events, whole = [], record.whole
-    rows = np.asarray(record.events[: EVENT_COLUMNS * whole[EVENTS]]).tolist()
-    for i in range(whole[EVENTS]):
-        t, before, after, _, _, margin, contact = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
+    rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
+    for i in range(whole[layout.EVENTS]):
+        t, before, after, _, _, margin, contact = rows[
+            layout.EVENT_COLUMNS * i : layout.EVENT_COLUMNS * (i + 1)
+        ]
         reason = names[happened(rows, i, whole)]
         if reason is not None:
             event = unchecked(

@@ -16,7 +16,6 @@ from typing import Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import PAINLEVE
 from stickslip.engine.solver.block_diagram import (
@@ -101,7 +100,6 @@ class FixedStep(Solver):
     """Part of the law's friction over velocity that steps take with the velocity at their end, as
     MuJoCo does with the damping of joints; of one contact."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -114,7 +112,6 @@ class FixedStep(Solver):
                 f"FixedStep.break_away must be one of {', '.join(known)}, got {self.break_away!r}."
             )
 
-    @override
     def run(
         self,
         mechanism: Mechanism,
@@ -146,6 +143,7 @@ class FixedStep(Solver):
             self.soft is None and ((self.stick_rule and y[slip] == 0) or self._within_band(y[slip]))
             for slip in diagram.slips
         )
+        # What is pressed to a stop is held there from the start, whatever the speed band says.
         rests = tuple(a or b for a, b in zip(rests, diagram.stopped(y), strict=True))
         held = diagram.holds(0.0, y, rests)
         for slip, stuck in zip(diagram.slips, held, strict=True):
@@ -156,9 +154,12 @@ class FixedStep(Solver):
         for t, following in itertools.pairwise(times):
             try:
                 y, held = self._step(diagram, t, following - t, y, held)
+                # After the step: integrators of diagrams know impacts as resets, not as events.
                 y, held = diagram.struck(following, following - t, y, held)
                 diagram.turn(following, y)
                 row = diagram.sample(following, y, held)
+                # Large steps may diverge: a run ends with its last finite sample, not with an
+                # exception.
                 if not all(map(math.isfinite, row)):
                     status = Status.NOT_FINITE
                     break
@@ -175,6 +176,7 @@ class FixedStep(Solver):
 
     def _times(self, t_end: float) -> list[float]:
         """Return the ends of the steps; the last one is shorter if it must be."""
+        # A step that is missing by rounding only is no further step.
         count = math.floor(t_end / self.dt * (1 + 1e-12))
         times = [i * self.dt for i in range(count + 1)]
         if t_end - times[-1] > 1e-9 * self.dt:
@@ -193,13 +195,17 @@ class FixedStep(Solver):
         new = _advanced(diagram, tableau, t, y, dt, kept)
         if self.method == "semi-implicit":
             n = diagram.coordinates
+            # Coordinates move by the new rates, which makes the method symplectic for a free
+            # oscillator.
             new[:n] = [x + dt * rate for x, rate in zip(y[:n], new[n : 2 * n], strict=True)]
             for i in range(2 * n, len(y)):  # exact for bristles that decay in proportion
                 decay = dt * _slope(diagram, t, y, kept, i)
                 new[i] = y[i] + (math.expm1(decay) / decay if decay else 1.0) * (new[i] - y[i])
             new = diagram.led(t + dt, new)
+        # A soft constraint creeps: no rule for rest applies to it.
         if self.soft is not None:
             return new, kept
+        # Karnopp's rule: a sign change, or a speed within the band, asks whether the contact holds.
         slips = list(zip(diagram.slips, kept, strict=True))
         turned = [
             not stuck and ((self.stick_rule and y[i] * new[i] < 0) or self._within_band(new[i]))
@@ -214,6 +220,7 @@ class FixedStep(Solver):
             t + dt, stopped, tuple(a or b for a, b in zip(kept, turned, strict=True))
         )
         after = tuple(a or b for a, b in zip(kept, caught, strict=True))
+        # If nothing holds, the step stands as it is, past its reversal.
         if not any(turns and holds for turns, holds in zip(turned, caught, strict=True)):
             return new, kept
         for (i, _), turns, holds in zip(slips, turned, caught, strict=True):
@@ -253,10 +260,10 @@ def _diagram(
         raise InputError(
             "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
             f" coordinate and no hard stops, but {mechanism.name} has"
-            f" {', '.join(one.name for one in contacts) or 'others'}: leave them out."
+            f" {', '.join(contact.name for contact in contacts) or 'others'}: leave them out."
         )
     if isinstance(law, PrintedForm):
-        names = ", ".join(one.name for one in contacts) or "hard stops"
+        names = ", ".join(contact.name for contact in contacts) or "hard stops"
         raise InputError(
             f"{law.name} is an equation as printed, for one contact that slips along a coordinate"
             f" without stops, but {type(mechanism).__name__} has {names}: give"
@@ -299,6 +306,7 @@ def _advanced(
     stages, weights = tableau
     slopes: list[list[float]] = []
     for row in stages:
+        # At the first stage a guided coordinate may have to be moved before anything is asked.
         if not row and not diagram.leads:  # the state itself, which the diagram knows by now
             slopes.append(diagram.rates(t, y, held))
             continue
@@ -312,6 +320,7 @@ def _moved(
     y: Sequence[float], dt: float, weights: Sequence[float], slopes: Sequence[Sequence[float]]
 ) -> list[float]:
     """Return a state moved along slopes, each with its weight; few of them without a loop."""
+    # Written out for few stages: this runs at each stage of each step.
     match weights, slopes:
         case (a,), (first,):
             return [value + dt * (a * p) for value, p in zip(y, first, strict=True)]
@@ -340,6 +349,7 @@ class _Lines:
 
     def __call__(self, t: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
         rows = self.rows
+        # The mode at a time is that of the sample before it: halves of modes mean nothing.
         latest = np.searchsorted(rows[:, 0], t, side="right") - 1
         return {
             name: rows[latest, i]
@@ -379,6 +389,7 @@ def _certificate(
     """Say what the fixed step cost, by energies and powers: it is never certified."""
     energy = balances[:, 0]
     power = np.column_stack([balances[:, 1], balances[:, 2:].sum(axis=1)])
+    # By the same straight lines that users get between samples.
     work = np.asarray(np.trapezoid(power, t, axis=0))
     own = np.asarray(np.trapezoid(balances[:, 2:], t, axis=0)).tolist()
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))

@@ -22,30 +22,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.formulation import formulate
-from stickslip.engine.kernels import state_layout
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.batch import kept_size
 from stickslip.engine.kernels.equations import state_seen
-from stickslip.engine.kernels.state_layout import (
-    ADDRESS,
-    EVENT_COLUMNS,
-    IS_TURNED,
-    MOST_EVENTS,
-    N_COORDINATES,
-    N_DRIVES,
-    NUMBERS,
-    POLYNOMIAL,
-    ROW_COLUMNS,
-    SEVERAL,
-    SIZE,
-    STATUS,
-    STEPS,
-    TIME,
-    TURN,
-    Y,
-)
 from stickslip.engine.solver.backend import Runner, runner_of
 from stickslip.engine.solver.event_driven import (
     BareRun,
@@ -102,19 +83,19 @@ class IncrementalRun:
         self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
         self._cap = inputs.time_scale / 6.0
         self._w, self._whole = runner.working(inputs.p), runner.whole()
-        self._log = runner.zeros(FIRST_ROWS * runner.header[ROW_COLUMNS])
-        self._events = runner.zeros(2 * runner.header[MOST_EVENTS] * EVENT_COLUMNS)
-        for i, value in enumerate(within_stops(mechanism, y0), runner.header[Y]):
+        self._log = runner.zeros(FIRST_ROWS * runner.header[layout.ROW_COLUMNS])
+        self._events = runner.zeros(2 * runner.header[layout.MOST_EVENTS] * layout.EVENT_COLUMNS)
+        for i, value in enumerate(within_stops(mechanism, y0), runner.header[layout.Y]):
             self._w[i] = float(value)
 
     @property
     def t(self) -> float:
         """Time that is reached [s]."""
-        return float(self._w[TIME])
+        return float(self._w[layout.TIME])
 
     def state(self) -> list[float]:
         """Return the states at that time."""
-        first = self.runner.header[Y]
+        first = self.runner.header[layout.Y]
         if not self._begun:  # until then they are in coordinates of the mechanism
             return [float(x) for x in self._w[first : first + len(self.model.states)]]
         states = range(len(self.model.states))
@@ -123,6 +104,8 @@ class IncrementalRun:
     def advance(self, until: float, lines: Sequence[tuple[float, float]]) -> bool:
         """Run on to a time, each drive along a line; return whether it was reached."""
         last, now = bisect_left(self._starts, until), self.t
+        # In all pieces of the stretch: lines are told from now on, and rows count from their
+        # starts.
         for row in range(self._row, last):
             for column, (value, slope) in zip(self._columns, lines, strict=True):
                 at = row * self._width + column
@@ -150,7 +133,7 @@ class IncrementalRun:
         """Count the time of a stretch in plain Python; take machine code as soon as it pays."""
         self._work.add(seconds)
         self._spent += seconds
-        if self.solver.tier != "auto" or self._whole[STEPS] < self._asks_at:
+        if self.solver.tier != "auto" or self._whole[layout.STEPS] < self._asks_at:
             return
         self._asks_at += STRETCH
         if self._work.is_enough(self._spent):
@@ -181,7 +164,7 @@ class IncrementalRun:
 
 # Many runs of one mechanism that go on together, stretch by stretch, in machine code.
 
-FEWEST = 16
+FEWEST_RUNS = 16
 """Runs of a thread below which one more thread costs more than it saves."""
 
 Array = NDArray[np.float64]
@@ -214,7 +197,10 @@ class IncrementalEnsemble:
         self._tolerance, self._most = solver.tolerance_for(law), int(solver.max_steps)
         header = model.sizes.header
         check_size("ensemble", float(count) * kept_size([*header]), "make fewer runs together")
-        self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
+        self._width, self._y = (
+            kept_size([*header]),
+            layout.POLYNOMIAL + header[layout.Y] - layout.NUMBERS,
+        )
         self._kept = np.zeros((count, self._width))
         # sizes of those that have not begun count too: the kernels look at all rows
         self._wholes = np.tile(np.array([*header], dtype=np.int64), (count, 1))
@@ -225,15 +211,14 @@ class IncrementalEnsemble:
         """Get the code, and room to work in."""
         self._runner = runner = runner_of(self.model, compiled=True)
         w = runner.working(self._p)
-        self._fresh = np.concatenate([w[:POLYNOMIAL], w[NUMBERS:]])
+        self._fresh = np.concatenate([w[: layout.POLYNOMIAL], w[layout.NUMBERS :]])
         most = os.cpu_count() or 1 if self.threads is None else self.threads
-        shares = max(1, min(most, self.count // FEWEST))
+        shares = max(1, min(most, self.count // FEWEST_RUNS))
         cuts = [self.count * k // shares for k in range(shares + 1)]
         self._shares = [_Share(runner, a, b) for a, b in itertools.pairwise(cuts)]
         self._pool = ThreadPoolExecutor(max(1, shares - 1))  # starts no thread before it has work
-        self._bounds = runner.vector([math.inf] * max(2 * runner.header[N_DRIVES], 1))
+        self._bounds = runner.vector([math.inf] * max(2 * runner.header[layout.N_DRIVES], 1))
 
-    @override
     def __getstate__(self) -> dict[str, Any]:
         """Pickle numbers only: code and threads belong to a process."""
         left = ("_runner", "_fresh", "_shares", "_pool", "_bounds")
@@ -243,22 +228,25 @@ class IncrementalEnsemble:
         """Get code and threads of this process."""
         vars(self).update(state)
         self._work()
-        self._kept[:, ADDRESS : SEVERAL + 1] = self._fresh[ADDRESS : SEVERAL + 1]
+        # Addresses of this process in place of those of the pickle.
+        self._kept[:, layout.ADDRESS : layout.SEVERAL + 1] = self._fresh[
+            layout.ADDRESS : layout.SEVERAL + 1
+        ]
 
     @property
     def t(self) -> Array:
         """Time that each run has reached (count,) [s]."""
-        return self._kept[:, TIME].copy()
+        return self._kept[:, layout.TIME].copy()
 
     @property
     def states(self) -> Array:
         """States of the runs (count, n) [SI]."""
         found = self._kept[:, self._y : self._y + len(self.model.states)].copy()
         header = self.model.sizes.header
-        if header[IS_TURNED]:  # from the first stretch on, to coordinates of the equations
-            n = header[N_COORDINATES]
-            first = POLYNOMIAL + header[TURN] - NUMBERS + n * n
-            rows = self._wholes[:, STATUS] != state_layout.RUNNING
+        if header[layout.IS_TURNED]:  # from the first stretch on, to coordinates of the equations
+            n = header[layout.N_COORDINATES]
+            first = layout.POLYNOMIAL + header[layout.TURN] - layout.NUMBERS + n * n
+            rows = self._wholes[:, layout.STATUS] != layout.RUNNING
             back = self._kept[rows, first : first + n * n].reshape(-1, n, n)
             moving = found[rows, : 2 * n].reshape(-1, 2, n)
             found[rows, : 2 * n] = np.einsum("rij,rbj->rbi", back, moving).reshape(-1, 2 * n)
@@ -267,12 +255,12 @@ class IncrementalEnsemble:
     @property
     def running(self) -> NDArray[np.bool_]:
         """Whether each run can go on (count,)."""
-        codes = self._wholes[:, STATUS]
-        return np.isin(codes, (state_layout.RUNNING, state_layout.END_TIME))
+        codes = self._wholes[:, layout.STATUS]
+        return np.isin(codes, (layout.RUNNING, layout.END_TIME))
 
     def status(self, row: int) -> Status:
         """Return how the last stretch of a run ended."""
-        return status_of(int(self._wholes[row, STATUS]), self.model)
+        return status_of(int(self._wholes[row, layout.STATUS]), self.model)
 
     def begin(
         self,
@@ -290,12 +278,13 @@ class IncrementalEnsemble:
         self._kept[rows] = self._fresh
         self._wholes[rows] = self._runner.header
         for path, place in zip(self.model.parameter_paths, self.model.places, strict=True):
-            self._kept[rows, POLYNOMIAL + place - NUMBERS] = values[path]
+            self._kept[rows, layout.POLYNOMIAL + place - layout.NUMBERS] = values[path]
         self._kept[rows, self._y : self._y + len(self.model.states)] = placed
 
     def leave(self, rows: Sequence[int] | NDArray[np.intp]) -> None:
         """Let some runs go no further until they begin anew."""
-        self._wholes[rows, STATUS] = state_layout.STEP_TOO_SMALL
+        # A status with which the kernels pass over a run.
+        self._wholes[rows, layout.STATUS] = layout.STEP_TOO_SMALL
 
     def advance(self, untils: Array, values: Array) -> None:
         """Go on with all runs that have not ended, the drives having constant values."""
@@ -306,6 +295,7 @@ class IncrementalEnsemble:
         flat = self._runner.flat
         told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
         runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory
+        # This thread takes the first share itself.
         first, *others = self._shares
         waiting = [self._pool.submit(share.go_on, told, runs) for share in others]
         first.go_on(told, runs)
@@ -320,12 +310,12 @@ class _Share:
         header = runner.header
         self.runner, self.first, self.count = runner, first, count
         self._room = (
-            runner.zeros(header[SIZE]),
+            runner.zeros(header[layout.SIZE]),
             runner.wholes(header),
-            runner.zeros(1 + 3 * header[N_DRIVES]),
+            runner.zeros(1 + 3 * header[layout.N_DRIVES]),
         )
-        self._log = runner.zeros(FIRST_ROWS * header[ROW_COLUMNS])
-        self._events = runner.zeros(2 * header[MOST_EVENTS] * EVENT_COLUMNS)
+        self._log = runner.zeros(FIRST_ROWS * header[layout.ROW_COLUMNS])
+        self._events = runner.zeros(2 * header[layout.MOST_EVENTS] * layout.EVENT_COLUMNS)
 
     def go_on(self, told: tuple[Any, ...], runs: tuple[Any, ...]) -> None:
         """Go on with the runs by a stretch."""

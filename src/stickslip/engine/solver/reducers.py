@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import TypeIs, override
+from typing_extensions import TypeIs
 
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import state_layout
@@ -102,7 +102,6 @@ class Final(Output):
     state: str
     """Name of the state."""
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         none = np.zeros(1)
         return Columns(state_layout.FINAL, _state(model, self.state), none, none)
@@ -123,7 +122,6 @@ class Max(Output):
     state: str
     since: Number = 0.0
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         since = _time("Max", "since", self.since, t_end)
         return Columns(state_layout.GREATEST, _state(model, self.state), since, 0.0 * since)
@@ -138,7 +136,6 @@ class Min(Output):
     since: Number = 0.0
     """From this time on [s]: a number or an array (n,)."""
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         since = _time("Min", "since", self.since, t_end)
         return Columns(state_layout.SMALLEST, _state(model, self.state), since, 0.0 * since)
@@ -159,12 +156,12 @@ class Mean(Output):
     state: str
     last: Number | None = None
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         length = _time("Mean", "last", t_end if self.last is None else self.last, t_end)
         if not np.all(length > 0.0):
             raise InputError(f"Mean.last [s] must be above 0 s, got {number(length.min(), 6)} s.")
         since = t_end - length
+        # Of the shape of `since`, which may have a number for each run.
         return Columns(state_layout.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 
 
@@ -183,12 +180,10 @@ class Samples(Output):
     state: str
     times: Sequence[float]
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         times = np.atleast_1d(_time("Samples", "times", self.times, t_end).ravel())
         return Columns(state_layout.AT, _state(model, self.state), times, 0.0 * times)
 
-    @override
     def is_single(self) -> bool:
         return False
 
@@ -212,7 +207,6 @@ class EventTimes(Output):
     count: int = 1
     contact: str | None = None
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         if self.count == 0 or self.count != int(self.count):
             raise InputError(
@@ -223,7 +217,6 @@ class EventTimes(Output):
         where = _contact(model, self.contact) + 0.0 * numbers
         return Columns(state_layout.EVENT_TIME, _reason(model, self.reason), numbers, where)
 
-    @override
     def is_single(self) -> bool:
         return False
 
@@ -237,7 +230,6 @@ class EventCount(Output):
     contact: str | None = None
     """At which of several contacts, by its name; at any of them if not given."""
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         where = np.full(1, _contact(model, self.contact))
         return Columns(state_layout.EVENT_COUNT, _reason(model, self.reason), np.zeros(1), where)
@@ -258,7 +250,6 @@ class Sensitivity(Output):
     state: str
     parameter: str
 
-    @override
     def columns(self, model: Model, t_end: float) -> Columns:
         none = np.zeros(1)
         return Columns(state_layout.GRADIENT, _state(model, self.state), none, none)

@@ -22,7 +22,6 @@ from time import thread_time
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.formulation import Model, formulate
 from stickslip.engine.kernels.state_layout import (
@@ -125,7 +124,7 @@ def path_units(
     angular = set(mechanism.units) == {"rad"}
     for path, quantity, _ in parameters(mechanism, "mechanism"):
         units[path] = turned(quantity.unit, angular and bool(quantity.or_unit))
-    turning = {one.name: slips_by_angle(mechanism, one) for one in mechanism.contacts()}
+    turning = {contact.name: slips_by_angle(mechanism, contact) for contact in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):
         units[path] = turned(quantity.unit, turning.get(path.split(".")[1], everywhere))
@@ -232,7 +231,6 @@ class Record:
     spent: float | None = None
     """What it took in plain Python [s], where what is asked of it later may take machine code."""
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle numbers only: the vector of a run has addresses in it, or functions."""
         numbers = list(self.w)

@@ -61,6 +61,7 @@ def start_slopes(
     for c, path in enumerate(paths):
         if path not in known:
             continue
+        # A complex step: the imaginary part of the result over the step is the derivative.
         moved = _told(
             mechanism,
             lambda name, value, path=path: (  # type: ignore[misc]
@@ -69,6 +70,7 @@ def start_slopes(
         )
         for state in told:
             slopes = np.atleast_1d(np.imag(moved[state])) / IMAGINARY
+            # Kernels take one column a direction for all runs.
             if np.ptp(slopes) > 1e-12 * np.abs(slopes).max():
                 raise InputError(
                     f"the derivative of the initial {state} with respect to {path} differs from"
@@ -118,6 +120,7 @@ def starts_within_stops(
                 f" or choose another start with y0={{{stop.coordinate!r}: ...}}."
             )
         if (excess > 0.0).any():
+            # To the last bit, by which kernels know that it is at its stop.
             moved[path] = np.where(excess > 0.0, position, place)
     return moved
 
@@ -174,9 +177,9 @@ def refuse_masses(mechanism: Mechanism, y0: Sequence[float]) -> None:
 # Everything is made for many runs at once, whose parameters are arrays; one run is a case of that.
 
 
-ALIKE = 1e-9
+SLOPE_TOLERANCE = 1e-9
 """Share of a start's derivative within which another one is the same."""
-SHORTEST = 8
+SHORTEST_PIECE = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
 
 MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
@@ -267,6 +270,7 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
                 or (size > MOST_NUMBERS // MOST_KEPT and _numbers() + size > MOST_NUMBERS)
             ):
                 _KEPT.popitem(last=False)
+        # A table larger than all that may be kept is not kept.
         if kept[1].table.size <= MOST_NUMBERS:
             _KEPT[key] = kept
         return kept[1]
@@ -324,9 +328,11 @@ def schedule_slopes(
     if m == 0:
         return np.zeros((runs, 0, 0, 0))
     width = 1 + 3 * len(mechanism.drives())
+    # One piece without steps: nothing in the table can move.
     if tables.shape[1] == width and not _has_pieces(mechanism.drives().values(), t_end):
         return np.zeros((runs, 1, width, m))
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    # No path stands in a drive, whose numbers stay what they are.
     if not columns and not _moved(mechanism, values, paths):
         return np.zeros((runs, tables.shape[1] // width, width, m))
     own: dict[str, NDArray[Any]] = {path: np.repeat(c, m) for path, c in columns.items()}
@@ -348,6 +354,7 @@ def schedule_slopes(
     starts, apart = _moved_starts([table[0] for own in parts for table in own], begins)
     rows = [_merged(tables_of, starts) for tables_of in parts]
     found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
+    # Where pieces part there is no derivative: kernels carry the NaN on.
     found[apart, 0] = np.nan
     return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
 
@@ -389,7 +396,7 @@ def _moved_starts(
         for j in range(table.shape[1]):
             own = table[:, j : j + 1]
             here = begins == own.real
-            moved = np.abs(starts.imag - own.imag) > ALIKE * np.abs(own.imag)
+            moved = np.abs(starts.imag - own.imag) > SLOPE_TOLERANCE * np.abs(own.imag)
             apart |= here & seen & moved
             starts += np.where(here & ~seen, 1j * own.imag, 0.0)
             seen |= here
@@ -421,14 +428,17 @@ def _starts(tables: Sequence[Array], count: int) -> Array:
     else:
         each = [np.broadcast_to(table, (count, table.shape[1])) for table in tables]
         starts = np.sort(np.concatenate([beginning, *each], axis=1), axis=1)
+    # From the end on: what is too short joins the next piece, and may do so again.
     for i in range(starts.shape[1] - 2, -1, -1) if _too_short(starts).any() else ():
-        short = starts[:, i + 1] - starts[:, i] <= SHORTEST * np.spacing(np.abs(starts[:, i + 1]))
+        short = starts[:, i + 1] - starts[:, i] <= SHORTEST_PIECE * np.spacing(
+            np.abs(starts[:, i + 1])
+        )
         starts[short, i] = starts[short, i + 1]
     return starts
 
 
 def _too_short(starts: Array) -> NDArray[np.bool_]:
-    return np.asarray(np.diff(starts, axis=1) <= SHORTEST * np.spacing(np.abs(starts[:, 1:])))
+    return np.asarray(np.diff(starts, axis=1) <= SHORTEST_PIECE * np.spacing(np.abs(starts[:, 1:])))
 
 
 def _merged(tables: Sequence[NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:
@@ -442,6 +452,7 @@ def _merged(tables: Sequence[NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any
         held = index >= 0
         index = np.maximum(index, 0)
         own = _taken(slopes, index) * held
+        # A slope counts from the start of its own piece; the sum is one straight line from here.
         since = np.where(own != 0.0, starts - _taken(begins, index), 0.0)
         value += _taken(values, index) * held + own * since
         slope += own
@@ -471,6 +482,7 @@ def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Ar
         last = np.where(slope == 0.0, value, value + slope * np.where(slope == 0, 0, ends - starts))
         smooth = [_smooth_bound(drive, side, count) for side in (0, 1)]
         for side, best in enumerate((np.minimum, np.maximum)):
+            # From each piece on: extremes are gathered from the end backwards.
             reached = best.accumulate(best(value, last)[:, ::-1], axis=1)[:, ::-1]
             bounds[:, :, k, side] = reached + smooth[side][:, None]
     return bounds.reshape(count, -1)

@@ -26,7 +26,7 @@ require_library("control", "control")
 import control  # noqa: E402  # after the message of where to get it
 
 Array = NDArray[np.float64]
-FEW = 1e-12
+INTEGRAL_TOLERANCE = 1e-12
 """Relative error of the integrals of a describing function."""
 
 
@@ -79,7 +79,7 @@ class _FieldOfContacts:
         self._mechanism, self._laws, self._speed = mechanism, dict(laws.members), speed
         self._dynamics = DynamicsOfContacts(mechanism, [drive])
         self._bristles = {
-            contact: [model.states.index(f"{one}:{contact}") for one in law.states]
+            contact: [model.states.index(f"{state}:{contact}") for state in law.states]
             for contact, law in laws.members
         }
 
@@ -211,7 +211,7 @@ def to_nonlinear_system(
         own = (
             laws
             if isinstance(laws, Laws)
-            else Laws(members=tuple((one, laws) for one in model.contacts))
+            else Laws(members=tuple((contact, laws) for contact in model.contacts))
         )
         field = _FieldOfContacts(told, own, model, entry, speed)
     else:
@@ -250,7 +250,6 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
         super().__init__()
         self.law, self.load = law, load
 
-    @override
     def __call__(self, A: float) -> float:
         """Return the friction force at a velocity [N]; 0 at rest, where nothing moves it."""
         velocity = float(np.squeeze(A))
@@ -290,7 +289,7 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
         # what falls steeply from rest does so at small angles
         parts = (0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.5 * math.pi)
         pieces = [
-            quad(along, a, b, epsrel=FEW, epsabs=0.0, limit=200)[0]
+            quad(along, a, b, epsrel=INTEGRAL_TOLERANCE, epsabs=0.0, limit=200)[0]
             for a, b in itertools.pairwise(parts)
         ]
         return 2.0 * math.fsum(pieces) / (math.pi * amplitude)

@@ -139,6 +139,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
             raise InputError("the environment has not begun: call reset() before step().")
         told = np.asarray(action).reshape(-1)
         done = self._steps.step(told)
+        # As it was applied, so that `trajectory` makes the same run.
         self._actions.append(float(np.clip(told[0], -1.0, 1.0)))
         self._travel += float(done.travel[0])
         self._work += float(done.work[0])
@@ -179,6 +180,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         from stickslip.show.plots import picture_of
 
         run = self.trajectory()
+        # A run that ended early has no later state to show.
         now = min(len(self._actions) * self.task.period, run.span[1])
         return picture_of(run, self._steps.tasks[0].driven(self._actions), now, size=PICTURE)
 
@@ -296,6 +298,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             )
         made = [gymnasium.utils.seeding.np_random(one)[0] for one in seed]
         told = zip(seed, made, self._generators or made, strict=True)
+        # Those without a seed of their own go on.
         self._generators = [old if one is None else new for one, new, old in told]
 
     def _begin(self, rows: NDArray[np.intp], given: Mapping[str, float] | None = None) -> None:
@@ -332,6 +335,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             told = told[:, 0]
         fresh = self._over
         if fresh.any():
+            # Nothing pushes those whose episode is over; their step is the reset.
             told = np.where(fresh, 0.0, told)
         done = self._steps.step(told)
         self._travel += done.travel
@@ -342,6 +346,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             rows = np.flatnonzero(fresh)
             self._begin(rows)
             seen[rows] = self._steps.observations[rows]
+            # A step that begins an episode has no reward and cannot end it.
             rewards[rows], terminated[rows], truncated[rows] = 0.0, False, False
         self._over = terminated | truncated
         return seen, rewards, terminated, truncated, self._info()

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.equations import next_stop
 from stickslip.engine.kernels.exchange import (
     COLUMNS_AT,
@@ -24,22 +25,6 @@ from stickslip.engine.kernels.exchange import (
     take_over,
 )
 from stickslip.engine.kernels.guard_roots import guard_values
-from stickslip.engine.kernels.state_layout import (
-    EVENT_COLUMNS,
-    EVENTS,
-    MODE,
-    MOST_EVENTS,
-    N_GUARDS,
-    POINT,
-    ROW_COLUMNS,
-    RUNNING,
-    SAMPLED,
-    STAGES,
-    STATUS,
-    TIME,
-    VALUES,
-    Y,
-)
 from stickslip.engine.simulation import check_pair, initial_state
 from stickslip.engine.solver import (
     Equations,
@@ -64,7 +49,7 @@ Array = NDArray[np.float64]
 EventFunction: TypeAlias = Callable[[float, Sequence[float]], float]
 Change: TypeAlias = tuple[float, int, int] | tuple[float, int, int, str]
 
-MOST = 100_000
+MOST_STRETCHES = 100_000
 """Stretches after which `ModeProblem.solve` gives up."""
 FINE = 200
 """Steps that `ModeProblem.solve` takes at least."""
@@ -113,7 +98,7 @@ class ModeSolution(metaclass=Described):
         """Return the modes by column, as those of `simulate` are called."""
         if not self.contacts:
             return {"mode": self.mode}
-        return {f"mode:{one}": self.mode[:, i] for i, one in enumerate(self.contacts)}
+        return {f"mode:{contact}": self.mode[:, i] for i, contact in enumerate(self.contacts)}
 
     def to_xarray(self) -> "xr.Dataset":
         """Return states and modes as an xarray Dataset over time, with units.
@@ -198,15 +183,15 @@ class ModeProblem:
         self._w, self._whole, self._table = equations.w, equations.whole, inputs.table.tolist()
         self._tolerance = EventDriven().tolerance_for(laws)
         self._longest = inputs.time_scale / 6.0
-        self._rows = [0.0] * (2 * (self._whole[MOST_EVENTS] + 2) * EVENT_COLUMNS)
-        self._log = [0.0] * (2 * self._whole[ROW_COLUMNS])
+        self._rows = [0.0] * (2 * (self._whole[layout.MOST_EVENTS] + 2) * layout.EVENT_COLUMNS)
+        self._log = [0.0] * (2 * self._whole[layout.ROW_COLUMNS])
         self._known: tuple[float, list[float], list[float]] | None = None
         self.changes: list[Change] = []
         start = initial_state("to_ivp", mechanism, laws, y0)
-        self._put(within_stops(mechanism, start), Y)
+        self._put(within_stops(mechanism, start), layout.Y)
         self._happen(ENTER)
         self._look()
-        self.events = [self._event(guard) for guard in range(self._whole[N_GUARDS])]
+        self.events = [self._event(guard) for guard in range(self._whole[layout.N_GUARDS])]
 
     @property
     def t(self) -> float:
@@ -217,17 +202,17 @@ class ModeProblem:
     def y(self) -> Array:
         """State there (n,) [SI]."""
         self._ask(SHOWN)
-        return np.array(self._seen(POINT, len(self.names)), dtype=np.float64)
+        return np.array(self._seen(layout.POINT, len(self.names)), dtype=np.float64)
 
     @property
     def mode(self) -> int | tuple[int, ...]:
         """0 stick, 1 and -1 slip, 2 and -2 pressed against a stop; a tuple of several contacts."""
         if not self._model.contacts:
-            return int(self._whole[MODE])
+            return int(self._whole[layout.MODE])
         self._ask(SHOWN)
         self._ask(COLUMNS_AT)
         count = len(self._model.contacts)  # columns have friction and loads first
-        modes = tuple(int(mode) for mode in self._seen(VALUES, 3 * count)[2 * count :])
+        modes = tuple(int(mode) for mode in self._seen(layout.VALUES, 3 * count)[2 * count :])
         return modes if self.contacts else modes[0]
 
     @property
@@ -238,8 +223,8 @@ class ModeProblem:
     @property
     def status(self) -> Status | None:
         """How the motion ended; None while it goes on."""
-        if self._whole[STATUS] != RUNNING:
-            return status_of(self._whole[STATUS], self._model)
+        if self._whole[layout.STATUS] != layout.RUNNING:
+            return status_of(self._whole[layout.STATUS], self._model)
         return Status.END_TIME if self.t >= self.t_end else None
 
     def fun(self, t: float, y: Sequence[float]) -> list[float]:
@@ -257,10 +242,10 @@ class ModeProblem:
         list of float (n,)
             Derivatives [SI].
         """
-        self._w[TIME] = float(t)
-        self._put(y, POINT)
+        self._w[layout.TIME] = float(t)
+        self._put(y, layout.POINT)
         self._ask(RATES_AT)
-        return self._seen(STAGES, len(self.names))
+        return self._seen(layout.STAGES, len(self.names))
 
     def _ask(self, question: int, guard: int = 0) -> int:
         """Ask the kernels at the time and states in the vector of the run."""
@@ -283,12 +268,12 @@ class ModeProblem:
         """Return all guards, those of the state that was asked about last without new work."""
         state = [float(value) for value in y]
         if self._known is None or self._known[:2] != (t, state):
-            self._w[TIME] = float(t)
-            self._put(state, POINT)
-            at, to = self._whole[POINT], self._whole[SAMPLED]
+            self._w[layout.TIME] = float(t)
+            self._put(state, layout.POINT)
+            at, to = self._whole[layout.POINT], self._whole[layout.SAMPLED]
             take_over(at, self._w, self._whole)
             guard_values(t, self._w, self._whole, at, to)
-            self._known = (t, state, self._seen(SAMPLED, self._whole[N_GUARDS]))
+            self._known = (t, state, self._seen(layout.SAMPLED, self._whole[layout.N_GUARDS]))
         return self._known[2]
 
     def _event(self, guard: int) -> EventFunction:
@@ -316,8 +301,8 @@ class ModeProblem:
         """
         stop = self.stop
         begins = guard is None and t >= stop
-        self._w[TIME] = stop if begins else float(t)
-        self._put(y, Y)
+        self._w[layout.TIME] = stop if begins else float(t)
+        self._put(y, layout.Y)
         self._ask(PLACE)
         self._ask(NOTE)
         if guard is not None:
@@ -328,7 +313,7 @@ class ModeProblem:
 
     def _look(self) -> None:
         """Let everything happen that falls at once, and note the time."""
-        self._t = float(self._w[TIME])
+        self._t = float(self._w[layout.TIME])
         for _ in range(MOST_FALLS):
             if self.status is not None or not self._happen(LOOK):
                 break
@@ -337,19 +322,21 @@ class ModeProblem:
                 f"the mode changed {MOST_FALLS} times at t = {self._t:g} s: run it with simulate,"
                 " which says why."
             )
-        self._w[TIME], self._known = self._t, None
+        self._w[layout.TIME], self._known = self._t, None
 
     def _happen(self, question: int, guard: int = 0) -> int:
         """Let something happen, and note what it changed."""
         whole, rows = self._whole, self._rows
-        old = min(whole[EVENTS], 1)
-        rows[: old * EVENT_COLUMNS] = rows[(whole[EVENTS] - old) * EVENT_COLUMNS :][
-            : old * EVENT_COLUMNS
-        ]
-        whole[EVENTS] = old
+        old = min(whole[layout.EVENTS], 1)
+        rows[: old * layout.EVENT_COLUMNS] = rows[
+            (whole[layout.EVENTS] - old) * layout.EVENT_COLUMNS :
+        ][: old * layout.EVENT_COLUMNS]
+        whole[layout.EVENTS] = old
         found = self._ask(question, guard)
-        for row in range(old, whole[EVENTS]):
-            t, before, after, *_, contact = rows[row * EVENT_COLUMNS :][:EVENT_COLUMNS]
+        for row in range(old, whole[layout.EVENTS]):
+            t, before, after, *_, contact = rows[row * layout.EVENT_COLUMNS :][
+                : layout.EVENT_COLUMNS
+            ]
             if before != after:
                 change = (float(t), int(before), int(after))
                 self.changes.append(
@@ -393,7 +380,7 @@ class ModeProblem:
         longest = self.t_end / FINE if max_step is None else max_step
         times, states, modes = [np.array([self.t])], [self.y[None]], [np.array([self.mode])]
         evaluations = 0
-        for _ in range(MOST):
+        for _ in range(MOST_STRETCHES):
             if self.status is not None:
                 break
             found = solve_ivp(
@@ -416,8 +403,8 @@ class ModeProblem:
         status = self.status
         if status is None:
             raise SimulationError(
-                f"the mode changed {MOST} times until t = {self.t:g} s: run it with simulate, which"
-                " says why."
+                f"the mode changed {MOST_STRETCHES} times until t = {self.t:g} s: run it with"
+                " simulate, which says why."
             )
         return ModeSolution(
             names=self.names,

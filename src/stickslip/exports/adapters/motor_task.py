@@ -9,7 +9,6 @@ from typing import Annotated, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, IncrementalEnsemble
@@ -73,7 +72,6 @@ class MotorTask(Parametrised):
     solver: EventDriven = SOLVER
     """Tolerance, and most steps of a period."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the numbers, the mechanism and where episodes begin."""
         super().__post_init__()
@@ -117,6 +115,7 @@ class MotorTask(Parametrised):
             A copy of the mechanism.
         """
         assert self._motor is not None
+        # What is beyond the limits is clipped, as a real drive does.
         shares = [float(np.clip(action, -1.0, 1.0)) for action in actions] or [0.0]
         times = tuple(k * self.period for k in range(len(shares)))
         efforts = tuple(share * self.effort_limit for share in shares)
@@ -126,11 +125,13 @@ class MotorTask(Parametrised):
     @property
     def steps(self) -> int:
         """Steps after which an episode is truncated."""
+        # Rounding must not add a step.
         return max(1, math.ceil(self.duration / self.period * (1.0 - 1e-12)))
 
     @cached_property
     def places(self) -> tuple[int, int, int, int]:
         """Places in the state of the body's position and velocity, and of the inner body's."""
+        # Both coordinates, then both rates.
         body = self.mechanism.coordinates.index(slip_of(self.mechanism))
         return body, body + 2, 1 - body, 3 - body
 
@@ -269,6 +270,7 @@ def values_in(task: MotorTask, vary: Mapping[str, Sequence[float | str]]) -> dic
                 f"vary[{name!r}] must be the values of which an episode draws one, such as"
                 f" np.linspace(-0.1, 0.1, 21), got {given!r}."
             )
+        # Through the check of a parameter, which also reads units.
         for x in given:
             own = changed(task.mechanism, "mechanism", {path: cast("float", x)})
             found.setdefault(path, []).append(
@@ -295,6 +297,7 @@ class Steps:
         """Make room; each has to begin before it can step."""
         self.task, self.count = task, count
         self._laws, self._values = laws_of(task, laws), values_in(task, vary or {})
+        # By the structure of the equations: laws that differ in numbers share one ensemble.
         firsts = {structure(law): law for law in self._laws}
         self._runs = {
             form: IncrementalEnsemble(
@@ -372,8 +375,10 @@ class Steps:
         draws = [self._draw(generator) for generator in generators]
         names = [self._runs[structure(self._laws[k])].model.states for k, *_ in draws]
         starts = [self._start(*one, given or {}) for one in zip(names, generators, strict=True)]
+        # Draws are alike where law and values are: such mechanisms begin together.
         alike: dict[tuple[int, ...], list[int]] = {}
         for i, (row, draw) in enumerate(zip(rows, draws, strict=True)):
+            # It may have moved in the ensemble of another law.
             self._at[row].leave([row])
             alike.setdefault(draw, []).append(i)
         for (k, *places), which in alike.items():
@@ -417,6 +422,7 @@ class Steps:
         efforts = np.multiply(np.clip(efforts, -1.0, 1.0), task.effort_limit, dtype=np.float64)
         before = self.states
         self._done += 1
+        # From the count of steps, not summed up: no rounding piles up.
         untils = np.multiply(self._done, task.period, dtype=np.float64)
         running = np.empty(self.count, dtype=bool)
         for runs, rows in self._moving:
@@ -425,7 +431,9 @@ class Steps:
         after = self.states
         x, _, q, w = task.places
         moved = after - before
+        # A motor that is driven back gives nothing back.
         work = np.maximum(efforts * moved[:, q], 0.0)
+        # Checked at the ends of steps only.
         beyond = (np.abs(after[:, q]) > task.position_limit) | (
             np.abs(after[:, w]) > task.rate_limit
         )

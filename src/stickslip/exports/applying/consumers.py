@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.exports.applying.markup import Edit, root_of
@@ -58,7 +57,6 @@ class Ros2(Model):
     )
 
     @classmethod
-    @override
     def recognises(cls, path: Path, data: bytes) -> bool:
         return path.suffix.lower() in (".yaml", ".yml")
 
@@ -89,7 +87,6 @@ class Ros2(Model):
             raise InputError(f"{self.path} has no ros__parameters, so it has none of a ROS 2 node.")
         return found
 
-    @override
     def joints(self) -> Iterator[ModelJoint]:
         for node, parameters in self.nodes:
             names = _texts(parameters.get("joints"))
@@ -116,7 +113,6 @@ class Ros2(Model):
                         given={key: (one.value, "") for key, one in place.items()},
                     )
 
-    @override
     def elsewhere(self, name: str) -> str:
         for node, parameters in self.nodes:
             if name in _texts(parameters.get("joints")):
@@ -127,7 +123,6 @@ class Ros2(Model):
                 )
         return ""
 
-    @override
     def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
         steady = steady_of(subject)
         v, force = steady.velocity, steady.force + beside.damping * steady.velocity
@@ -166,7 +161,6 @@ class Ros2(Model):
             )
         return found
 
-    @override
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         place, _ = joint.place
         return [
@@ -193,7 +187,7 @@ def _yaml_members(node: Any) -> Mapping[str, Any]:
 def _texts(node: Any) -> Sequence[str]:
     """Return the scalars of a list of YAML; none of anything else."""
     items = node.value if node is not None and node.id == "sequence" else ()
-    return [str(one.value) for one in items if one.id == "scalar"]
+    return [str(item.value) for item in items if item.id == "scalar"]
 
 
 def _node_parameters(name: str, node: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -247,7 +241,6 @@ class Bam(Model):
     refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
 
     @classmethod
-    @override
     def recognises(cls, path: Path, data: bytes) -> bool:
         return path.suffix.lower() == ".json"
 
@@ -273,7 +266,6 @@ class Bam(Model):
             )
         return dict(_json_members(self.text))
 
-    @override
     def joints(self) -> Iterator[ModelJoint]:
         name = str(self.members["actuator"][0])
         given = {
@@ -283,11 +275,9 @@ class Bam(Model):
         }
         yield ModelJoint(name=name, kind="hinge", line=1, place=None, given=given)
 
-    @override
     def has_exactly(self, subject: Subject) -> bool:
         return gear_law(subject.law) is not None
 
-    @override
     def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
         values, lost = _of_motor(beside)
         law = gear_law(subject.law)
@@ -309,7 +299,6 @@ class Bam(Model):
         written = {key: number(value) for key, value in (*friction.items(), *values.items())}
         return Carried(values={**written, "model": model}, near=near, lost=lost)
 
-    @override
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         found, added = [], []
         for key, value in values.items():

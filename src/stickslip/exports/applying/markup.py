@@ -66,8 +66,8 @@ class Tag:
     def walk(self) -> Iterator["Tag"]:
         """Yield the element and all that it contains, in the order of the file."""
         yield self
-        for one in self.children:
-            yield from one.walk()
+        for child in self.children:
+            yield from child.walk()
 
 
 @dataclass(frozen=True)
@@ -243,7 +243,7 @@ class Stage:
         text = f'"{schema}"'
         if prim.schemas is not None:
             names = [one for one in prim.schemas if one.kind == "text"]
-            if any(one.text[1:-1] == schema for one in names):
+            if any(name.text[1:-1] == schema for name in names):
                 return
             place = names[-1].end if names else prim.schemas[0].end
             text = f", {text}" if names else text

@@ -14,8 +14,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, nearest
 from stickslip.exports.applying.markup import (
     Edit,
@@ -151,11 +149,11 @@ class Model(ABC):
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         """Return the edits that give a joint values."""
 
-    def has_exactly(self, subject: Subject) -> bool:  # noqa: ARG002  # most have no law itself
+    def has_exactly(self, subject: Subject) -> bool:  # most have no law itself
         """Return whether the format has the law itself, at all contact inputs."""
         return False
 
-    def elsewhere(self, name: str) -> str:  # noqa: ARG002  # most files stand alone
+    def elsewhere(self, name: str) -> str:  # most files stand alone
         """Return where else a joint of a name is, in a sentence; empty if that is not known."""
         return ""
 
@@ -195,7 +193,7 @@ class Model(ABC):
     @property
     def movable(self) -> list[str]:
         """Names of the joints that take friction."""
-        return [one.name for one in self.joints() if one.kind in _MOVE and one.name]
+        return [joint.name for joint in self.joints() if joint.kind in _MOVE and joint.name]
 
     def _unknown(self, name: str, names: list[str]) -> str:
         known = list(filter(None, names))
@@ -233,7 +231,6 @@ class JointModel(Model):
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         """Yield what of it the format does not have, in sentences."""
 
-    @override
     def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
         friction, near, lost = level_and_damping(
             subject, beside, wishes, static=self.holds_statically
@@ -329,7 +326,6 @@ class Mjcf(JointModel):
     runs: ClassVar[bool] = True
 
     @classmethod
-    @override
     def recognises(cls, path: Path, data: bytes) -> bool:
         return root_of(data) in ("mujoco", "mujocoinclude")
 
@@ -338,7 +334,6 @@ class Mjcf(JointModel):
         """The elements of the file."""
         return markup_of(self.path, self.data)
 
-    @override
     def joints(self) -> Iterator[ModelJoint]:
         classes = self._classes()
         for tag in self.markup.root.walk():
@@ -368,21 +363,20 @@ class Mjcf(JointModel):
         def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
             name = tag.attributes.get("class", top or "main")
             own = dict(outer)
-            for one in tag.children:
-                if one.name == "joint":
-                    own |= {key: (value, name) for key, value in one.attributes.items()}
+            for child in tag.children:
+                if child.name == "joint":
+                    own |= {key: (value, name) for key, value in child.attributes.items()}
             found[name] = own
-            for one in tag.children:
-                if one.name == "default":
-                    read(one, own, "")
+            for child in tag.children:
+                if child.name == "default":
+                    read(child, own, "")
 
-        for tag in (one for root in self._roots() for one in root.children):
+        for tag in (child for root in self._roots() for child in root.children):
             if tag.name == "default":
                 read(tag, found[""], "main")
                 found[""] = found[tag.attributes.get("class", "main")]
         return found
 
-    @override
     def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
         values = {
             "frictionloss": number(friction.level),
@@ -394,11 +388,9 @@ class Mjcf(JointModel):
             values["armature"] = number(friction.armature)
         return values
 
-    @override
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         return self.markup.with_attributes({joint.place: values})
 
-    @override
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         inherited = {key: where for key, (_, where) in joint.given.items() if where}
         replaced = [key for key in inherited if key in self.attributes(joint, friction)]
@@ -431,11 +423,9 @@ class Mjcf(JointModel):
         """Yield the files that are included, each behind those that it includes, by their names."""
         yield from _parts(self.path.parent, self.markup, {self.path.resolve()})
 
-    @override
     def included(self) -> Sequence[Markup]:
         return [part for _, part in self.parts()]
 
-    @override
     def elsewhere(self, name: str) -> str:
         for _, part in self.parts():
             if any(
@@ -508,7 +498,6 @@ class Urdf(JointModel):
     runs: ClassVar[bool] = True
 
     @classmethod
-    @override
     def recognises(cls, path: Path, data: bytes) -> bool:
         return root_of(data) == "robot"
 
@@ -523,7 +512,6 @@ class Urdf(JointModel):
             raise has_macros(str(self.path))
         return found
 
-    @override
     def joints(self) -> Iterator[ModelJoint]:
         for tag in self.markup.root.children:
             if tag.name == "joint":
@@ -537,11 +525,9 @@ class Urdf(JointModel):
                     given={key: (has[key], "") for key in URDF_WRITTEN if key in has},
                 )
 
-    @override
     def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
         return {"damping": number(friction.damping[0]), "friction": number(friction.level)}
 
-    @override
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         tag: Tag = joint.place
         dynamics = _dynamics(tag)
@@ -552,20 +538,18 @@ class Urdf(JointModel):
         text = "".join(f' {key}="{value}"' for key, value in values.items())
         return [self.markup.with_child(tag, f"<dynamics{text}/>")]
 
-    @override
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         if friction.armature is not None:
             yield (
                 f"Armature: URDF has none for the {number(friction.armature)}"
                 f" {'kg m^2' if joint.rotary else 'kg'} of motor and gear; it is left out."
             )
-        if any(one.name == "mimic" for one in joint.place.children):
+        if any(child.name == "mimic" for child in joint.place.children):
             yield (
                 "The joint follows another one (mimic): simulators differ in whether its friction"
                 " acts."
             )
 
-    @override
     def remarks(self) -> Sequence[str]:
         return (
             "URDF has no settings for how friction is held. With MuJoCo's defaults, loaded joints"
@@ -576,7 +560,7 @@ class Urdf(JointModel):
 
 
 def _dynamics(tag: Tag) -> Tag | None:
-    return next((one for one in tag.children if one.name == "dynamics"), None)
+    return next((child for child in tag.children if child.name == "dynamics"), None)
 
 
 # Scenes in USD: joints of PhysX (Isaac Sim) and of Newton.
@@ -610,7 +594,6 @@ class UsdModel(JointModel):
         """Return the attributes of level, rest, damping and armature."""
 
     @classmethod
-    @override
     def recognises(cls, path: Path, data: bytes) -> bool:
         return data.startswith(b"#usda")
 
@@ -619,7 +602,6 @@ class UsdModel(JointModel):
         """The elements of the file."""
         return stage_of(self.path, self.data)
 
-    @override
     def joints(self) -> Iterator[ModelJoint]:
         for prim in self.stage.prims:
             if prim.kind in USD_KINDS:
@@ -628,7 +610,6 @@ class UsdModel(JointModel):
                 given = {key: (prim.values[key].text, "") for key in names if key in prim.values}
                 yield ModelJoint(name=prim.name, kind=kind, line=prim.line, place=prim, given=given)
 
-    @override
     def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
         length, mass = self.stage.metres, self.stage.kilograms
         if length is None:
@@ -647,7 +628,6 @@ class UsdModel(JointModel):
         names = self.names(AXES[joint.kind])
         return {names[key]: number(value) for key, value in values.items() if key in names}
 
-    @override
     def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         prim: Prim = joint.place
         return self.stage.edits(prim, values, self.schema(AXES[joint.kind]))
@@ -664,7 +644,6 @@ class Physx(UsdModel):
     )
     holds_statically: ClassVar[bool] = True
 
-    @override
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         yield from _of_drive(joint)
         found = joint.place.values.get("physxJoint:jointFriction")
@@ -674,15 +653,12 @@ class Physx(UsdModel):
                 " joint transmits: remove it."
             )
 
-    @override
     def remarks(self) -> Sequence[str]:
         return ("PhysX has friction of joints that are part of an articulation only.",)
 
-    @override
     def schema(self, axis: str) -> str:
         return f"PhysxJointAxisAPI:{axis}"
 
-    @override
     def names(self, axis: str) -> Mapping[str, str]:
         before = f"physxJointAxis:{axis}"
         return {
@@ -700,11 +676,9 @@ class Newton(UsdModel):
     title: ClassVar[str] = "USD for Newton"
     program: ClassVar[str] = "Newton"
 
-    @override
     def schema(self, axis: str) -> str:
         return "NewtonJointAPI"
 
-    @override
     def names(self, axis: str) -> Mapping[str, str]:
         return {
             "level": "newton:friction",
@@ -712,7 +686,6 @@ class Newton(UsdModel):
             "armature": "newton:armature",
         }
 
-    @override
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
         yield from _of_drive(joint)
 

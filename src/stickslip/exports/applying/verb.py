@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from typing_extensions import override
-
 from stickslip.data import Measurement, Rig
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports.applying.consumers import read_model
@@ -154,7 +152,6 @@ class Applied(metaclass=Described):
             "remarks": list(self.remarks),
         }
 
-    @override
     def __repr__(self) -> str:
         return f"<Applied {self.target}: {', '.join(one.joint for one in self.joints)}>"
 

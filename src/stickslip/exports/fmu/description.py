@@ -11,8 +11,6 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from typing_extensions import override
-
 from stickslip.data import unit_of_input, unit_on
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import state_layout
@@ -38,7 +36,6 @@ from stickslip.quantities import Parametrised, Quantity, parameters, shadow
 class Held(Straight):
     """A drive whose value is told from outside while the run goes on; 0 until then."""
 
-    @override
     def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         return ()
 
@@ -310,6 +307,7 @@ def variables_of(
     found += _parameters(mechanism, law, model, len(found))
     first_state = len(found)
     inputs_of = [i for i, one in enumerate(found) if one.role == "input"]
+    # Forces may depend on all states and inputs.
     every = (*inputs_of, *range(first_state, first_state + len(model.states)))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
         found.append(
@@ -476,6 +474,7 @@ def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
 
 def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:
     """Whether a parameter stands in what is made before a run: tables, starts, largest steps."""
+    # Another value, and NaN, which spreads to all that is made of it.
     other = value * SHIFT if value else SHIFT - 1.0
     before = _made_before(mechanism, path, value)
     return any(_made_before(mechanism, path, one) != before for one in (other, math.nan))
@@ -507,6 +506,7 @@ def _drive_unit(mechanism: Mechanism, name: str) -> str:
     if name in told_fields(mechanism):
         turning = set(mechanism.units) == {"rad"}
         return unit_of_input(told_fields(mechanism)[name][1], turning=turning)
+    # A unit of the drive shows on which coordinates it acts, and so its unit.
     q = dict.fromkeys(mechanism.coordinates, 0.0)
     still = dict.fromkeys(mechanism.drives(), 0.0)
     pushed = {**still, name: 1.0}
@@ -614,7 +614,9 @@ def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi)
 
 def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     place = SubElement(root, "UnitDefinitions")
-    for unit in dict.fromkeys(one.unit for one in variables if one.unit and not one.whole):
+    for unit in dict.fromkeys(
+        variable.unit for variable in variables if variable.unit and not variable.whole
+    ):
         powers = {base: str(power) for base, power in base_units(unit).items()}
         powers |= {"offset": ZEROS[unit]} if unit in ZEROS else {}
         SubElement(SubElement(place, "Unit", {"name": unit}), "BaseUnit", powers)
@@ -627,6 +629,7 @@ def _typed(variable: Variable) -> dict[str, str]:
         found["unit"] = variable.unit
     quantity = variable.quantity
     if variable.role in ("parameter", "constant"):
+        # There is no attribute for an exclusive bound: the binary refuses the bound itself.
         low = max(quantity.low, -math.inf if quantity.above is None else quantity.above)
         if low > -math.inf:
             found["min"] = repr(float(low))
@@ -655,6 +658,7 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
     if initial is not None and causality != "independent":
         common["initial"] = initial
     typed = _typed(variable)
+    # A reference in FMI 3, an index from 1 in FMI 2.
     if variable.state is not None:
         typed["derivative"] = str(variable.state + (fmi == 2))
     if fmi == 3:
@@ -668,9 +672,9 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
 def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> None:
     place = SubElement(root, "ModelStructure")
     roles = ("state", "column", "contact_mode", "event_count")
-    outputs = [i for i, one in enumerate(variables) if one.role in roles]
-    rates = [i for i, one in enumerate(variables) if one.role == "derivative"]
-    guards = [i for i, one in enumerate(variables) if one.role == "indicator"]
+    outputs = [i for i, variable in enumerate(variables) if variable.role in roles]
+    rates = [i for i, variable in enumerate(variables) if variable.role == "derivative"]
+    guards = [i for i, variable in enumerate(variables) if variable.role == "indicator"]
     unknown = [*(i for i in outputs if variables[i].role != "state"), *rates]
     if fmi == 3:
         for tag, references in (

@@ -87,7 +87,7 @@ def model_header(
 ) -> str:
     """Return the header with all numbers of a model."""
     header = model.sizes.header
-    roles = [one.role for one in variables]
+    roles = [variable.role for variable in variables]
     lines = [f"#define AT_{name} {_slot(name, header)}" for name in SLOTS]
     lines += [f"#define {name} {header[getattr(state_layout, name)]}" for name in SIZES]
     lines += [
@@ -112,7 +112,7 @@ def model_header(
         f"#define TOKEN {_text(token)}",
         f"#define TABLE_SIZE {len(table)}",
         f"#define N_PIECES {len(table) // (1 + 3 * len(model.drives))}",
-        f"#define N_INPUTS {sum(one.role == 'input' for one in variables)}",
+        f"#define N_INPUTS {sum(variable.role == 'input' for variable in variables)}",
         f"#define N_VARIABLES {len(variables)}",
         _array("int64_t HEADER_NUMBERS", map(str, header)),
         _array("double TABLE", map(_real, table)),
@@ -190,6 +190,7 @@ def _real(number: float) -> str:
 def _text(words: str) -> str:
     """Return a text in C; letters outside ASCII as bytes of UTF-8."""
     plain = json.dumps(words, ensure_ascii=False)
+    # Two quotes end an escape, which C would read on through further hexadecimal digits.
     return "".join(
         c if c.isascii() else '""'.join(f"\\x{b:02x}" for b in c.encode()) + '""' for c in plain
     )
@@ -198,6 +199,8 @@ def _text(words: str) -> str:
 FOLDERS: Mapping[Fmi, str] = {2: "linux64", 3: "x86_64-linux"}
 """Folder of the binaries by version of FMI."""
 COMPILERS = ("cc", "gcc", "clang")
+# Products are not fused into sums, and nothing but the model is in the binary: the same model gives
+# the same file.
 FLAGS = (
     "-std=c99", "-O1", "-fPIC", "-shared", "-s", "-ffp-contract=off",
     "-Wl,-z,defs", "-Wl,-Bsymbolic", "-Wl,--version-script=exports.map", "-Wl,--build-id=none",
@@ -345,13 +348,13 @@ def export_fmu(
         )
     driven, drives = with_inputs(mechanism, inputs)
     labels = {field: label_of(*at) for field, at in told_fields(driven).items()}
-    found = {labels.get(name, name): one for name, one in drives.items()}
+    found = {labels.get(name, name): drive for name, drive in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     nominals = _nominals(driven, laws, solver, start, stop)
     variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
-    names = [one.name for one in variables]
+    names = [variable.name for variable in variables]
     twice = [one for one in found if names.count(one) > 1]
     if twice:
         raise InputError(
@@ -366,6 +369,7 @@ def export_fmu(
     }
     objects = object_files(model, common=portable)
     table = numbers.table.tolist()
+    # The token is a hash of all that the FMU has, itself left out.
     seed = model_header(
         model, variables, table=table, nominals=nominals, settings=settings, token=""
     )
@@ -407,6 +411,7 @@ def _nominals(
     It is the largest in a run, down to a power of ten. A state that does not move in it, because
     an input is to move it, is given one that is usual.
     """
+    # A short run: sizes are wanted to a power of ten.
     brief = replace(solver, max_steps=MOST_STEPS, estimate_error=False)
     run = brief.run(mechanism, law, y0=y0, t_end=stop)
     seen = run.at(np.linspace(*run.span, SAMPLES))

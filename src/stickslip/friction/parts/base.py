@@ -56,7 +56,7 @@ class Parameter:
     @property
     def quantity(self) -> Quantity:
         """Its symbol, unit and range."""
-        return next(one for one in marks(self.hint) if isinstance(one, Quantity))
+        return next(mark for mark in marks(self.hint) if isinstance(mark, Quantity))
 
 
 class Part(ABC):
@@ -104,7 +104,7 @@ class Part(ABC):
         return tuple(
             Parameter(name=name, hint=hint, default=getattr(type(self), name, MISSING))
             for name, hint in hints.items()
-            if any(isinstance(one, Quantity) for one in marks(hint))
+            if any(isinstance(mark, Quantity) for mark in marks(hint))
         )
 
 

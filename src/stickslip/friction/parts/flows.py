@@ -59,7 +59,7 @@ class Power(Flow):
     @override
     def flow(self, p: Values, s: Slip) -> Scalar:
         sigma_2, n = p.viscous_coefficient, p.viscous_exponent
-        if isinstance(n, (float, int)) and n == 1.0:
+        if isinstance(n, (float, int)) and n == 1.0:  # it has a slope at rest, and needs no plateau
             return sigma_2 * s.along
         # named by its switch, the end of the plateau is stepped onto and not over
         w = where(s.speed < PLATEAU, PLATEAU, s.speed)
@@ -135,6 +135,7 @@ class Polynomial(Flow):
     @property
     @override
     def vanishes(self) -> Mapping[str, float | str]:  # type: ignore[override]  # of as many
+        """Coefficients of all powers, each at zero."""
         return dict.fromkeys(self._names, 0.0)
 
     @property
@@ -146,6 +147,7 @@ class Polynomial(Flow):
 
     @override
     def flow(self, p: Values, s: Slip) -> Scalar:
+        # Horner's scheme from the highest power on; the last factor v has the sign.
         found: Scalar = 0.0
         for name in reversed(self._names):
             found = found * s.speed + getattr(p, name)
@@ -322,5 +324,6 @@ class Threlfall(SmoothSign):
     @override
     def shape(self, p: Values, s: Slip) -> Scalar:
         v_t = p.smoothing_velocity
+        # Divided by its value at v_t, so that the level is reached there.
         rise = (1.0 - exp(-3.0 * s.speed / v_t)) / (1.0 - math.exp(-3.0))
         return where(s.speed < v_t, rise, 1.0)

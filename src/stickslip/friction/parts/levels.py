@@ -35,6 +35,7 @@ def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
     The layer in which it is not zero is often crossed in less than a millisecond. Naming its end
     makes the solver step onto it and not over it.
     """
+    # From (v / v_s)^n = VANISHED.
     layer = stribeck_velocity * power(VANISHED, 1.0 / exponent)
     return where(speed < layer, exp(-power(speed / stribeck_velocity, exponent)), 0.0)
 
@@ -195,6 +196,7 @@ class BrownMcPhee(SmoothLevel):
     def sliding(self, p: Values, s: Slip) -> Scalar:
         mu_k, mu_s = p.kinetic_coefficient, p.static_coefficient
         u = s.speed / p.transition_velocity
+        # At u = 1 this is 1 and tanh(4) nearly so: the curve passes mu_s there, within 0.0007 mu_k.
         d = 0.25 * u * u + 0.75
         return mu_k * tanh(4.0 * u) + (mu_s - mu_k) * u / (d * d)
 
@@ -218,6 +220,7 @@ class Simscape(SmoothLevel):
     def sliding(self, p: Values, s: Slip) -> Scalar:
         mu_k, mu_s = p.kinetic_coefficient, p.static_coefficient
         u = s.speed / (math.sqrt(2.0) * p.breakaway_velocity)
+        # The bump is 1 at its largest, at u = 1 / sqrt(2), which is v = v_b.
         bump = math.sqrt(2.0 * math.e) * (mu_s - mu_k) * exp(-u * u) * u
         return bump + mu_k * tanh(10.0 * s.speed / p.breakaway_velocity)
 
@@ -314,6 +317,7 @@ class BengisuAkay(SmoothLevel):
     def sliding(self, p: Values, s: Slip) -> Scalar:
         mu_k, mu_s, u = p.kinetic_coefficient, p.static_coefficient, s.speed / p.peak_velocity
         beyond = mu_k + (mu_s - mu_k) * exp(-p.fall_rate * (s.speed - p.peak_velocity))
+        # Both branches meet at mu_s. The slope jumps there: by the switch a step ends at it.
         return where(s.speed < p.peak_velocity, mu_s * u * (2.0 - u), beyond)
 
 
@@ -321,7 +325,7 @@ class BengisuAkay(SmoothLevel):
 
 MOST_POINTS = 32
 """More points are noise, and every one is a place that a run steps onto."""
-LARGEST = 100_000
+LARGEST_FILE = 100_000
 """Bytes of a file with a curve."""
 POINT = r"\s*([-+.\deE]+)\s*:\s*([-+.\deE]+)\s*"
 SPEEDS, LEVELS = ("m/s", "rad/s"), ("1", "N", "N m")
@@ -379,18 +383,20 @@ def _within(
     v: Scalar,
 ) -> Scalar:
     """Return the level at a speed below point `high` and not below the point before `low`."""
+    # By halves, so that switches are nested log2(n) deep and not n.
     if low < high:
         middle = (low + high) // 2
         edge = points[middle][0]
         beyond = _within(points, slopes, middle + 1, high, v)
-        if isinstance(edge, float) and edge == 0.0:
+        if isinstance(edge, float) and edge == 0.0:  # speeds are not below 0
             return beyond
         return where(v < edge, _within(points, slopes, low, middle, v), beyond)
     if low in (0, len(points)):
-        return points[min(low, len(points) - 1)][1] + 0.0 * v
+        return points[min(low, len(points) - 1)][1] + 0.0 * v  # an array of speeds gives an array
     (x, y), (x_1, y_1) = points[low - 1 : low + 1]
     h, rise = x_1 - x, (y_1 - y) / (x_1 - x)
     m, m_1 = slopes[low - 1 : low + 1]
+    # The cubic with slopes m and m_1 at its ends, in powers of the distance from the first.
     u = v - x
     b, c = (3.0 * rise - 2.0 * m - m_1) / h, (m + m_1 - 2.0 * rise) / (h * h)
     return y + u * (m + u * (b + u * c))
@@ -414,6 +420,7 @@ def monotone_slopes(points: Sequence[tuple[float, float]]) -> list[float]:
     inner = []
     for k in range(1, len(rise)):
         before, after = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
+        # A weighted harmonic mean, which is nearer to the smaller rise; none where the data turn.
         turns = rise[k - 1] * rise[k] <= 0.0
         mean = 0.0 if turns else (before + after) / (before / rise[k - 1] + after / rise[k])
         inner.append(mean)
@@ -425,6 +432,7 @@ def _end(h: float, next_h: float, rise: float, next_rise: float) -> float:
     slope = ((2.0 * h + next_h) * rise - h * next_rise) / (h + next_h)
     if slope * rise <= 0.0:
         return 0.0
+    # Where the next rise turns, a steeper end would make the first cubic turn inside.
     if rise * next_rise <= 0.0 and abs(slope) > 3.0 * abs(rise):
         return 3.0 * rise
     return slope
@@ -495,12 +503,12 @@ def _read(name: str) -> list[tuple[float, float]]:
     said = f"the curve {name!r} of a table"
     try:
         with open_regular(Path(name)) as file:
-            text = file.read(LARGEST + 1).decode("utf-8-sig")
+            text = file.read(LARGEST_FILE + 1).decode("utf-8-sig")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise InputError(f"{said} cannot be read: {reason}.") from None
-    if len(text) > LARGEST:
-        raise InputError(f"{said} has more than {LARGEST} characters: average it.")
+    if len(text) > LARGEST_FILE:
+        raise InputError(f"{said} has more than {LARGEST_FILE} characters: average it.")
     written = [line for line in text.splitlines() if line.strip()]
     lines = [line for line in written if not line.startswith("#")]
     scales = (1.0, 1.0)

@@ -14,11 +14,11 @@ from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
 """Share of the level that is nothing: broken powers are rounded within its root."""
-LEAST = 1e-300
+LEAST_DIVISOR = 1e-300
 """What keeps quotients finite, and nothing else."""
 
 ABOVE_ONE = 1.0 + 1e-15
-"""1 and little more, in one number: in symbolic equations 1 + `LEAST` is 1."""
+"""1 and little more, in one number: in symbolic equations 1 + `LEAST_DIVISOR` is 1."""
 
 BENT = 1e-18
 """Square of the share of the friction level within which a loop is rounded."""
@@ -76,6 +76,8 @@ class LuGreBristle(Bristle):
 
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        # The rate vanishes at z = g / sigma_0 in the sense of the slip: steady sliding has the
+        # force g.
         return (s.along - p.bristle_stiffness * abs(s.along) / g * z[0],)
 
 
@@ -211,6 +213,7 @@ def shares(z: tuple[Scalar, ...]) -> list[float]:
 def pulled(z: Scalar, limit: Scalar, s: Slip, time: Scalar) -> Scalar:
     """Return a deflection after some time at a constant velocity, which ends just past a limit."""
     way, step = sign(s.along), abs(s.along) * time
+    # Just past the limit, where the switch of the element has turned.
     room = limit * (1.0 + ROUNDED) - z * way
     return z + way * where(step < room, step, room)
 
@@ -231,6 +234,8 @@ class Maxwell(Elements):
 
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        # Elements yield at the level at rest, whatever the speed: `force` has what speed leaves of
+        # it.
         length, way = s.rest / p.bristle_stiffness, sign(s.along)
         left = (share * length - one * way for share, one in zip(shares(z), z, strict=True))
         return tuple(where(room > 0.0, s.along, 0.0) for room in left)
@@ -341,6 +346,8 @@ class Reset(Memory):
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        # As with elements: the spring ends at the level at rest, and is scaled by what speed leaves
+        # of it.
         spring = g / s.rest * p.bristle_stiffness * z[0]
         a, (z_dot,) = p.sticking_surplus, self.rates(p, s, z, g)
         return spring * self.sticks(p, s, z[0], 1.0 + a, 1.0) + p.bristle_damping * z_dot
@@ -393,7 +400,7 @@ class BlimanSorine(Memory):
 
     @override
     def peak(self, p: Values) -> Scalar:
-        b, eta = p.surplus_share + LEAST, p.distance_ratio
+        b, eta = p.surplus_share + LEAST_DIVISOR, p.distance_ratio
         x = log((1.0 + b) / (b * eta)) / (ABOVE_ONE - eta)  # where the force falls again
         return 1.0 + b * (1.0 - eta) * exp(-eta * x)
 

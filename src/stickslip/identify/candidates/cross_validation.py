@@ -8,7 +8,7 @@ from typing import Any, Protocol, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import TypeVar, override
+from typing_extensions import TypeVar
 
 from stickslip.data import Checks
 from stickslip.errors import InputError
@@ -82,13 +82,11 @@ class CrossValidated(Candidate[Fit_co]):
     """Names of the candidates that the law contains."""
 
     @property
-    @override
     def score(self) -> float:
         """Root mean square held-out error, infinite without one."""
         return self.validation.score if self.validation else math.inf
 
     @property
-    @override
     def score_error(self) -> float:
         """Standard error of the score; infinite if there is none."""
         return self.validation.error if self.validation else math.inf
@@ -123,7 +121,6 @@ class CrossValidatedVerdict(Verdict[Candidate_co]):
 
     @property
     @final
-    @override
     def closest(self) -> Candidate_co:
         """What the rule of choice takes: `best`, or what comes closest to the record."""
         taken = self.best or self.not_recommended

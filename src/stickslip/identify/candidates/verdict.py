@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import median_high
 from typing import TYPE_CHECKING, Any, Generic, cast, final
 
-from typing_extensions import TypeVar, override
+from typing_extensions import TypeVar
 
 from stickslip.data import Checks, Measurement
 from stickslip.identify.fits import Fit
@@ -120,14 +120,12 @@ class Candidate(ABC, Generic[Fit_co], metaclass=Described):
         """Return the candidate as plain numbers and strings."""
         return {**self.to_row(), "fit": self.fit.to_dict() if self.fit else None}
 
-    @override
     def __str__(self) -> str:
         """Return the law and what became of it."""
         became = f"dropped, {self.dropped}" if self.dropped else self.outcome
         return f"{self.title}: {plain(became)}"
 
     @final
-    @override
     def __repr__(self) -> str:
         return f"<Candidate {self}>"
 
@@ -203,20 +201,17 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
             one for one in self.candidates if one.score is not None and math.isfinite(one.score)
         )
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         """Draw the held-out errors; a route replaces it that has another plot."""
         return cast("Drawing", plots().plot_scores(self, ax))
 
     @final
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the candidates as a pandas DataFrame, a row each."""
         import pandas as pd
 
         return pd.DataFrame([candidate.to_row() for candidate in self.candidates])
 
-    @override
     def _over(self) -> str:
         return "law"
 
@@ -251,12 +246,10 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
         return ""
 
     @final
-    @override
     def _summary(self) -> Summary:
         return summary_of_table(self.sentence, self.to_dataframe())
 
     @final
-    @override
     def __repr__(self) -> str:
         fitted = sum(candidate.fit is not None for candidate in self.candidates)
         return (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import TypeVar, override
+from typing_extensions import TypeVar
 
 from stickslip.data import LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.errors import InputError
@@ -87,7 +87,6 @@ class ModelError:
     moved: tuple[str, ...] | None = None
     """Paths of the estimates that it moves out of their intervals; None where that is not known."""
 
-    @override
     def __str__(self) -> str:
         """Return what it is and what it does."""
         return f"{self.finding} {self.consequence}"
@@ -165,13 +164,11 @@ class Estimate(metaclass=Described):
         """The interval in words."""
         return interval(self.low, self.high)
 
-    @override
     def __str__(self) -> str:
         """Return symbol, value and interval, such as ``mu_k = 0.255 (0.249 to 0.261)``."""
         value = with_unit(within(self.value, self.low, self.high), self.quantity.unit)
         return f"{self.quantity.symbol} = {value} ({self.range})"
 
-    @override
     def __repr__(self) -> str:
         return f"<Estimate {self}, {self.interval}>"
 
@@ -273,19 +270,16 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         """What was measured, as the subject of a sentence."""
         return "the record"
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         """Draw the fit beside what was measured; a class of fits without a plot says so."""
         raise InputError(
             f"there is no plot for a {type(self).__name__}: its class has no method `_plot`."
         )
 
-    @override
     def __repr__(self) -> str:
         return f"<Fit: {self}>"
 
     @final
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the estimates as a pandas DataFrame, a row each.
 
@@ -298,12 +292,10 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         columns = ["parameter", "symbol", "unit", "value", "low", "high", "interval", "reason"]
         return pd.DataFrame(rows, columns=columns)
 
-    @override
     def _over(self) -> str:
         return "parameter"
 
     @final
-    @override
     def _summary(self) -> Summary:
         """Return the law with its estimates, and what the data cannot tell."""
         rows = [

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import scipy
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Measurement, condition_name, condition_unit, faults
 from stickslip.engine.solver import notice
@@ -545,21 +544,17 @@ class TrialComparison(InPanels, Tabular):
         """Names of the conditions, as they were given."""
         return tuple(dict.fromkeys(name for trial in self.trials for name in trial.conditions))
 
-    @override
     def __str__(self) -> str:
         """Return the sentences, one a line."""
         return "\n".join(self.sentences)
 
-    @override
     def __repr__(self) -> str:
         return f"<TrialComparison of {len(self.trials)} trials: {self.sentences[0]}>"
 
-    @override
     def _summary(self) -> Summary:
         first, *others = self.sentences
         return summary_of_table(first, self.to_dataframe(), others)
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return one row a trial: conditions, each parameter with its interval, residual.
 
@@ -593,7 +588,6 @@ class TrialComparison(InPanels, Tabular):
             rows.append({**row, "residual": trial.rms})
         return pd.DataFrame(rows)
 
-    @override
     def _over(self) -> str:
         return "trial"
 

@@ -3,8 +3,6 @@
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from typing_extensions import override
-
 from stickslip.data import Measurement
 from stickslip.identify import JointVerdict, joint_sections, select_joints
 from stickslip.identify.candidates import limits_of
@@ -25,26 +23,21 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return bool(measurement.joint_names())
 
-    @override
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
         return [*measurement.joint_names()]
 
-    @override
     def law_and_parameters(
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
     ) -> tuple[Law, str | Sequence[str] | None]:
         return law, vary
 
-    @override
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
         own = {name: 0 for one in mechanism.contacts() for name in input_names(mechanism, one.name)}
         return (*own, *measurement.input_names())  # fits ask for those of each contact
 
-    @override
     def why_unused(self, name: str, request: Request) -> str:
         if request.law is None and name in {"starts", "seed"}:
             return (
@@ -52,12 +45,10 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             )
         return ""
 
-    @override
     def fit(self, request: Request) -> RecordFit[Any]:
         settings = request.settings or RecordSettings()
         return fit_joints(laws=request.law, settings=settings, **request.arguments())
 
-    @override
     def select(self, request: Request) -> JointVerdict:
         return select_joints(
             request.mechanism,
@@ -69,7 +60,6 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             settings=request.settings,
         )
 
-    @override
     def comparison(self, verdict: JointVerdict) -> Comparison:
         rows = [
             [
@@ -91,7 +81,6 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             fitted=None if fit is None else (verdict.closest.title, fit.shown),
         )
 
-    @override
     def summary(
         self,
         fit: RecordFit[Any],
@@ -116,7 +105,6 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
             second=None if second is None else _by_joint(second.joints),
         )
 
-    @override
     def sections(
         self, verdict: JointVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Literal, TypeAlias
 
-from typing_extensions import TypeVar, override
+from typing_extensions import TypeVar
 
 from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw, specification
@@ -334,7 +334,6 @@ class Kind(ABC, Generic[F, V]):
     columns: ClassVar[Columns[Any]] = ()
     """What tables say of each candidate, where `comparison` and `sections` are the usual ones."""
 
-    @override
     def __init_subclass__(cls) -> None:
         """Check the names of options and settings: a misspelt one would never be used."""
         super().__init_subclass__()

@@ -4,8 +4,6 @@ import math
 from dataclasses import fields, replace
 from typing import Any
 
-from typing_extensions import override
-
 from stickslip.data import QUANTITIES, Measurement, command_of
 from stickslip.errors import InputError
 from stickslip.identify import (
@@ -60,11 +58,9 @@ class BandKind(Kind[RecordFit, BandVerdict]):
     compared: frozenset[str] = frozenset()
     """Names of the settings that laws are compared by."""
 
-    @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return ["laws"]
 
-    @override
     def resolved(self, request: Request) -> Request:
         """Return the request with the way to fit the records, and with its settings."""
         return request if request.law is None else replace(request, route=self._route(request))
@@ -82,7 +78,6 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         vary = [LAW, *chosen.unknown]
         return route_of(chosen.mechanism, measurement, vary=vary, asked=request.route)
 
-    @override
     def why_unused(self, name: str, request: Request) -> str:
         selects, asked = request.law is None, request.route
         verb, other = ("select", "fit") if selects else ("fit", "select")
@@ -123,18 +118,15 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             )
         return ""
 
-    @override
     def residual_text(self, error: float, request: Request) -> str:
         compared_, measurement = "friction", request.measurement
         if self._route(request) == "shooting":
             compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 
-    @override
     def fit(self, request: Request) -> RecordFit:
         return fit_records(**request.arguments("law", "route", "settings"))
 
-    @override
     def comparison(self, verdict: BandVerdict) -> Comparison:
         scale, closest = verdict.scale, verdict.closest
         rows = [
@@ -158,7 +150,6 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             fitted=(f"{closest.title}, if it holds", sorted(closest.fit.estimates, key=importance)),
         )  # fmt: skip
 
-    @override
     def summary(
         self, fit: RecordFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
@@ -181,7 +172,6 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             trials=compared(fit),
         )
 
-    @override
     def sections(
         self, verdict: BandVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
@@ -197,11 +187,9 @@ class RecordKind(BandKind):
     settings = frozenset(field.name for field in fields(RecordSettings))
     compared = frozenset({"hold"})
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return not measurement.travelled
 
-    @override
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(
             request.mechanism, None, request.vary, request.fixed, measurement=request.measurement
@@ -280,18 +268,15 @@ class FrictionTableKind(BandKind):
     measured = "tables of friction"
     settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return all(one.kind == "friction-map" for one in measurement.records())
 
-    @override
     def why_unused(self, name: str, request: Request) -> str:
         if name == "route" and request.route and not self.serves(request.measurement):
             own = f"{request.route!r} applies to {self.measured}"
             return f"{own}, not to this measurement: leave it out."
         return super().why_unused(name, request)
 
-    @override
     def select(self, request: Request) -> BandVerdict:
         varied = {*names_of(request.vary or ())} - {LAW}
         for name, given in (("vary", varied), ("fixed", request.fixed)):

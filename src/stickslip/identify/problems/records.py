@@ -50,7 +50,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.identify.laws import (
     FLOWS,
@@ -239,13 +238,11 @@ class RecordsProblem(Problem):
         self.between: float = _between(self) if like is None else like.between
         self.spread = _spread(self) if like is None else like.spread
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
         own = {"only": self.only, "remembering": self.remembering, "memory": self.memory}
         return _made, self._made_of, own
 
-    @override
     def allowed(self, structure: Structure) -> bool:
         """Return whether terms may stand together, and a law is one that is compared."""
         if not super().allowed(structure):
@@ -258,7 +255,6 @@ class RecordsProblem(Problem):
         names = frozenset(name for name, _ in structure if self.terms[name].role == "law")
         return (names, MEMORY in self.family(structure)) in self.remembering
 
-    @override
     def price(self, size: float) -> float:
         """Return the share of the error that a parameter must save: 6 %, less where noise is large.
 
@@ -272,7 +268,6 @@ class RecordsProblem(Problem):
         material = THRESHOLDS.material * min(size / CLEAN, 1.0)
         return float(min(max(THRESHOLDS.price / independent, material), THRESHOLDS.material))
 
-    @override
     def features(self, rows: Any) -> Mapping[str, Array]:
         """Return what rows may be told apart by; the work of free motions has none."""
         if self.free:
@@ -280,7 +275,6 @@ class RecordsProblem(Problem):
         steady = isinstance(rows, Steady)
         return features_in_steady_motion(rows) if steady else features_along(rows)
 
-    @override
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return the speed, with which noise grows or falls, or the root of the energy."""
         if self.free:
@@ -289,7 +283,6 @@ class RecordsProblem(Problem):
         speed = np.maximum(np.abs(self.rows.seen(self.rows.velocity)), self.frame.low)
         return [speed, 1.0 / speed]
 
-    @override
     def parts(self) -> Sequence[Mask]:
         """Return the records, or the quarters of a single one."""
         if len(self.records) > 1:
@@ -298,7 +291,6 @@ class RecordsProblem(Problem):
         quarter = np.arange(self.rows.count) * QUARTERS // self.rows.count
         return [quarter == k for k in range(QUARTERS)]
 
-    @override
     def beside(self, rows: Any) -> Array:
         """Return what readings in steady motion show beside the response, at measured rows (n,).
 
@@ -311,7 +303,6 @@ class RecordsProblem(Problem):
         samples = along.rows_of([one.force[:: filt.every] for one, filt in both])
         return np.asarray(samples - (along.force - along.mechanism))
 
-    @override
     def physical(self, structure: Structure, coefficients: Array) -> Mask:
         """Return which friction (d,) takes energy at all speeds of a free motion."""
         if not self.free:
@@ -330,7 +321,6 @@ class RecordsProblem(Problem):
         found &= np.all(force * np.sign(self._moved.velocity) >= 0.0, axis=1)
         return found
 
-    @override
     def noise_floor(self, structure: Structure, coefficients: Array) -> float:
         """Return what white noise of the recorded force and positions is after the filter."""
         if self.free:
@@ -351,14 +341,12 @@ class RecordsProblem(Problem):
         bands = (*TWINS, LOW_TWIN) if LATE & self.terms.keys() else TWINS
         return [RecordsProblem(self.records, like=self, band=one) for one in bands]
 
-    @override
     def serves(self, structure: Structure) -> bool:
         """Return whether it is a twin for a structure: the low one is where a load lags behind."""
         low = self.rows.band < 0.5 * (LOW_TWIN + TWINS[0]) * self.frame.band
         return not low or bool(LATE & {name for name, _ in structure})
 
     @property
-    @override
     def twins(self) -> Sequence[Problem]:
         """The same records in other bands."""
         return (
@@ -371,7 +359,6 @@ class RecordsProblem(Problem):
         """Return other records of the same rig, in the same band and terms."""
         return RecordsProblem(records, like=self)
 
-    @override
     def at(
         self,
         velocity: Any,
@@ -383,19 +370,16 @@ class RecordsProblem(Problem):
         v = np.atleast_1d(np.asarray(velocity, dtype=float))
         return Steady(frame=self.frame, velocity=v, over=over, inputs=inputs or {})
 
-    @override
     def speeds(self, rows: Any) -> Array:
         """Return the speeds of rows (n,)."""
         speed = np.abs(rows.seen(rows.velocity))
         return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
-    @override
     def curve_rows(self) -> tuple[Array, Any, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
         speeds = np.geomspace(self.frame.low, self.frame.top, POINTS)
         return speeds, self.at(speeds), self.normal
 
-    @override
     def points(self, structure: Structure, coefficients: Array) -> Points:
         """Return the response less what a structure says of the rig, thinned out."""
         rows: Along = self.shown
@@ -426,7 +410,6 @@ class RecordsProblem(Problem):
         band = balanced_band(self.records, self.records[0].inertia or 1.0)
         return Along(self.records, self.frame, band)
 
-    @override
     def asked(self) -> Steady:
         """Return the rows over which the band is stated: each direction as it was moved in."""
         v, grids = self.rows.seen(self.rows.velocity), []
@@ -438,7 +421,6 @@ class RecordsProblem(Problem):
                 grids.append(side * np.geomspace(self.frame.low, top, ASKED))
         return self.at(np.sort(np.concatenate(grids)))
 
-    @override
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is, at the usual load."""
         at, rig = 0, dict[str, Array]()

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
-from typing_extensions import override
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
@@ -202,12 +201,10 @@ class TableProblem(Problem):
             for place in _gaps(rows.speed)
         ]
 
-    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Return what makes it again in another process: its terms are functions."""
         return TableProblem, (self.rows, self.response), {"only": self.only}
 
-    @override
     def scales(self, fitted: Array) -> Sequence[Array]:
         """Return friction and speed, with which noise of sensors and of drives grows."""
         frame = self.frame
@@ -216,12 +213,10 @@ class TableProblem(Problem):
             np.maximum(self.rows.speed, frame.slowest / 3.0),
         ]
 
-    @override
     def speeds(self, rows: Rows) -> Array:
         """Return the speeds of rows (n,)."""
         return np.maximum(rows.speed, 1e-3 * self.frame.slowest)
 
-    @override
     def features(self, rows: Rows) -> Mapping[str, Array]:
         """Return what readings may be told apart by; rows of any run have no order."""
         stated = rows.run >= 0
@@ -233,7 +228,6 @@ class TableProblem(Problem):
             "order of the readings": np.where(stated, rows.order, np.nan),
         }
 
-    @override
     def variants(self, rows: Rows) -> Sequence[Rows]:
         """Return rows as they were in each run, early, midway and late, where none is asked for."""
         if (rows.run >= 0).any():
@@ -245,7 +239,6 @@ class TableProblem(Problem):
             replace(rows, run=run * like, order=np.full(len(like), order)) for run, order in both
         ]
 
-    @override
     def at(
         self,
         velocity: Array,
@@ -265,7 +258,6 @@ class TableProblem(Problem):
             direction=np.where(v < 0.0, -1.0, 1.0),
         )
 
-    @override
     def places(self, structure: Structure) -> Sequence[Structure]:
         """Return a structure with its jump at either end of the gap between two speeds."""
         speeds = np.unique(self.rows.speed)
@@ -289,7 +281,6 @@ class TableProblem(Problem):
 
         return tuple(dict.fromkeys((at(0), at(1))))
 
-    @override
     def points(self, structure: Structure, coefficients: Array) -> Points:
         """Return the readings."""
         return Points(
@@ -299,7 +290,6 @@ class TableProblem(Problem):
             rows=np.arange(len(self.response)),
         )
 
-    @override
     def asked(self) -> Rows:
         """Return the rows over which the band is stated: each measured direction, at mean load."""
         v = self.rows.velocity
@@ -319,7 +309,6 @@ class TableProblem(Problem):
         """Return rows of another table as this one sees them: of any of its runs, at any time."""
         return self.at(rows.velocity, rows.load, rows.inputs)
 
-    @override
     def curve_rows(self) -> tuple[Array, Rows, float]:
         """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
         frame = self.frame
@@ -327,7 +316,6 @@ class TableProblem(Problem):
         speeds = np.geomspace(frame.slowest, frame.fastest, POINTS)
         return speeds, self.at(side * speeds), side * frame.load
 
-    @override
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is.
 

@@ -163,7 +163,6 @@ class Sum(Drive):
     parts: tuple[Drive, ...]
     """What is added, at least one drive."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that there is something to add."""
         super().__post_init__()
@@ -190,6 +189,7 @@ class Sum(Drive):
         tables = [part.pieces(until) for part in self.parts]
         begins = [[float(piece.start) for piece in table] for table in tables]
         return tuple(
+            # At each start of any part the values and slopes of all are summed anew.
             Piece(start, sum(v for v, _ in at), sum(s for _, s in at))
             for start in sorted({start for starts in begins for start in starts})
             for at in [[_at(*part, start) for part in zip(tables, begins, strict=True)]]
@@ -213,6 +213,7 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
     >>> [piece.start for piece in repeated("Beat", [Piece(0.0, 1.0, 0.0)], 0.5, 1.2)]
     [0.0, 0.5, 1.0]
     """
+    # Of several periods the shortest, so that every row has cycles enough.
     shortest = least(period)
     count = max(0.0, until) / shortest
     if not count * len(cycle) < MOST_PIECES:
@@ -238,6 +239,7 @@ def earlier(first: Scalar, second: Scalar) -> Scalar:
     """
     import numpy as np
 
+    # By real parts: imaginary ones carry derivatives and do not count in order.
     if np.ndim(first) == np.ndim(second) == 0:
         return second if np.real(second) < np.real(first) else first
     return np.where(np.real(second) < np.real(first), second, first)
@@ -258,6 +260,7 @@ def least(values: Any) -> float:
 
 def _at(table: Sequence[Piece], starts: Sequence[float], t: float) -> tuple[Scalar, Scalar]:
     """Return value and slope of the piece that holds at `t`."""
+    # A piece holds from its start on, the start included.
     index = bisect_right(starts, t) - 1
     if index < 0:
         return 0.0, 0.0

@@ -139,6 +139,7 @@ class HalfSine(Drive):
             Piece(self.start, 0.0, math.pi / width),
             Piece(self.start + width, 0.0, 0.0),
         )
+        # A cycle more, as in `Square`.
         span = until - least(self.start) + least(self.period)
         return repeated(type(self).__name__, cycle, self.period, span)
 
@@ -267,7 +268,6 @@ class PiecewiseLinear(Straight):
 
         def __init__(self, *, times: Numbers, values: Numbers) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the points and keep them as tuples of floats."""
         super().__post_init__()
@@ -309,7 +309,6 @@ class Sampled(Straight):
             self, *, times: Numbers, values: Numbers, hold: Literal["zero", "first"] = "zero"
         ) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the samples and keep them as tuples of floats."""
         super().__post_init__()
@@ -352,14 +351,13 @@ class PiecewiseAffine(Straight):
 
         def __init__(self, *, times: Numbers, values: Numbers, slopes: Numbers) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the pieces and keep them as tuples of floats."""
         super().__post_init__()
         t, u = _series(type(self).__name__, self.times, self.values)
         _, k = _series(type(self).__name__, self.times, self.slopes)
         if k[-1] != 0.0:
-            raise ParameterError(f"StraightPieces.slopes must end with 0, got {k[-1]:g}.")
+            raise ParameterError(f"PiecewiseAffine.slopes must end with 0, got {k[-1]:g}.")
         for name, found in (("times", t), ("values", u), ("slopes", k)):
             object.__setattr__(self, name, tuple(found))
 

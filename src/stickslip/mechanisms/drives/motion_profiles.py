@@ -16,9 +16,9 @@ from stickslip.mechanisms.drives.base import Drive, Piece, Straight, repeated
 from stickslip.quantities import Numbers, Quantity
 from stickslip.show.formatting import number
 
-GAP = 3.0
+GAP_STEPS = 3.0
 """Step of time over the usual one from which on a recorded motion has a gap."""
-FEWEST = 8
+FEWEST_SAMPLES = 8
 """Samples of a recorded motion at least."""
 COARSEST = 2
 """Intervals of the coarsest spline that is tried."""
@@ -101,6 +101,7 @@ def _moved(profile: Profile, pieces: Sequence[Piece], t: float) -> tuple[float, 
         h = min(t, end) - float(piece.start)
         if h <= 0.0:
             break
+        # The acceleration is a straight line in a piece: its integrals are exact.
         value, slope = float(piece.value), float(piece.slope)
         position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
         rate += value * h + slope * h * h / 2.0
@@ -153,7 +154,6 @@ class ThreePhase(Stepped):
     frequency: Annotated[float, Quantity("f", "Hz", above=0)] | None = None
     """Cycles per second; those that the accelerations make if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -167,6 +167,7 @@ class ThreePhase(Stepped):
         sizes = outer, middle, outer if self.last is None else self.last
         if self.frequency is None:
             return sizes
+        # Accelerations go with the square of the speed at which the same way is covered.
         quicker = self.frequency * self._duration(sizes)
         first, middle, last = (quicker * quicker * size for size in sizes)
         return first, middle, last
@@ -174,6 +175,7 @@ class ThreePhase(Stepped):
     def _rates_of(self, sizes: tuple[float, float, float]) -> tuple[float, float]:
         """Return the largest rates on the way there and on the way back."""
         first, middle, last = sizes
+        # Both ramps cover the way: v^2 / 2 (1 / a + 1 / b) = 2 theta_m.
         there: float = sqrt(4.0 * self.amplitude / (1.0 / first + 1.0 / middle))
         back: float = sqrt(4.0 * self.amplitude / (1.0 / middle + 1.0 / last))
         return there, back
@@ -320,7 +322,6 @@ class SevenStep(Stepped):
     )
     """Rate of the cruise backwards; the top rate if not given."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that the rates are reached."""
         super().__post_init__()
@@ -341,6 +342,7 @@ class SevenStep(Stepped):
 
     def _cruise(self, rate: float) -> float:
         """Return the duration of a cruise at a rate [s]."""
+        # What the ramps leave of the way, over the rate.
         ramps = 0.5 * rate * (1.0 / self.fast + 1.0 / self.slow)
         return 2.0 * self.amplitude / rate - ramps
 
@@ -383,7 +385,6 @@ class Rotation(Stepped):
     start: Annotated[float, Quantity("theta_0", "rad")] = 0.0
     """Angle at time 0."""
 
-    @override
     def __post_init__(self) -> None:
         """Check that it turns."""
         super().__post_init__()
@@ -487,7 +488,6 @@ class SplineSwing(Stepped):
 
         def __init__(self, *, positions: Numbers, duration: float) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the positions and keep them as a tuple of floats."""
         super().__post_init__()
@@ -537,7 +537,7 @@ class SplineSwing(Stepped):
     def cycle(self) -> tuple[Piece, ...]:
         _, knots = self._scaled
         n, length = len(self.positions), self.duration
-        square = length * length
+        square = length * length  # accelerations go with 1 / T^2
         return tuple(
             Piece(i * length / n, a / square, (b - a) * n / (square * length))
             for i, (a, b) in enumerate(itertools.pairwise(knots))
@@ -581,7 +581,6 @@ class SampledSwing(Straight, Profile):
             self, *, times: Numbers, positions: Numbers, spacing: float | None = None
         ) -> None: ...
 
-    @override
     def __post_init__(self) -> None:
         """Check the samples and keep them as tuples of floats."""
         super().__post_init__()
@@ -660,9 +659,9 @@ def _series(label: str, values: Any) -> tuple[float, ...]:
 
 def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
     """Refuse samples through which no motion can be laid."""
-    if len(times) != len(positions) or len(times) < FEWEST:
+    if len(times) != len(positions) or len(times) < FEWEST_SAMPLES:
         raise ParameterError(
-            f"SampledSwing.times and positions must be as many, at least {FEWEST}, got"
+            f"SampledSwing.times and positions must be as many, at least {FEWEST_SAMPLES}, got"
             f" {len(times)} and {len(positions)}."
         )
     steps = [b - a for a, b in itertools.pairwise(times)]
@@ -678,7 +677,7 @@ def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
             f"SampledSwing.times must begin at 0 s, when runs begin, got {number(times[0], 6)} s:"
             " subtract the first time, from all that was recorded with it."
         )
-    if max(steps) > GAP * usual:
+    if max(steps) > GAP_STEPS * usual:
         at = steps.index(max(steps))
         raise ParameterError(
             f"SampledSwing.times have a gap of {number(max(steps), 4)} s after"
@@ -712,6 +711,7 @@ def _smoothed(
         count = max(COARSEST, round(end / spacing))
     else:
         counts = [COARSEST]
+        # Not so many that the corrected criterion has no samples left to divide by.
         while counts[-1] * FINER < min((n - 6) // 2, MOST_INTERVALS):
             counts.append(max(counts[-1] + 1, int(counts[-1] * FINER)))
         tiny = n * (1e-14 * float(np.ptp(y) or 1.0)) ** 2  # rounding of floats
@@ -729,6 +729,7 @@ def _smoothed(
             f" {number(end / count, 4)} s: increase it."
         )
     h, c = end / count, found.weights
+    # Second derivative and value of cubic B-splines at their knots, from three weights each.
     bends = ((c[:-2] - 2.0 * c[1:-1] + c[2:]) / h**2).tolist()
     noise = math.sqrt(found.squares / max(n - (count + 3), 1))
     return _Smoothed(
@@ -758,6 +759,7 @@ class _Spline:
             u**3 / 6.0,
         )
         size = count + 3
+        # Each sample sees four splines: the normal equations have four bands.
         bands = np.zeros((4, size))
         for i, one in enumerate(basis):
             for k, other in enumerate(basis[i:]):
@@ -788,6 +790,7 @@ def _banded_factor(a: list[list[float]]) -> list[list[float]]:
     size = len(a[0])
     for j in range(size):
         square = a[0][j] - sum(a[k][j - k] ** 2 for k in range(1, min(4, j + 1)))
+        # Knots without samples between them leave a weight undetermined.
         if square <= 1e-12 * a[0][j]:
             return []
         a[0][j] = math.sqrt(square)

@@ -75,6 +75,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
         settings = mpl.rcParams  # the user's: the house style counts in CSS pixels
         dpi, inches = settings["figure.dpi"], tuple(settings["figure.figsize"])
         if inches == tuple(mpl.rcParamsDefault["figure.figsize"]):
+            # A size that the user has set stays.
             inches = (size[0] / PER_INCH, size[1] / PER_INCH)
         width = 72 * inches[0]
         with theme.readers_style(width) as own:
@@ -97,6 +98,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
         given = _axes_of(ax)
         figure = cast("Figure", given[0].get_figure(root=True))
         width = min(one.get_window_extent().width for one in given)
+    # What was on the axes before is the user's, and keeps its style.
     before = {artist for one in given or () for artist in one.findobj()}
     points = width * 72 / figure.dpi
     with theme.readers_style(points if given is None else None) as own:
@@ -121,6 +123,7 @@ def on_axes(draw: Draw, ax: PanelTarget, size: Size) -> Axes:
 
 def panel_grid(figure: Figure, count: int, columns: int, **layout: Any) -> list[Axes]:
     """Return so many panels in rows, in the order of reading; what the last row lacks is hidden."""
+    # The number of rows is rounded up.
     grid = figure.subplots(-(-count // columns), columns, squeeze=False, **layout)
     panels = list(grid.flat)
     for axes in panels[count:]:
@@ -137,7 +140,7 @@ def _axes_of(ax: object) -> list[Axes]:
             f" {ax!r}."
         )
     axes = cast("list[Axes]", found)
-    if any(one.get_figure(root=True) is None for one in axes):
+    if any(panel.get_figure(root=True) is None for panel in axes):
         raise InputError("ax was removed from its figure; give axes that belong to one.")
     return axes
 
@@ -160,6 +163,7 @@ def _fit_labels(panels: Panels) -> None:
     for axes in panels:
         label = axes.yaxis.label
         room = OVERHANG * axes.get_window_extent().height
+        # Broken first: a smaller font is the last resort.
         if label.get_window_extent().height > room:
             label.set_text(label.get_text().replace(", ", ",\n", 1))
         longest = label.get_window_extent().height
@@ -319,11 +323,13 @@ def _jumps(run: Trajectory, first: float, last: float) -> Array:
     after = run.t[(run.t > first) & (run.t <= last)]
     if not after.size or after.size > MOST_STEPS:
         return np.empty(0)
+    # Just before each end of a step: forces may differ from those at the end.
     before = np.nextafter(after, -np.inf)
     now, then = run.at(after), run.at(before)
     apart = np.zeros(after.size, dtype=np.bool_)
     for force in ("friction", "normal_force"):
         if force in run.names:
+            # Never 0: a force that is 0 throughout does not jump.
             size = max(float(np.abs(now[force]).max()), 1e-300)
             apart |= np.abs(now[force] - then[force]) > JUMP * size
     return np.concatenate([before[apart], after[apart]])
@@ -332,6 +338,7 @@ def _jumps(run: Trajectory, first: float, last: float) -> Array:
 def horizon(run: Trajectory, slip: str = "x") -> float:
     """Return the time [s] up to which a figure shows a run: until it has arrived, and some more."""
     first, last = run.span
+    # Closely, and at the steps, so that no excursion is missed.
     seen = run.at(np.union1d(np.linspace(first, last, 4000), run.t[run.t <= last]))
     x = seen[slip]
     far = np.abs(x - x[-1]) > SETTLED * max(float(np.ptp(x)), 1e-300)
@@ -356,6 +363,7 @@ def thinned(t: Array, y: Array, most: int = LINE_POINTS) -> tuple[Array, Array]:
     if len(t) <= most:
         return t, y
     kept = []
+    # Two points from each stretch: half as many stretches as points.
     edges = np.linspace(0, len(t), most // 2 + 1).astype(int)
     for first, last in itertools.pairwise(edges.tolist()):
         kept += sorted(
@@ -407,6 +415,7 @@ def grouped(
     for name, value in values.items():
         series = np.atleast_1d(value)
         gaps = [float(np.max(np.abs(first - series))) for first, _ in groups]
+        # The nearest group, where a series is near several.
         if gaps and min(gaps) < apart:
             groups[int(np.argmin(gaps))][1].append(name)
         else:
@@ -490,6 +499,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
     pixel = pixel_of(figure)
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
     frame = frame._replace(left=frame.left + BESIDE)  # names do not stand on the axis
+    # Without finite points in the frame there is nothing to hide.
     drawn = [(curve, _in_pixels(axes, curve, pixel)) for curve in curves]
     drawn = [(curve, path) for curve, path in drawn if len(path)]  # others hide nothing
     paths = [path for _, path in drawn]
@@ -510,6 +520,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
             for rank, (dx, dy, far) in enumerate(_shifts(half))
             for box in [_box(paths[index], float(anchor), dx, dy, half)]
         ]
+        # Cheapest place; of equal ones the leftmost, then the nearest.
         box = min(tries, key=lambda found: found[:3])[3]
         taken.append(box._replace(left=box.left - BESIDE / 2, right=box.right + BESIDE / 2))
         x, y = axes.transData.inverted().transform(
@@ -554,6 +565,7 @@ def _height(path: Array, x: float) -> float:
 
 def _shifts(half: float) -> list[tuple[float, float, float]]:
     """Return the shifts of a name from a point of its curve, each with its price."""
+    # Above first, then below, and further off only at its price.
     upright = [(0.0, side * away, away) for away in AWAY for side in (1.0, -1.0)]
     beside = [(side * (half + BESIDE), 0.0, AWAY[1]) for side in (-1.0, 1.0)]
     return upright + beside

@@ -27,27 +27,17 @@ from stickslip.show.plots.runs import plot_closed_loop, plot_run
 from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_profile, plot_validation
 from stickslip.show.plots.svg import standalone_svg
 from stickslip.show.plots.sweep_maps import plot_sweep, plot_velocity_band
+from stickslip.study import sweep
 from stickslip.study.characterization import Characteristic, Characterization, PreslidingLoop
 from stickslip.study.control import ClosedLoop
 from stickslip.study.optimisation import Optimum
-from stickslip.study.sweep import (
-    Band,
-    Basins,
-    Bifurcation,
-    Branch,
-    OrbitDiagram,
-    SensitivityIndices,
-    Validation,
-    VelocityBand,
-    VelocityMap,
-)
 
 PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
     {
         Trajectory: plot_run,
         Ensemble: plot_ensemble,
-        Band: plot_band,
-        Validation: plot_validation,
+        sweep.Band: plot_band,
+        sweep.Validation: plot_validation,
         ClosedLoop: plot_closed_loop,
         Fit: plot_fit,
         TrialComparison: plot_trials,
@@ -56,13 +46,13 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Characteristic: plot_characteristic,
         Characterization: plot_characterization,
         FrictionLaw: plot_law,
-        VelocityMap: plot_sweep,
-        VelocityBand: plot_velocity_band,
-        Bifurcation: plot_sweep,
-        Basins: plot_sweep,
-        OrbitDiagram: plot_sweep,
-        Branch: plot_sweep,
-        SensitivityIndices: plot_sweep,
+        sweep.VelocityMap: plot_sweep,
+        sweep.VelocityBand: plot_velocity_band,
+        sweep.Bifurcation: plot_sweep,
+        sweep.Basins: plot_sweep,
+        sweep.OrbitDiagram: plot_sweep,
+        sweep.Branch: plot_sweep,
+        sweep.SensitivityIndices: plot_sweep,
         Optimum: plot_profile,
         Measurement: plot_measurement,
     }

@@ -197,7 +197,7 @@ SEED: Final = 0
 BINS: Final = 16
 DOTS: Final = 1000
 """Residuals drawn in each panel at most."""
-FEWEST: Final = 10
+FEWEST_ROWS: Final = 10
 """Rows of a bin from which its mean is shown."""
 STEADY: Final = 0.05
 """Changes of speed below this share of what is rarely exceeded count as none."""
@@ -332,7 +332,7 @@ def rows_of(fit: RecordFit) -> Rows:
     """Return the residuals of a fit with times, velocities and positions."""
     problem, seen = fit.problem, fit.optimum.best
     if not is_timed(fit):
-        velocity = np.concatenate([one.velocity for one in problem.samples])
+        velocity = np.concatenate([sample.velocity for sample in problem.samples])
         return Rows(None, velocity, None, seen.residual)
     record = problem.spans[seen.segment, 0].astype(int)
     t, shift = problem.times, _shifts(problem.spans)
@@ -402,7 +402,7 @@ def panel_of(
     centre, mean, doubt = [], [], []
     for number in range(BINS):
         own = residual[place == number]
-        if len(own) < FEWEST:
+        if len(own) < FEWEST_ROWS:
             continue
         independent = max(len(own) * min(effective / len(residual), 1.0), 1.0)
         centre.append(0.5 * (edges[number] + edges[number + 1]))
@@ -815,8 +815,8 @@ def piece_sizes(count: int) -> Sizes:
 def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: str) -> Draw:
     """Return a drawing of pieces of a record: measured and predicted above, errors below."""
     look = looks(pieces[0].predicted, chosen)
-    factor, shown = scale_of(np.concatenate([one.measured for one in pieces]), unit)
-    gaps = [one.measured - y for one in pieces for y in one.predicted.values()]
+    factor, shown = scale_of(np.concatenate([piece.measured for piece in pieces]), unit)
+    gaps = [piece.measured - y for piece in pieces for y in piece.predicted.values()]
     by, small = scale_of(np.concatenate(gaps), unit)
 
     def draw(figure: Figure, narrow: bool) -> None:

@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Stribeck
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import number, scale_of
+from stickslip.show.plots import theme
 from stickslip.show.plots.axes import (
     Array,
     Curve,
@@ -28,22 +29,6 @@ from stickslip.show.plots.axes import (
     wrapped,
 )
 from stickslip.show.plots.svg import Draw
-from stickslip.show.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    DATA,
-    INK,
-    LINE,
-    MUTED,
-    STICK,
-    SURFACE,
-    check_type,
-    label_at,
-    name_size,
-    symbol_label,
-)
 from stickslip.study.characterization import (
     BreakAway,
     Characteristic,
@@ -69,8 +54,8 @@ Drawn: TypeAlias = Mapping[str, Any]
 SIZE: Final = (880, 320)
 PANEL: Final = (440, 260)
 """Size of a panel of a page with all tests [CSS px]."""
-FILL: Final = LinearSegmentedColormap.from_list("amplitude", [SURFACE, STICK, C2])
-LONG: Final = 36
+FILL: Final = LinearSegmentedColormap.from_list("amplitude", [theme.SURFACE, theme.STICK, theme.C2])
+LONG_NAME: Final = 36
 """Letters of a name from which on names stand below each other."""
 LEGEND: Final = 2
 """Curves from which on a legend names them."""
@@ -93,14 +78,14 @@ def _panel(axes: Axes, results: Mapping[str, Characteristic]) -> None:
 
 def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     """Name the curves of all panels once, where there are several."""
-    found = [one.get_legend_handles_labels() for one in panels if one.get_legend() is None]
+    found = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
     handles, labels = max(found, key=lambda one: len(one[1]), default=([], []))
     if len(labels) < LEGEND:
         return
     if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels
         panels[0].legend(handles, labels, fontsize="small")
         return
-    columns = 1 if narrow or max(map(len, labels)) > LONG else min(len(labels), 3)
+    columns = 1 if narrow or max(map(len, labels)) > LONG_NAME else min(len(labels), 3)
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize="small")
 
 
@@ -110,37 +95,37 @@ def _line(axes: Axes, x: Any, y: Any, look: LineStyle, label: str = "", **more: 
 
 
 def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
-    for title, one in results.items():
-        half = len(one.velocity) // 2 if max(one.break_away) > 0.0 else None
+    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
+    for title, result in results.items():
+        half = len(result.velocity) // 2 if max(result.break_away) > 0.0 else None
         for part in (slice(None, half), slice(half, None)) if half else (slice(None),):
             name = title if part.start is None else ""
-            _line(axes, factor * one.velocity[part], one.force[part], style[title], name)
-        if max(one.break_away) > 0.0:
-            _line(axes, [0, 0], [-one.break_away[0], one.break_away[1]], style[title])
-    slow = factor * 10.0 * min(np.abs(one.velocity).min() for one in results.values())
-    fast = factor * max(one.velocity.max() for one in results.values())
+            _line(axes, factor * result.velocity[part], result.force[part], style[title], name)
+        if max(result.break_away) > 0.0:
+            _line(axes, [0, 0], [-result.break_away[0], result.break_away[1]], style[title])
+    slow = factor * 10.0 * min(np.abs(result.velocity).min() for result in results.values())
+    fast = factor * max(result.velocity.max() for result in results.values())
     decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
     axes.set_xscale("asinh", linear_width=slow)  # logarithmic on both sides, without a corner
     ticks = [*-decades[::-1], 0.0, *decades]
-    axes.set_xticks(ticks, [number(one) for one in ticks])
+    axes.set_xticks(ticks, [number(tick) for tick in ticks])
     axes.set_xticks([], minor=True)
-    axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
+    axes.axhline(0, color=theme.MUTED, linewidth=0.6, zorder=0)
     axes.set_xlabel(f"velocity, {unit} (logarithmic)")
     axes.set_ylabel("friction, N")
 
 
 def _presliding_test(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.displacement.max() for one in results.values())], "m")
-    for title, one in results.items():
-        _line(axes, factor * one.displacement, one.force, style[title], title)
+    factor, unit = scale_of([max(result.displacement.max() for result in results.values())], "m")
+    for title, result in results.items():
+        _line(axes, factor * result.displacement, result.force, style[title], title)
     axes.set_xlabel(f"displacement, {unit}")
     axes.set_ylabel("friction, N")
 
 
 def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    for title, one in results.items():
-        _line(axes, one.rate, one.force, style[title], title, marker="o", markersize=4)
+    for title, result in results.items():
+        _line(axes, result.rate, result.force, style[title], title, marker="o", markersize=4)
     axes.set_xscale("log")
     _none_if_empty(axes, "no peak at break-away")
     axes.set_xlabel("rate of the force, N/s")
@@ -148,10 +133,10 @@ def _break_away(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> N
 
 
 def _lag(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
-    for title, one in results.items():
-        for i, (velocity, force) in enumerate(zip(one.velocity, one.force, strict=True)):
-            faint = 1.0 if i == len(one.frequency) - 1 else 0.45
+    factor, unit = scale_of([max(result.velocity.max() for result in results.values())], "m/s")
+    for title, result in results.items():
+        for i, (velocity, force) in enumerate(zip(result.velocity, result.force, strict=True)):
+            faint = 1.0 if i == len(result.frequency) - 1 else 0.45
             name = title if faint == 1.0 else ""
             _line(axes, factor * velocity, force, style[title], name, alpha=faint)
     axes.set_xlabel(f"velocity, {unit}")
@@ -163,21 +148,21 @@ def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     factor, unit = scale_of([float(np.median(first.speed))], "m/s")
     shown = np.where(first.sticks, np.log10(np.maximum(first.amplitude, 1e-2)), np.nan)
     axes.pcolormesh(factor * first.speed, first.stiffness, shown, cmap=FILL, shading="nearest")
-    for title, one in results.items():
-        inside = np.isfinite(one.boundary)
+    for title, result in results.items():
+        inside = np.isfinite(result.boundary)
         name = title if len(results) > 1 else "stick-slip up to here"
-        _line(axes, factor * one.boundary[inside], one.stiffness[inside], style[title], name)
+        _line(axes, factor * result.boundary[inside], result.stiffness[inside], style[title], name)
         if len(results) == 1:
-            linear = np.isfinite(one.linear) & (one.linear > 0.0)
+            linear = np.isfinite(result.linear) & (result.linear > 0.0)
             if linear.any():
-                x, y = factor * one.linear[linear], one.stiffness[linear]
-                axes.plot(x, y, ":", color=MUTED, label="steady sliding is stable beyond")
-            if np.isfinite(one.closed_form).any():
-                x = factor * one.closed_form
-                axes.plot(x, one.stiffness, "--", color=C2, label="closed form")
+                x, y = factor * result.linear[linear], result.stiffness[linear]
+                axes.plot(x, y, ":", color=theme.MUTED, label="steady sliding is stable beyond")
+            if np.isfinite(result.closed_form).any():
+                x = factor * result.closed_form
+                axes.plot(x, result.stiffness, "--", color=theme.C2, label="closed form")
             axes.legend(fontsize="small", loc="upper right")
     if not first.sticks.any():
-        axes.text(0.5, 0.5, "nowhere", transform=axes.transAxes, color=MUTED, ha="center")
+        axes.text(0.5, 0.5, "nowhere", transform=axes.transAxes, color=theme.MUTED, ha="center")
     axes.set(xscale="log", yscale="log", xlim=factor * first.speed[[0, -1]])
     axes.set_ylim(*first.stiffness[[0, -1]])
     axes.set_xlabel(f"belt speed, {unit}")
@@ -185,10 +170,10 @@ def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
 
 
 def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    reach = [float(np.abs(one.position).max()) for one in results.values()]
+    reach = [float(np.abs(result.position).max()) for result in results.values()]
     factor, unit = scale_of([max(*reach, 1e-12)], "m")
-    for title, one in results.items():
-        _line(axes, one.t, factor * one.position, style[title], title)
+    for title, result in results.items():
+        _line(axes, result.t, factor * result.position, style[title], title)
     axes.set_xlabel("time, s")
     axes.set_ylabel(f"position, {unit}")
 
@@ -197,20 +182,20 @@ def _hunting(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None
     _motion(axes, results, style)
     one = next(iter(results.values()))
     factor, _ = scale_of([float(np.abs(one.position).max())], "m")
-    axes.axhline(factor * one.target, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.axhline(factor * one.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
 
 
 def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     names = [*results]
-    energies = [one.worst for one in results.values()]
+    energies = [result.worst for result in results.values()]
     factor, unit = _energy_scale(energies)
     colours = [style[name].colour for name in names]
     axes.barh(range(len(names)), [factor * one for one in energies], color=colours, height=0.5)
     for place, name in enumerate(names if len(names) > 1 else []):
-        label_at(axes, 0.0, place - 0.32, name, INK, offset=(-6, 3), align="right")
+        theme.label_at(axes, 0.0, place - 0.32, name, theme.INK, offset=(-6, 3), align="right")
     axes.set_yticks([])
     axes.set_ylim(len(names), -1)
-    axes.axvline(0, color=MUTED, linewidth=0.8)
+    axes.axvline(0, color=theme.MUTED, linewidth=0.8)
     axes.set_xlabel(f"least energy that friction takes in a cycle, {unit}")
 
 
@@ -223,11 +208,11 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
 
 
 def _cost(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    fastest = [float(one.speed.max(initial=0.0)) for one in results.values()]
+    fastest = [float(result.speed.max(initial=0.0)) for result in results.values()]
     factor, unit = scale_of([0.01 * max(fastest)], "m/s")
-    for title, one in results.items():
-        seen = one.rate > 0.0
-        _line(axes, factor * one.speed[seen], one.rate[seen], style[title], title)
+    for title, result in results.items():
+        seen = result.rate > 0.0
+        _line(axes, factor * result.speed[seen], result.rate[seen], style[title], title)
     axes.set(xscale="log", yscale="log")
     _none_if_empty(axes, "no rate is fast, or none is known")
     axes.set_xlabel(f"velocity, {unit}")
@@ -238,7 +223,7 @@ def _none_if_empty(axes: Axes, text: str) -> None:
     lines = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
     if not any(np.isfinite(line).any() for line in lines):
         axes.set(xscale="linear", yscale="linear")
-        axes.text(0.5, 0.5, text, transform=axes.transAxes, color=MUTED, ha="center")
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, color=theme.MUTED, ha="center")
 
 
 PANELS: Final[Mapping[type, Callable[[Axes, Drawn, Mapping[str, LineStyle]], None]]] = {
@@ -282,7 +267,7 @@ def plot_characteristic(result: Characteristic, ax: Target = None) -> Axes:
     >>> plot_characteristic(found.steady, Figure().add_subplot()).get_ylabel()
     'friction, N'
     """
-    check_type("result", result, Characteristic)
+    theme.check_type("result", result, Characteristic)
     return on_axes(draw_characteristic({result.title: result}), ax, SIZE)
 
 
@@ -313,7 +298,7 @@ def plot_characterization(result: Characterization, ax: PanelTarget = None) -> P
     >>> len(plot_characterization(found, Figure()))
     2
     """
-    check_type("result", result, Characterization)
+    theme.check_type("result", result, Characterization)
     by_test = result.by_test
     if not by_test:
         raise InputError(f"no test of {result.title} could be made, so there is nothing to plot.")
@@ -400,12 +385,12 @@ def draw_characteristics(
         for axes, title in zip(panels, curves, strict=True):
             for other, (v, force) in curves.items():
                 if other != title:
-                    axes.plot(factor * v, force, color=LINE, linewidth=1.2, zorder=1)
+                    axes.plot(factor * v, force, color=theme.LINE, linewidth=1.2, zorder=1)
             v, force = curves[title]
-            colour = C1 if title == chosen else INK
+            colour = theme.C1 if title == chosen else theme.INK
             axes.plot(factor * v, force, color=colour, linewidth=2.0, zorder=3)
             axes.set_title(title, color=colour)
-            axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
+            axes.axhline(0, color=theme.MUTED, linewidth=0.6, zorder=0)
             axes.margins(x=0.02, y=0.08)
         for axes in panels[-columns:]:
             axes.set_xlabel(f"velocity, {unit}")
@@ -429,21 +414,27 @@ def draw_stribeck(law: Stribeck, load: float) -> Draw:
         axes = figure.add_subplot()
         corner = ([0, factor * v_s, factor * v_s], [at_v_s, at_v_s, 0.0])
         for x, y in (([0, factor * v[-1]], [f_c, f_c]), corner):
-            axes.plot(x, y, color=MUTED, linewidth=0.9, linestyle=(0, (4, 3)))
-        axes.plot([0, 0], [0, f_s], color=C1, linewidth=2.2)
-        axes.plot(factor * v, force, color=C1, linewidth=2.2)
-        axes.plot([0], [f_s], "o", color=C1, markersize=5)
+            axes.plot(x, y, color=theme.MUTED, linewidth=0.9, linestyle=(0, (4, 3)))
+        axes.plot([0, 0], [0, f_s], color=theme.C1, linewidth=2.2)
+        axes.plot(factor * v, force, color=theme.C1, linewidth=2.2)
+        axes.plot([0], [f_s], "o", color=theme.C1, markersize=5)
         axes.set_xlim(-0.02 * factor * v[-1], factor * v[-1])
         axes.set_ylim(0, 1.25 * f_s)
         axes.set_xlabel(f"velocity, {unit}")
         axes.set_ylabel("friction, N")
-        static, coulomb, speed = map(symbol_label, ("F_s", "F_c", "v_s"))
+        static, coulomb, speed = map(theme.symbol_label, ("F_s", "F_c", "v_s"))
         end, mark = factor * v[-1], factor * v_s
-        label_at(axes, 0.0, f_s, f"{static} = {f_s:.2f} N, at rest up to this", INK, offset=(9, 6))
-        label_at(axes, end, f_c, f"{coulomb} = {f_c:.2f} N", INK, offset=(0, -10), align="right")
-        label_at(axes, mark, 0.0, f"{speed} = {number(mark)} {unit}", INK, offset=(6, 14))
+        theme.label_at(
+            axes, 0.0, f_s, f"{static} = {f_s:.2f} N, at rest up to this", theme.INK, offset=(9, 6)
+        )
+        theme.label_at(
+            axes, end, f_c, f"{coulomb} = {f_c:.2f} N", theme.INK, offset=(0, -10), align="right"
+        )
+        theme.label_at(
+            axes, mark, 0.0, f"{speed} = {number(mark)} {unit}", theme.INK, offset=(6, 14)
+        )
         left = f"1/e of {static} − {coulomb} is left"
-        label_at(axes, mark, at_v_s, left, MUTED, offset=(8, 6))
+        theme.label_at(axes, mark, at_v_s, left, theme.MUTED, offset=(8, 6))
 
     return draw
 
@@ -488,9 +479,9 @@ def _loop(law: FrictionLaw, load: float, amplitude: float | None) -> PreslidingL
 def _presliding_curve(axes: Axes, loop: PreslidingLoop, level: float | None) -> None:
     """Draw a loop, and the break-away level where it is known."""
     factor, unit = scale_of(loop.displacement, "m")
-    axes.plot(factor * loop.displacement, loop.friction, color=C1, linewidth=1.6)
+    axes.plot(factor * loop.displacement, loop.friction, color=theme.C1, linewidth=1.6)
     for side in () if level is None else (level, -level):
-        axes.axhline(side, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+        axes.axhline(side, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.margins(0.05, 0.14)
     if level is not None:
         _say_break_away(axes, level)
@@ -524,7 +515,7 @@ def _one_way(law: FrictionLaw, speed: Array, load: float) -> tuple[Array, float]
 
 def _say_break_away(axes: Axes, level: float) -> None:
     low = axes.get_xlim()[0]
-    label_at(axes, low, level, f"break-away {level:.3g} N", MUTED, offset=(4, 8))
+    theme.label_at(axes, low, level, f"break-away {level:.3g} N", theme.MUTED, offset=(4, 8))
 
 
 def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: float = 0.1) -> Axes:
@@ -559,7 +550,7 @@ def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: f
     >>> float(ax.lines[0].get_ydata()[-1])
     1.0
     """
-    check_type("law", law, FrictionLaw)
+    theme.check_type("law", law, FrictionLaw)
     load = LOAD.check("plot_law", "load", load)
     speed = SPEED.check("plot_law", "speed", speed)
     draw = draw_characteristics({law.title: law}, load, speed)
@@ -603,7 +594,7 @@ def plot_presliding(
     >>> plot_presliding(law, Figure().add_subplot(), load=10.0).get_xlabel()
     'displacement, mm'
     """
-    check_type("loop", loop, PreslidingLoop, FrictionLaw)
+    theme.check_type("loop", loop, PreslidingLoop, FrictionLaw)
     title, level = "", None
     if isinstance(loop, FrictionLaw):
         if not loop.states:
@@ -632,7 +623,7 @@ LOW: Final = 0.25
 """Largest speed of the second panel over that of the first, before rounding."""
 ONE_WAY: Final = 0.01
 """Share of the points below which a direction counts as not measured."""
-FEW: Final = 30
+SLOW_POINTS: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
@@ -640,9 +631,9 @@ SINGLE: Final = 100
 """Points up to which each is drawn to be seen by itself."""
 SPREAD: Final = 100.0
 """Largest speed over the smallest from which readings in one direction have a logarithmic axis."""
-TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
+TURNS: Final = {0: (theme.DATA, "o"), 1: (theme.C3, "o"), -1: (theme.C4, "^")}
 """Colour and marker of points by whether their speed rises or falls."""
-LEAST: Final = 8
+FEWEST_POINTS: Final = 8
 """... with so many points at least."""
 WIDTH: Final = 22
 """Letters of a line of a name."""
@@ -687,14 +678,14 @@ def draw_friction_map(
     """
     v_max = float(np.max(np.abs(velocity)))
     factor, unit = scale_of([v_max], units[0])
-    curves = {name: _curve(one, load, 1.05 * v_max, _sides(velocity)) for name, one in laws.items()}
+    curves = {name: _curve(law, load, 1.05 * v_max, _sides(velocity)) for name, law in laws.items()}
     look = looks(laws, chosen)
     low = low_speed(v_max)
     slow = np.abs(velocity) <= low
     spread = _is_spread(velocity)
     spans = [_span(velocity, spread)]
     turn = np.zeros(len(velocity)) if trend is None else np.asarray(trend)
-    if low_speeds and not spread and int(slow.sum()) >= FEW and not slow.all():
+    if low_speeds and not spread and int(slow.sum()) >= SLOW_POINTS and not slow.all():
         spans.append(_span(velocity[slow], spread=False))
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -709,11 +700,11 @@ def draw_friction_map(
             _frame(axes, (factor * first, factor * last), friction[seen], lines, spread)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         if low_speeds:
-            grid.flat[0].set_title("all speeds", color=MUTED)
+            grid.flat[0].set_title("all speeds", color=theme.MUTED)
         if np.any(turn):
             _say_trend(grid.flat[0])
         if len(spans) > 1:
-            grid.flat[1].set_title(f"below {number(factor * low)} {unit}", color=MUTED)
+            grid.flat[1].set_title(f"below {number(factor * low)} {unit}", color=theme.MUTED)
         points = np.column_stack([factor * velocity, friction])
         shown = {name: (factor * v, f) for name, (v, f) in curves.items()}
         if spread:
@@ -789,10 +780,14 @@ def _points(axes: Axes, velocity: Array, friction: Array, turn: Array) -> None:
 
 def _say_trend(axes: Axes) -> None:
     """Name the two kinds of points above the panel, each in its colour."""
-    for text, colour, at in (("● speeding up", C3, 0.62), ("▲ slowing down", C4, 0.995)):
+    for text, colour, at in (
+        ("● speeding up", theme.C3, 0.62),
+        ("▲ slowing down", theme.C4, 0.995),
+    ):
         axes.annotate(
             text, (at, 1.0), xycoords="axes fraction", xytext=(0, 3),
-            textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=name_size(),
+            textcoords="offset points", ha="right", va="bottom", color=colour,
+            fontsize=theme.name_size(),
         )  # fmt: skip
 
 
@@ -822,10 +817,10 @@ def _frame(
     axes.set_xscale("log" if spread else "linear")
     axes.set_xlim(*span)
     axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
-    axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
+    axes.axhline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
     if not spread:
         axes.locator_params(axis="x", nbins=7)
-        axes.axvline(0.0, color=LINE, linewidth=0.8, zorder=0)
+        axes.axvline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
 
 
 def _names(
@@ -848,7 +843,7 @@ def _names(
         told = name == chosen and len(curves) > 1
         lines = wrapped((f"chosen: {name}" if told else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
-        label_at(
+        theme.label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,
             look[name].colour, offset=(0, 0), align="left" if side > 0 else "right",
         )  # fmt: skip
@@ -859,4 +854,4 @@ def _upright(axes: Axes) -> Curve:
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     tall = top - bottom
     ends = np.array([0.0, 1e-6 * (high - low)]), np.array([bottom - tall, top + tall])
-    return Curve(*ends, "", LINE)
+    return Curve(*ends, "", theme.LINE)

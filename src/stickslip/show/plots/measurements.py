@@ -12,15 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
-from stickslip.data import (
-    GAP,
-    QUANTITIES,
-    Measurement,
-    condition_name,
-    condition_unit,
-    interval_of,
-    velocity_of,
-)
+from stickslip import data
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.identify.fits import ConditionLine, TrialComparison, load_along
 from stickslip.mechanisms import Mechanism
@@ -99,7 +91,7 @@ EDGE: Final = 0.0005
 SHORT: Final = {"spring_force": "spring"}
 
 
-def overview_size(record: Measurement) -> Size:
+def overview_size(record: data.Measurement) -> Size:
     """Return the size of the overview of a record, wide enough for a page [CSS px].
 
     Examples
@@ -110,7 +102,7 @@ def overview_size(record: Measurement) -> Size:
     return (880, 130 * len(_signals(record)) + (330 if _has_velocity(record) else 70))
 
 
-def draw_overview(record: Measurement) -> Draw:
+def draw_overview(record: data.Measurement) -> Draw:
     """Return a drawing of a record as it was measured.
 
     Examples
@@ -149,7 +141,7 @@ def draw_overview(record: Measurement) -> Draw:
     return draw
 
 
-def plot_measurement(measurement: Measurement, ax: PanelTarget = None) -> Panels:
+def plot_measurement(measurement: data.Measurement, ax: PanelTarget = None) -> Panels:
     """Draw a measurement as it was made.
 
     Parameters
@@ -177,13 +169,14 @@ def plot_measurement(measurement: Measurement, ax: PanelTarget = None) -> Panels
     >>> [axes.get_ylabel() for axes in plot_measurement(record, Figure())]
     ['position, m', 'force, N']
     """
-    check_type("measurement", measurement, Measurement)
+    check_type("measurement", measurement, data.Measurement)
     records = measurement.records()
     series = measurement.kind == "series"
     names = [
         name
         for name in measurement.quantities()
-        if series and any(np.ndim(one.values(name)) for one in records if name in one.quantities())
+        if series
+        and any(np.ndim(record.values(name)) for record in records if name in record.quantities())
     ]
 
     def draw(figure: Figure, _narrow: bool) -> None:
@@ -201,11 +194,11 @@ def plot_measurement(measurement: Measurement, ax: PanelTarget = None) -> Panels
     return on_panels(draw, ax, (880, 110 * len(names) + 60 if series else 320))
 
 
-def _colour(place: int, records: Sequence[Measurement]) -> str:
+def _colour(place: int, records: Sequence[data.Measurement]) -> str:
     return DATA if len(records) == 1 else f"C{place % 10}"
 
 
-def _overlay(axes: Axes, measurement: Measurement, name: str) -> None:
+def _overlay(axes: Axes, measurement: data.Measurement, name: str) -> None:
     """Draw a signal of all trials that have it."""
     records = measurement.records()
     all_values = np.concatenate([np.ravel(r.values(name)) for r in records if _has(r, name)])
@@ -222,11 +215,11 @@ def _overlay(axes: Axes, measurement: Measurement, name: str) -> None:
     axes.grid(axis="y")
 
 
-def _has(record: Measurement, name: str) -> bool:
+def _has(record: data.Measurement, name: str) -> bool:
     return name in record.quantities() and np.ndim(record.values(name)) > 0
 
 
-def _map(axes: Axes, measurement: Measurement) -> None:
+def _map(axes: Axes, measurement: data.Measurement) -> None:
     """Draw friction against velocity, a point for each row."""
     records = measurement.records()
     for place, record in enumerate(records):
@@ -240,7 +233,7 @@ def _map(axes: Axes, measurement: Measurement) -> None:
     axes.grid(axis="y")
 
 
-def _travels(axes: Axes, measurement: Measurement) -> None:
+def _travels(axes: Axes, measurement: data.Measurement) -> None:
     """Draw the numbers of each trial beside each other, with their uncertainties."""
     name = measurement.travelled or measurement.quantities()[0]
     records = [one for one in measurement.records() if name in one.quantities()]
@@ -267,35 +260,35 @@ def _travels(axes: Axes, measurement: Measurement) -> None:
     axes.grid(axis="y")
 
 
-def _sampled(record: Measurement, name: str) -> bool:
+def _sampled(record: data.Measurement, name: str) -> bool:
     return isinstance(getattr(record, name), np.ndarray)
 
 
-def _signals(record: Measurement) -> Sequence[str]:
+def _signals(record: data.Measurement) -> Sequence[str]:
     if record.time is None:
         return ()
-    return [name for name in QUANTITIES if _sampled(record, name)][:MOST_SIGNALS]
+    return [name for name in data.QUANTITIES if _sampled(record, name)][:MOST_SIGNALS]
 
 
-def _has_velocity(record: Measurement) -> bool:
+def _has_velocity(record: data.Measurement) -> bool:
     return _sampled(record, "velocity") or (
         record.time is not None and _sampled(record, "position")
     )
 
 
-def _velocity(record: Measurement) -> Array | None:
+def _velocity(record: data.Measurement) -> Array | None:
     if not _has_velocity(record):
         return None
     if record.time is None:
         return np.asarray(record.values("velocity"))
-    return velocity_of(record)
+    return data.velocity_of(record)
 
 
 def _label(name: str, unit: str) -> str:
     return f"{name.replace('_', ' ')}, {unit}"
 
 
-def _series(axes: Axes, record: Measurement, name: str) -> None:
+def _series(axes: Axes, record: data.Measurement, name: str) -> None:
     """Draw a signal; where there are more samples than pixels, their extremes."""
     time, values = np.asarray(record.time), np.asarray(record.values(name))
     factor, unit = scale_of(
@@ -304,7 +297,7 @@ def _series(axes: Axes, record: Measurement, name: str) -> None:
     shown_time, shown = _envelope(time, factor * values)
     axes.plot(shown_time, shown, color=DATA, linewidth=1.0)
     steps = np.diff(time)
-    late = np.flatnonzero(steps > GAP * interval_of(time))
+    late = np.flatnonzero(steps > data.GAP * data.interval_of(time))
     shade(axes, [(time[i], time[i + 1]) for i in late[:200]], colour=STICK)
     axes.set_ylabel(_label(name, unit))
     axes.margins(x=0, y=0.08)
@@ -342,7 +335,7 @@ def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
     axes.grid(axis="y")
 
 
-def _density(axes: Axes, moved: tuple[Array, str], record: Measurement, name: str) -> None:
+def _density(axes: Axes, moved: tuple[Array, str], record: data.Measurement, name: str) -> None:
     """Draw how often force and velocity meet, on a scale of powers of ten."""
     velocity, speeds = moved
     force = np.asarray(record.values(name))
@@ -560,7 +553,7 @@ _SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _car
 # Parameters and laws of several trials, coloured by a condition.
 
 TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
-MOST: Final = 2
+MOST_PARAMETERS: Final = 2
 """Parameters that have a panel: those whose lines are clearest come first."""
 WORDS: Final = (C1, C2, C3, C4, INK, MUTED)
 
@@ -628,7 +621,7 @@ def _condition(comparison: TrialComparison, wanted: str | None) -> str:
     known = comparison.conditions
     if wanted is not None:
         for name in known:
-            if wanted in (name, condition_name(name)):
+            if wanted in (name, data.condition_name(name)):
                 return name
         raise UnknownNameError("condition", wanted, known)
     clear = sorted((line for line in comparison.lines if line.clear), key=_width)
@@ -642,14 +635,14 @@ def _width(line: ConditionLine) -> float:
 
 def _order(comparison: TrialComparison, condition: str) -> list[int]:
     """Return which parameters are shown: those with the clearest lines first."""
-    paths = [one.path for one in comparison.trials[0].estimates]
+    paths = [estimate.path for estimate in comparison.trials[0].estimates]
     width = {line.path: _width(line) for line in comparison.lines if line.condition == condition}
     known = [
         i
         for i in range(len(paths))
         if any(math.isfinite(trial.errors[i]) for trial in comparison.trials)
     ]
-    shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST]
+    shown = sorted(known, key=lambda i: width.get(paths[i], math.inf))[:MOST_PARAMETERS]
     return sorted(shown)
 
 
@@ -697,8 +690,8 @@ def _parameter(
     unit = unit_text(quantity.unit)
     title = symbol_label(quantity.symbol)
     axes.set_title(f"{title}, {unit}" if unit else title, color=MUTED)
-    what = condition_name(condition) or "trial"
-    in_unit = unit_text(condition_unit(condition))
+    what = data.condition_name(condition) or "trial"
+    in_unit = unit_text(data.condition_unit(condition))
     axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
     axes.grid(axis="y")
 
@@ -718,13 +711,13 @@ def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> 
     axes.grid(axis="y")
 
 
-def _top(record: Measurement) -> float:
+def _top(record: data.Measurement) -> float:
     """Return the largest speed of a record."""
-    velocity = record.values("velocity") if record.time is None else velocity_of(record)
+    velocity = record.values("velocity") if record.time is None else data.velocity_of(record)
     return float(np.max(np.abs(velocity)))
 
 
-def _load(mechanism: Mechanism, record: Measurement) -> float:
+def _load(mechanism: Mechanism, record: data.Measurement) -> float:
     """Return the mean normal force of a record [N]."""
     own = vary(mechanism, "mechanism", record.overrides)
     count = 1 if isinstance(record.load, float | None) else len(record.load)

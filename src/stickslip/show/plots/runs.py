@@ -533,7 +533,7 @@ def plot_runs(
 
 # Several runs in one figure: displacement, velocity, a closer look, and their differences.
 
-CLOSE: Final = 6000
+CLOSE_SAMPLES: Final = 6000
 """Samples of a run that is shown in part: so many that a tenth of it is still smooth."""
 MOST_BESIDE: Final = 2
 """Panels side by side that leave room for names where the curves end."""
@@ -638,7 +638,7 @@ def _series(
         seen = {name: dense(run, last) for name, run in runs.items()}
     else:
         first, end = view.span
-        close = {name: dense(run, end, CLOSE) for name, run in runs.items()}
+        close = {name: dense(run, end, CLOSE_SAMPLES) for name, run in runs.items()}
         seen = {name: run.at(run.t[run.t >= first]) for name, run in close.items()}
     if not view.difference:
         return {name: (run.t, run[view.column]) for name, run in seen.items()}
@@ -655,7 +655,7 @@ def _series(
 
 LOOP_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 420))
 """Sizes of the figure."""
-SHORTEST: Final = 1e-3
+SHORTEST_REST: Final = 1e-3
 """Share of the time shown that a rest must last to be shaded."""
 DASHED: Final = (0, (5, 2))
 LOOP_SAMPLES: Final = 1200
@@ -700,7 +700,7 @@ def draw_closed_loop(
     rests = [
         (max(a, since), b)
         for a, b in _seen_along(loop, state).stick_spans()
-        if b - max(a, since) > SHORTEST * (last - since)
+        if b - max(a, since) > SHORTEST_REST * (last - since)
     ]
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
@@ -723,7 +723,11 @@ def _seen_along(loop: ClosedLoop, state: str) -> Trajectory:
     if not run.contacts:
         return run
     along = dict(zip(loop.mechanism.rates, coordinates, strict=True)).get(state, state)
-    slips = {one.name: one.slips for one in loop.mechanism.contacts() if one.name in run.contacts}
+    slips = {
+        contact.name: contact.slips
+        for contact in loop.mechanism.contacts()
+        if contact.name in run.contacts
+    }
     own = [name for name, among in slips.items() if along in among]
     return run.contact((own or list(slips))[0])
 

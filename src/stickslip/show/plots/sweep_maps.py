@@ -368,20 +368,22 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
-        curves = [_heights(one, name, velocity=velocity) for one in branches]
+        curves = [_heights(branch, name, velocity=velocity) for branch in branches]
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
         factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
         axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=4, alpha=0.6)
-        kinds = dict.fromkeys(e.kind for one in branches for e in one.events if e.kind in MARKS)
-        for one, heights in zip(branches, curves, strict=True):
-            colour = POINT_COLOURS[(one.cycles - 1) % len(POINT_COLOURS)]
-            for style, chosen in (("-", one.stable), ("--", ~one.stable)):
+        kinds = dict.fromkeys(
+            e.kind for branch in branches for e in branch.events if e.kind in MARKS
+        )
+        for branch, heights in zip(branches, curves, strict=True):
+            colour = POINT_COLOURS[(branch.cycles - 1) % len(POINT_COLOURS)]
+            for style, chosen in (("-", branch.stable), ("--", ~branch.stable)):
                 spread_ = chosen.copy()
                 spread_[1:] |= chosen[:-1]  # a line goes on to the first point of the other kind
                 line = np.where(spread_, factor * heights, np.nan)
-                axes.plot(one.values, line, style, color=colour, linewidth=1.5)
-            for event in (e for e in one.events if e.kind in kinds):
+                axes.plot(branch.values, line, style, color=colour, linewidth=1.5)
+            for event in (e for e in branch.events if e.kind in kinds):
                 height = factor * _height(event.orbit, name, velocity=velocity)
                 axes.plot(event.value, height, MARKS[event.kind], color=INK, markersize=5,
                           markerfacecolor=SURFACE, zorder=4)  # fmt: skip
@@ -406,10 +408,10 @@ def _name_orbits(
     axes: Axes, branches: Sequence[Branch], kinds: Mapping[str, object], *, settled: bool
 ) -> None:
     """Name lines, marks and dots in a legend above the panel."""
-    for cycles in sorted({one.cycles for one in branches}):
+    for cycles in sorted({branch.cycles for branch in branches}):
         colour = POINT_COLOURS[(cycles - 1) % len(POINT_COLOURS)]
         axes.plot([], [], "-", color=colour, label=f"period {cycles}")
-    if not all(one.stable.all() for one in branches):
+    if not all(branch.stable.all() for branch in branches):
         axes.plot([], [], "--", color=MUTED, label="unstable")
     for kind in kinds:
         axes.plot([], [], MARKS[kind], color=INK, markerfacecolor=SURFACE, markersize=5, label=kind)
@@ -525,8 +527,8 @@ def draw_sensitivity(results: Sequence[SensitivityIndices]) -> Draw:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         panels = figure.subplots(len(results), squeeze=False)
-        for axes, one in zip(panels[:, 0], results, strict=True):
-            _bars(axes, one)
+        for axes, result in zip(panels[:, 0], results, strict=True):
+            _bars(axes, result)
 
     return draw
 

@@ -59,7 +59,7 @@ SLIP_BACK: Final = "#e6eef5"
 SURFACE: Final = "#ffffff"
 """Paper: the inside of open markers."""
 
-GAP: Final = 14.0
+NAME_GAP: Final = 14.0
 """Least distance of names in a column [pt]."""
 BAND: Final = 0.25
 """Share of the colour of a line in a band, on paper of the reader's colour."""
@@ -341,7 +341,7 @@ def label_column(axes: Axes, x: float, labels: Sequence[tuple[float, str, str]])
     lay_out(figure)
     pixel, point = pixel_of(figure), mpl.rcParams["font.size"] / FONT_SIZE
     wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]
-    for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, GAP), strict=True):
+    for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, NAME_GAP), strict=True):
         label_at(axes, x, y, text, colour, offset=(6 * point, (new - old) * point))
 
 

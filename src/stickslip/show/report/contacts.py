@@ -8,15 +8,8 @@ from stickslip.data import LawEstimates, Rig
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.quantities import parameters
+from stickslip.show import plots
 from stickslip.show.formatting import capital, count, joined, number, percent, quantity, scale_of
-from stickslip.show.plots import (
-    MOST_PANELS,
-    STATE_SIZES,
-    contact_sizes,
-    draw_contacts,
-    draw_states,
-    inline_svg,
-)
 from stickslip.show.report.blocks import (
     Block,
     Caption,
@@ -183,22 +176,24 @@ def motion_section(about: ContactsReport) -> Section:
         caption += (
             f" Shaded: range of 95 % of {about.band.count} runs with uncertain parameters drawn."
         )
-    draw = draw_states(about.run, band=about.band)
-    figure = Figure(svg=inline_svg(draw, alt=alt, prefix="motion", **STATE_SIZES), caption=caption)
+    draw = plots.draw_states(about.run, band=about.band)
+    figure = Figure(
+        svg=plots.inline_svg(draw, alt=alt, prefix="motion", **plots.STATE_SIZES), caption=caption
+    )
     return Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
 
 
 def contacts_section(about: ContactsReport) -> Section:
     """Return friction at each contact, and how much each holds and takes."""
     run = about.run
-    sizes = contact_sizes(run)
+    sizes = plots.contact_sizes(run)
     figure = Figure(
-        svg=inline_svg(
-            draw_contacts(run), alt="Friction at each contact", prefix="contacts", **sizes
+        svg=plots.inline_svg(
+            plots.draw_contacts(run), alt="Friction at each contact", prefix="contacts", **sizes
         ),
         caption=(
             "**Friction at each contact** against time. Yellow: it sticks; dots are events."
-            if len(about.views) <= MOST_PANELS
+            if len(about.views) <= plots.MOST_PANELS
             else "**What each contact does** against time."
         ),
     )
@@ -251,7 +246,7 @@ def laws_section(about: ContactsReport) -> Section:
             Column(head=known.interval, numeric=True, phone="label", label=f"{known.interval}:"),
             Column(head="how it is known", phone="label", label="known:"),
         ]
-    idle = [one.name for one in about.rig.mechanism.contacts() if one.name not in laws]
+    idle = [contact.name for contact in about.rig.mechanism.contacts() if contact.name not in laws]
     blocks: list[Block] = [Math(latex=law.formula) for law in kinds.values()]
     blocks.append(Table(columns=tuple(columns), rows=tuple(rows)))
     blocks += drawn(about.band, known)

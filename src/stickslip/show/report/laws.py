@@ -105,7 +105,9 @@ def _test(name: str, results: Mapping[str, Characteristic], found: Characterizat
     if len(found.all) == 1:
         blocks.append(Paragraph(text=first.sentence))
     else:
-        rows = tuple(Row(cells=(Name(text=title), one.sentence)) for title, one in results.items())
+        rows = tuple(
+            Row(cells=(Name(text=title), result.sentence)) for title, result in results.items()
+        )
         blocks.append(Table(columns=(Column(head="law"), Column(head="result")), rows=rows))
     svg = inline_svg(
         draw_characteristic(results),

@@ -18,6 +18,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Criteria, criteria_of
 from stickslip.mechanisms import cycle_or_none, slip_names
 from stickslip.quantities import parameters
+from stickslip.show import plots
 from stickslip.show.formatting import (
     Scale,
     capital,
@@ -28,20 +29,6 @@ from stickslip.show.formatting import (
     quantity,
     scale_of,
     significant,
-)
-from stickslip.show.plots import (
-    CYCLE_SIZES,
-    FORCE_SIZES,
-    FRICTION_SIZES,
-    RUN_SIZES,
-    VALIDATION_SIZES,
-    animation_html,
-    draw_cycles,
-    draw_friction_velocity,
-    draw_run,
-    draw_validation,
-    horizon,
-    inline_svg,
 )
 from stickslip.show.report.blocks import (
     Animation,
@@ -155,7 +142,7 @@ class RunReport:
     def mean_velocity(self) -> float:
         """Over all whole cycles, or without any over the run."""
         if self.cycles:
-            return sum(one.travel for one in self.cycles) / (
+            return sum(cycle.travel for cycle in self.cycles) / (
                 len(self.cycles) * self.cycles[0].period
             )
         first, last = self.run.span
@@ -203,7 +190,7 @@ STACKED = (520.0, 560.0)
 """Scene above time plots, in a column of the page [CSS px]."""
 PHONE = (358.0, 560.0)
 """The same on a phone."""
-SHORTEST, LONGEST = 3.0, 8.0
+SHORTEST_ANIMATION, LONGEST_ANIMATION = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
 ANIMATED_CYCLES = 2
@@ -235,8 +222,8 @@ def motion_section(about: RunReport) -> Section:
         )
     blocks = (
         Figure(
-            svg=inline_svg(
-                draw_run(
+            svg=plots.inline_svg(
+                plots.draw_run(
                     about.run,
                     slip=about.slip,
                     rate=about.rate,
@@ -246,16 +233,18 @@ def motion_section(about: RunReport) -> Section:
                 ),
                 alt=f"{what} against time",
                 prefix="motion",
-                **(FORCE_SIZES if varies else RUN_SIZES),
+                **(plots.FORCE_SIZES if varies else plots.RUN_SIZES),
             ),
             caption=caption,
         ),
         Figure(
-            svg=inline_svg(
-                draw_friction_velocity(about.run, rate=about.rate, slip=about.slip, until=until),
+            svg=plots.inline_svg(
+                plots.draw_friction_velocity(
+                    about.run, rate=about.rate, slip=about.slip, until=until
+                ),
                 alt="Friction against velocity along the run",
                 prefix="friction-velocity",
-                **FRICTION_SIZES,
+                **plots.FRICTION_SIZES,
             ),
             caption="**Friction against velocity** along the run.",
         ),
@@ -289,8 +278,8 @@ def cycles_section(about: RunReport) -> Section | None:
     end = min(last.begin + last.period, about.run.span[1])
     runs = {about.law.title: about.run}
     figure = Figure(
-        svg=inline_svg(
-            draw_cycles(
+        svg=plots.inline_svg(
+            plots.draw_cycles(
                 runs,
                 chosen=about.law.title,
                 cycle=(last.begin, end),
@@ -299,7 +288,7 @@ def cycles_section(about: RunReport) -> Section | None:
             ),
             alt="Displacement in all cycles, and the velocity in the last",
             prefix="cycles",
-            **CYCLE_SIZES,
+            **plots.CYCLE_SIZES,
         ),
         caption="**All cycles, and the velocity in the last one**, near zero if the"
         f" {about.part} moves back in it."
@@ -317,7 +306,7 @@ def _cycles_heading(about: RunReport) -> str:
         return f"The {about.part} does not move in any cycle"
     if not about.cycles[-1].moves_on:
         return "The last cycle ends where it began"
-    travels = [one.travel for one in about.cycles]
+    travels = [cycle.travel for cycle in about.cycles]
     advance = f"The {about.part} {about.advances(travels[-1])}"
     if len(travels) == 1:
         return f"{advance} in one cycle"
@@ -362,12 +351,12 @@ def animation_section(about: RunReport) -> Section | None:
     if about.cycles:
         until = first + ANIMATED_CYCLES * about.cycles[0].period
     else:
-        until = horizon(about.run, about.slip)
+        until = plots.horizon(about.run, about.slip)
     until = min(until, last)
     length = until - first
     if length <= 0.0:
         return None
-    speed = length / min(max(length, SHORTEST), LONGEST)
+    speed = length / min(max(length, SHORTEST_ANIMATION), LONGEST_ANIMATION)
     pace = "in real time"
     if abs(speed - 1.0) > 1e-9:
         pace = (
@@ -375,7 +364,7 @@ def animation_section(about: RunReport) -> Section | None:
             if speed < 1.0
             else f"sped up {number(speed, 2)} times"
         )
-    html = animation_html(
+    html = plots.animation_html(
         about.run,
         about.rig.mechanism,
         alt=f"The mechanism moves, with {about.law.title} friction",
@@ -670,11 +659,11 @@ def validation_section(about: RunReport) -> Section | None:
     for index in range(min(len(seen.records), MOST_RECORDS)):
         name = seen.records[index].name or f"record {index + 1}"
         band = "; shaded: 95 % band of the prediction, without noise" if seen.drawn else ""
-        svg = inline_svg(
-            draw_validation(seen, record=index),
+        svg = plots.inline_svg(
+            plots.draw_validation(seen, record=index),
             alt=f"Measured and predicted, {name}",
             prefix=f"validation-{index}",
-            **VALIDATION_SIZES,
+            **plots.VALIDATION_SIZES,
         )
         label = f" ({name})" if len(seen.records) > 1 else ""
         blocks.append(
@@ -742,7 +731,7 @@ def _lede(about: RunReport) -> str:
     said = [about.run.ending]
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
-        travel = sum(one.travel for one in about.cycles)
+        travel = sum(cycle.travel for cycle in about.cycles)
         if about.moves:
             said.append(f"The {about.part} {about.advances(travel, 4)} in {number}.")
     resting = _resting(about, about.cycles[-1].advance if about.cycles else about.criteria.travel)

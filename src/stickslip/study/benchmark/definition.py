@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import Measurement, rows_of
 from stickslip.data.catalogue import Dataset, dataset
@@ -102,11 +101,9 @@ class PositionError(Metric):
     """SI unit of the position."""
 
     @property
-    @override
     def text(self) -> str:
         return f"rms error of the position, simulated for {self.horizon:g} s"
 
-    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
         score = fit.score(record, horizon=self.horizon)
         if score.quantity != "position":
@@ -134,7 +131,6 @@ class ForceError(Metric):
     text: str = "rms error of the force along the measured motion, over its spread"
     """What it is, in words."""
 
-    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
         seen = fit.predict(record)
         joints = [seen] if seen.joint is None else [seen.of(x) for x in dict.fromkeys(seen.joint)]
@@ -165,7 +161,6 @@ class CoefficientError(Metric):
     text: str = "rms error of the coefficient of friction (0.1 % is 0.001)"
     """What it is, in words."""
 
-    @override
     def of(self, fit: RateStateFit, record: Measurement) -> Error:
         return Error(fit.judged(record, since=self.since))
 
@@ -185,7 +180,6 @@ class FeatureError(Metric):
     text: str = "rms of the relative errors of frequency, mean and standard deviation of the force"
     """What it is, in words."""
 
-    @override
     def of(self, fit: FeatureFit, record: Measurement) -> Error:
         found = list(fit.judged(record).values())
         return Error(float(np.sqrt(np.mean(np.square(found)))))
@@ -213,7 +207,6 @@ class ClosedLoop(Metric):
     text: str = "mean absolute error of the angle, simulated in closed loop over whole records"
     """What it is, in words."""
 
-    @override
     def of(self, fit: RecordFit[Any], record: Measurement) -> Error:
         errors: list[float] = []
         parts: list[np.ndarray[Any, Any]] = []

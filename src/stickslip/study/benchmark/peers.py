@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 ORDER: Final = 4
 """Of the Butterworth filter of motion and force."""
-SLOW: Final = 0.02
+SLIP_SHARE: Final = 0.02
 """Share of the largest speed below which a row does not slip for sure, and is left out."""
 ENDS: Final = 2.0
 """Periods of the filter at the ends of a record, which are left out."""
@@ -45,7 +45,7 @@ NORMAL: Final = 1.96
 WHITE: Final = "intervals of white noise"
 STEP: Final = 1e-6
 """Relative step of differences."""
-MOST: Final = 20_000
+MOST_ROWS: Final = 20_000
 """Rows of a regression at most."""
 
 
@@ -121,6 +121,7 @@ def samples(
         for one in between_gaps(whole):
             time, motion, force, load = _even(one, names, "friction" if measured else "force")
             dt = float(time[1] - time[0])
+            # Position and force through one filter: what it delays or takes off cancels.
             q, force = _filtered(motion, task.cutoff, dt), _filtered(force, task.cutoff, dt)
             v = np.gradient(q, dt, axis=0)
             a = np.gradient(v, dt, axis=0)
@@ -128,10 +129,13 @@ def samples(
             if torques is not None:
                 taken, slopes = torques.along(set_up, time, q, v, a)
                 force = force - taken + slopes @ known
+            # Filters and differences have wrong values at the ends.
             cut = min(math.ceil(ENDS / (task.cutoff * dt)), len(time) // 4)
             inner = slice(cut, len(time) - cut)
             for j in range(len(names)):
-                fast = np.abs(v[inner, j]) > SLOW * np.max(np.abs(v[inner, j]))
+                # Near rest friction is any force up to break-away: such rows say nothing of a law
+                # of speed.
+                fast = np.abs(v[inner, j]) > SLIP_SHARE * np.max(np.abs(v[inner, j]))
                 number = np.full(len(time), j)
                 volts = np.full(len(time), np.nan) if opened or motor is None else _on(one, time)
                 columns = (force[:, j], slopes[:, j], number, v[:, j], load, volts)
@@ -139,7 +143,8 @@ def samples(
     force, slopes, joint, velocity, load, voltage = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    rows = slice(None, None, max(1, math.ceil(len(force) / MOST)))
+    # Every so many rows, so that all of the record is in the regression.
+    rows = slice(None, None, max(1, math.ceil(len(force) / MOST_ROWS)))
     return Samples(
         force=force[rows],
         terms={path: slopes[rows, k] for k, path in enumerate(linear)},
@@ -162,6 +167,7 @@ def _even(
 ) -> tuple[Array, Array, Array, Array]:
     """Return even times, positions (n, m), forces (n, m) and loads (n,)."""
     time = np.asarray(record.time)
+    # Even steps, which filters and differences ask for.
     even = np.arange(time[0], time[-1], float(np.median(np.diff(time))))
     joints = [record.joints[name] for name in names] if record.joints else [record]
 
@@ -170,8 +176,9 @@ def _even(
         return np.asarray(np.interp(even, time, values))
 
     def columns(name: str) -> Array:
-        return np.column_stack([on(getattr(one, name)) for one in joints])
+        return np.column_stack([on(getattr(joint, name)) for joint in joints])
 
+    # Friction of a table is over the load; other forces are themselves.
     load = record.load if quantity == "friction" and record.load is not None else 1.0
     missing = quantity == "force" and not record.joints and record.force is None
     force = np.zeros((len(even), len(joints))) if missing else columns(quantity)
@@ -192,6 +199,7 @@ class Regression:
         own = self.unknown.paths
         linear = [one for one in own if one.startswith("mechanism.") and one != "mechanism.offset"]
         self.motor = "mechanism.drive.torque_constant" in own
+        # A motor's unknowns enter by its voltage, and not as terms of the motion.
         if self.motor:
             linear = [one for one in linear if not one.startswith("mechanism.drive.")]
             linear += ["mechanism.inertia"]
@@ -199,12 +207,13 @@ class Regression:
         # links that nobody described are parameters of the fitted robot only
         mechanism = task.mechanism if stated.issuperset(linear) else fit.mechanism
         self.rows = samples(task, mechanism, record, linear)
-        contacts = [one.name for one in task.mechanism.contacts()]
+        contacts = [contact.name for contact in task.mechanism.contacts()]
         several = isinstance(fit.law, Laws)
         self.prefixes = [f"friction.{name}." if several else "friction." for name in contacts]
         self.laws = dict(fit.law.members) if several else {contacts[0]: fit.law}
         self.constants: dict[str, NDArray[np.bool_]] = {}
         for path in own:
+            # An offset is a constant of the rows of its joint.
             if "offset" in path:
                 found = [j for j, name in enumerate(self.rows.names) if path.endswith(f".{name}")]
                 self.constants[path] = np.isin(self.rows.joint, found or [0])
@@ -214,6 +223,7 @@ class Regression:
         values = dict(zip(self.unknown.paths, self.unknown.values(coordinates), strict=True))
         rows = self.rows
         if self.motor:
+            # The inertia of a motor's axis is that of its rotor.
             values["mechanism.inertia"] = values["mechanism.drive.rotor_inertia"]
         force = sum(
             (values[path] * column for path, column in rows.terms.items()), 0.0 * rows.force
@@ -231,6 +241,7 @@ class Regression:
             force[here] += changed.steady(rows.velocity[here], rows.load[here])
         if self.motor:
             k, r = (values[f"mechanism.drive.{one}"] for one in ("torque_constant", "resistance"))
+            # Torque k i of a motor whose current is (U - k v) / R, without inductance.
             force -= np.nan_to_num(k / r * (rows.voltage - k * rows.velocity))
         return force
 
@@ -244,6 +255,7 @@ class Regression:
                 moved = coordinates.copy()
                 moved[i] += STEP * max(abs(at), STEP)
                 slopes.append((np.asarray(self.unknown.values(moved)) - values) / (moved[i] - at))
+            # Intervals of parameters by first-order propagation of those of coordinates.
             table = np.array(slopes).T
             errors = np.sqrt(np.diag(table @ covariance @ table.T))
             halves = dict(zip(self.unknown.paths, (NORMAL * errors).tolist(), strict=True))
@@ -259,7 +271,7 @@ def _by_scipy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     def predicted(_: Array, *coordinates: float) -> Array:
         return model(np.array(coordinates))
 
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # overflow far from the optimum is no reason to warn
         best, covariance = curve_fit(
             predicted, np.arange(len(model.rows.force)), model.rows.force, p0=start, bounds=limits
         )
@@ -276,9 +288,10 @@ def _of_rows(model: Regression) -> str:
 
 def _begun(model: Regression) -> tuple[Array, tuple[Array, Array]]:
     """Return coordinates to begin at, inside their limits."""
-    low, high = (np.asarray(one, dtype=float) for one in model.unknown.limits())
+    low, high = (np.asarray(limit, dtype=float) for limit in model.unknown.limits())
     start = np.asarray(model.unknown.coordinates(model.unknown.start), dtype=float)
     room = np.where(np.isfinite(high - low), high - low, 1.0)
+    # Optimisers refuse a start on a limit.
     inside = np.clip(start, low + STEP * room, high - STEP * room)
     return inside, (low, high)
 
@@ -293,6 +306,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
 
     def residual(unknown: Any) -> Array:
         at = np.array([one.value for one in unknown.values()])
+        # Least squares cannot go on from a residual that is not finite.
         return np.nan_to_num(model.rows.force - model(at), nan=1e6, posinf=1e6, neginf=-1e6)
 
     with np.errstate(all="ignore"):
@@ -300,6 +314,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     covariance = getattr(found, "covar", None)
     full = None
     if covariance is not None:
+        # Coordinates that it held at a limit have no row.
         full = np.zeros((len(start), len(start)))
         own = [int(name[1:]) for name in found.var_names]
         full[np.ix_(own, own)] = covariance
@@ -323,6 +338,7 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     }
     table |= weights
     columns = np.column_stack(list(table.values()))
+    # The threshold of STLSQ is one for all columns: these must be of one size.
     scale = np.where(np.std(columns, axis=0) > 0.0, np.std(columns, axis=0), 1.0)
     optimizer = sindy.STLSQ(threshold=SPARSE, alpha=0.0)
     with contextlib.redirect_stdout(io.StringIO()):
@@ -331,6 +347,7 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     kept = [name for name, value in found.items() if value != 0.0]
     if not found["force"] > 0.0:
         raise ConvergenceError("it drops the force from the acceleration")
+    # Divided by the coefficient of the force, the acceleration's equation is that of forces.
     shares = {name: value / found["force"] for name, value in found.items()}
     shares["a"] = 1.0 / found["force"]
     values = inertia(shares) | {
@@ -339,7 +356,8 @@ def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         "friction.kinetic_coefficient": -shares["sign(v)"],
         "friction.quadratic_coefficient": -shares["v|v|"],
     }
-    low = {one.path: one.quantity.low for one in fit.free_parameters.items}
+    low = {item.path: item.quantity.low for item in fit.free_parameters.items}
+    # Least squares know no ranges of a law.
     raised = [path for path in fit.free_parameters.paths if values.get(path, 0.0) < low[path]]
     own = {path: max(values.get(path, 0.0), low[path]) for path in fit.free_parameters.paths}
     note = f"terms kept: {', '.join(kept)}; no intervals"
@@ -358,6 +376,7 @@ def _parts_of(
     if isinstance(mechanism, Pendulum):
         arm = mechanism.length
         acceleration = rows.terms["mechanism.inertia"]
+        # Two terms of the rigid body, m (l^2 a + l g sin q) and J a: the difference is the weight.
         weight = (rows.terms["mechanism.mass"] - arm**2 * acceleration) / (arm * mechanism.gravity)
 
         def swinging(shares: Mapping[str, float]) -> dict[str, float]:
@@ -420,6 +439,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     mechanism: Any = task.mechanism
     own = {path: one for path, one in SETTERS.items() if path in fit.free_parameters.paths}
     start = dict(zip(fit.free_parameters.paths, fit.free_parameters.start.tolist(), strict=True))
+    # The shortest step of all records, as the model has one.
     steps = [float(np.median(np.diff(np.asarray(one.time)))) for one in record.records()]
     model_of = {
         "step": min(steps),
@@ -459,6 +479,7 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         rows = residual(ended.x, best)
         half = sysid.calculate_intervals(rows[0], ended.jac)[1]
     values = {path: float(best[path].value[0]) for path in own}
+    # What its model does not have is 0.
     held = {path: 0.0 for path in fit.free_parameters.paths if path not in own}
     return Found(
         held | values,
@@ -470,10 +491,10 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
 def _ends(fit: RecordFit[Any]) -> tuple[list[float], list[float]]:
     """Return finite ends of the values that are looked at."""
     items = fit.free_parameters.items
-    sizes = [max(abs(one.start), 1e-3) for one in items]
-    low = [max(one.quantity.low, -100.0 * size) for one, size in zip(items, sizes, strict=True)]
+    sizes = [max(abs(item.start), 1e-3) for item in items]
+    low = [max(item.quantity.low, -100.0 * size) for item, size in zip(items, sizes, strict=True)]
     return low, [
-        min(one.quantity.high, 100.0 * size) for one, size in zip(items, sizes, strict=True)
+        min(item.quantity.high, 100.0 * size) for item, size in zip(items, sizes, strict=True)
     ]
 
 
@@ -500,6 +521,7 @@ SETTERS: Final[Mapping[str, Callable[[Any, float], None]]] = {
 
 
 def _put(put: Callable[[Any, float], None], kind: type, spec: Any, parameter: Any) -> None:
+    # On a straight axis the inertia is the mass of the body.
     own = SETTERS["mechanism.mass"] if kind is Axis and put is SETTERS["mechanism.inertia"] else put
     own(spec, float(parameter.value[0]))
 
@@ -511,6 +533,7 @@ def _chunk(sysid: Any, model: Any, record: Measurement, segment: Any) -> tuple[A
     force, x = (np.interp(t, seen, np.asarray(record.values(n))) for n in ("force", "position"))
     state = sysid.create_initial_state(model, segment.guess[:1], segment.guess[1:2], np.empty(0))
     control = sysid.TimeSeries(t, np.column_stack([force, np.ones_like(t)]))
+    # Sensors are read at the end of each step.
     return state, control, sysid.TimeSeries.from_names(t[1:], x[1:, None], model)
 
 
@@ -555,6 +578,7 @@ def _speed_and_coefficient(record: Measurement) -> tuple[Array, Array]:
     speed = (pull[lag:] - pull[:-lag]) / (time[lag:] - time[:-lag])
     speed = np.concatenate([speed, np.full(lag, speed[-1])])
     coefficient = np.asarray(record.values("friction")) / np.asarray(record.values("load"))
+    # Never 0: its logarithm is taken.
     return np.maximum(speed, STEP * np.max(speed)), coefficient
 
 

@@ -18,8 +18,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from typing_extensions import override
-
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import law_type
@@ -153,7 +151,6 @@ class Results(Tabular):
     versions: Mapping[str, str] = field(default_factory=dict)
     """Of all that the results depend on."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each law, its parameters as text."""
         import pandas as pd
@@ -170,7 +167,6 @@ class Results(Tabular):
         """Return the rows of a task."""
         return tuple(one for one in self.rows if one.task == name)
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"seconds": "s"}
 
@@ -238,6 +234,7 @@ def run(
     pairs = [(one.name, tool) for one in chosen for tool in (OURS, *asked)]
     folder = Path(folder)
     known = _read(folder / JOURNAL)
+    # By all that a result depends on: a result of other code or data is not taken.
     digests = {pair: _digest(*pair) for pair in pairs}
     there = {pair: known[digest] for pair, digest in digests.items() if digest in known}
     missing = [pair for pair in pairs if pair not in there]
@@ -246,6 +243,7 @@ def run(
     def keep(found: tuple[tuple[str, str], list[Row]]) -> bool:
         nonlocal made
         pair, rows = found
+        # Written at once: what is done is not lost where a later pair ends the program.
         _append(folder / JOURNAL, digests[pair], rows)
         there[pair] = rows
         made += 1
@@ -281,6 +279,7 @@ def made_by(name: str, tool: str) -> tuple[tuple[str, str], list[Row]]:
         return (name, tool), [replace(empty, failed=f"left out: {asked.left_out[tool]}")]
     try:
         rows = list(_ours(asked) if tool == OURS else _of_peer(asked, tool))
+    # What a peer cannot do is a result; an error of the program is none and passes.
     except (StickslipError, ValueError, RuntimeError, ArithmeticError) as error:
         rows = [replace(empty, failed=f"{type(error).__name__}: {error}")]
     return (name, tool), rows
@@ -296,6 +295,7 @@ def _fit(asked: Task, law: Any, record: Any) -> Any:
 
 
 def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    # Processor time: other programs of a loaded machine do not count.
     begun = time.process_time()
     found = work()
     return time.process_time() - begun, found
@@ -319,6 +319,7 @@ def _ours(asked: Task) -> Iterator[Row]:
         lambda: select(asked.mechanism, asked.laws, fitted, **_options(asked))
     )
     for one in verdict.candidates:
+        # Of the laws, the one that the selection recommends and did not drop.
         named = one is verdict.best and not one.dropped
         own = replace(
             row, law=one.name, title=one.title, seconds=seconds, named=named, outcome=one.outcome
@@ -337,6 +338,7 @@ def _judged(row: Row, asked: Task, found: Any, judging: Any) -> Row:
             "symbol": one.quantity.symbol,
             "unit": one.quantity.unit,
             "value": one.value,
+            # Without a finite interval both ends are left out.
             "low": one.low if math.isfinite(one.high - one.low) and not one.reason else None,
             "high": one.high if math.isfinite(one.high - one.low) and not one.reason else None,
         }
@@ -365,6 +367,7 @@ def _of_peer(asked: Task, tool: str) -> Iterator[Row]:
             error=error, estimates=numbers, seconds=seconds, outcome=told.note,
         )  # fmt: skip
         return
+    # Its own fit tells unknowns and start, and judges values of others by the same steps.
     own = _fit(asked, peer.law, fitted)
     seconds, found = _timed(lambda: peer.fit(asked, fitted, own))
     at = _at(own, found)
@@ -395,6 +398,7 @@ def _at(own: RecordFit[Any], found: Found) -> RecordFit[Any]:
     values[:] = [found.values[path] for path in own.free_parameters.paths]
     best = own.problem.linearise(values, slopes=False)
     law = {
+        # Offsets of sensors are unknowns of the record, not parameters of the law.
         path: x
         for path, x in found.values.items()
         if path.startswith("friction.") and "offset" not in path
@@ -438,6 +442,7 @@ def _digest(name: str, tool: str) -> str:
 @functools.cache
 def _code() -> str:
     """Return the hash of all code of this package."""
+    # Of all files: what a result depends on cannot be told from the outside.
     found = hashlib.sha256()
     for path in sorted(Path(str(files(OURS))).rglob("*.py")):
         found.update(path.read_bytes())
@@ -470,6 +475,7 @@ def _read(path: Path) -> dict[str, list[Row]]:
         return found
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path} cannot be read: {error}.") from None
+    # Each line by itself: one that was cut off does not cost the others.
     for line in lines:
         try:
             one = json.loads(line)
@@ -621,6 +627,7 @@ def _section(asked: Task, rows: Sequence[Row]) -> Section:
         marks = [
             Interval(_called(one), one.error, one.doubt, one.named)
             for one in ordered
+            # Errors far beyond would press all others to one end of the axis.
             if best is not None and one.error < 50.0 * best.error
         ]
         height = max(INTERVAL_SIZE[1], 60 + 34 * len(marks))

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import FrictionLaw, law_type, with_typical_values
@@ -140,7 +139,6 @@ class Characterization(InPanels):
         }
         return {**one, "others": [other.to_dict() for other in self.others]}
 
-    @override
     def _summary(self) -> Summary:
         if self.others:
             head = ["test", *(one.title for one in self.all)]
@@ -221,6 +219,7 @@ def characterize(
         raise InputError(f"tests must name one of {', '.join(TESTS)}, got none.")
     given = [law_with_values(one, load) for one in (law, *others)]
     notes = [""] * len(given)
+    # Levels and stiffness of the first law, so that differences are those of the shape.
     if match:
         for i, one in enumerate(given[1:], 1):
             given[i], notes[i] = _matched(one, given[0])
@@ -233,6 +232,7 @@ def characterize(
     titles = _distinct([title for title, *_ in tried])
     benches: list[Bench] = []
     for _, one, at, _ in tried:
+        # Settings of matched laws are the same too.
         same = (benches[0].force, benches[0].speed) if benches and match else None
         benches.append(Bench.of(one, load, rig, at, same))
     count, done = len(chosen) * len(tried), itertools.count(1)
@@ -243,6 +243,7 @@ def characterize(
         for name in chosen:
             try:
                 results[name.replace("-", "_")] = TESTS[name](bench)
+            # One law that cannot be followed does not end the others.
             except SimulationError as error:
                 why, dot, _ = str(error).partition(". ")  # the rest is advice on rigs of one's own
                 failed[name] = (
@@ -286,6 +287,7 @@ def _matched(law: FrictionLaw, first: FrictionLaw) -> tuple[FrictionLaw, str]:
         value = getattr(first, own, None) if role in ROLES else None
         if value is not None:
             values[name] = float(value)
+    # A level at rest may not lie below one that was matched above it.
     for name, quantity in fields_of(type(law)).items():
         least = quantity.at_least
         if least in values and name not in values and (own_value := getattr(law, name)) is not None:
@@ -308,8 +310,9 @@ def _levels(
             " command line."
         )
     choices = [np.atleast_1d(np.asarray(inputs[name], dtype=float)) for name in law.inputs]
+    # Every combination of values, the last input fastest.
     for values in itertools.product(*choices):
-        at = {name: float(one) for name, one in zip(law.inputs, values, strict=True)}
+        at = {name: float(value) for name, value in zip(law.inputs, values, strict=True)}
         told = "".join(f", {name} {_input_text(name, one)}" for name, one in at.items())
         yield f"{law.title}{told}", law, at
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, 
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, bound
@@ -70,7 +69,6 @@ class Characteristic(OnAxes, Tabular, ABC):
         return found
 
     @final
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
         import pandas as pd
@@ -81,15 +79,12 @@ class Characteristic(OnAxes, Tabular, ABC):
         """Return the columns (n,) by name."""
         return {name: getattr(self, name) for name in self.columns}
 
-    @override
     def _over(self) -> str:
         return self.over
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return self.columns
 
-    @override
     def _summary(self) -> Summary:
         return Summary(sentence=self.sentence, notes=[self.conditions])
 
@@ -106,7 +101,7 @@ def _plain(value: Any) -> Any:
 
 Array: TypeAlias = NDArray[np.float64]
 
-SLOW = 1e-6
+LOOP_SPEED = 1e-6
 """Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
 LOOP_POINTS = 200
 """Points of each straight piece of the path."""
@@ -123,18 +118,15 @@ class PreslidingLoop(OnAxes, Tabular):
     friction: Array
     """Friction force (n,) [N]."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return displacement and friction as a pandas DataFrame."""
         import pandas as pd
 
         return pd.DataFrame({"displacement": self.displacement, "friction": self.friction})
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"displacement": "m", "friction": "N"}
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("largest displacement", f"{np.abs(self.displacement).max():.4g} m"),
@@ -154,8 +146,8 @@ def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     """
     rest = tuple(0.0 for _ in law.states)
     with Latches(off=True):  # where nothing has slipped yet
-        rates = law.rates(SLOW, load, rest)
-        moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+        rates = law.rates(LOOP_SPEED, load, rest)
+        moved = tuple(float(rate) / LOOP_SPEED for rate in rates)  # deflection per displacement
         # The laws are affine in their deflection at a given speed, so any step gives the slope.
         stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
     return float(law.break_away(load)) / stiffness
@@ -182,11 +174,14 @@ def presliding_loop(
     ends = [sign * amplitude * (n + 1) / swings for n in range(swings) for sign in (1.0, -1.0)]
     x, friction = [np.zeros(1)], [np.zeros(1)]
     z, latches = np.zeros(len(law.states)), Latches(off=True)
+    # The last piece goes back to where the widest swing began, which closes its loop.
     for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
         x.append(np.linspace(start, end, LOOP_POINTS + 1)[1:])
-        v = SLOW if end > start else -SLOW
-        states = _moved(law, v, z, load, np.abs(x[-1] - start) / SLOW, latches)
-        friction.append(np.array([law.force(v, load, tuple(map(float, one))) for one in states]))
+        v = LOOP_SPEED if end > start else -LOOP_SPEED
+        states = _moved(law, v, z, load, np.abs(x[-1] - start) / LOOP_SPEED, latches)
+        friction.append(
+            np.array([law.force(v, load, tuple(map(float, state))) for state in states])
+        )
         z = states[-1]
     return PreslidingLoop(displacement=np.concatenate(x), friction=np.concatenate(friction))
 
@@ -197,6 +192,7 @@ def _moved(
     """Return the states (n, states) at increasing times of a motion at a constant slip velocity."""
     found = []
     for time in times:
+        # Flags of latches stay as they were at the beginning of the piece.
         with latches:
             found.append(law.moved(v, load, tuple(map(float, z)), float(time)))
     latches.turn()
@@ -208,6 +204,7 @@ def _moved(
 
     from scipy.integrate import solve_ivp
 
+    # Absolute errors count where deflections go through 0.
     nothing = ACCURATE * presliding_length(law, load)
     span = (0.0, times[-1])
     run = solve_ivp(rates, span, z, "DOP853", times, rtol=ACCURATE, atol=nothing)
@@ -226,7 +223,7 @@ STIFF, QUICK = 1e5, 1e-6
 """Stiffness of the load cell over that of the contact, and its time constant [s]."""
 SOFT, SLUGGISH = 1e2, 1e-4
 """The same where the contact has no state that only the path may move."""
-NEAR = 1e-9
+START_SHARE = 1e-9
 """Share of the presliding length at which states begin: some laws switch at exactly 0."""
 
 
@@ -266,6 +263,7 @@ class Bench(Parametrised):
                 f" taken, got {type(rig).__name__}."
             )
         mass = rig.inertia if isinstance(rig, Axis) else rig.mass
+        # Without a spring of its own, one of 10 rad/s stands for it.
         stiffness = rig.stiffness or 100.0 * mass
         return cls(
             law=law,
@@ -337,6 +335,7 @@ class Bench(Parametrised):
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
         contact = GuidedContact(
+            # m = k T^2 and c = 2 k T: critically damped, with that time constant.
             mass=stiffness * time * time,
             stiffness=stiffness,
             damping=2.0 * stiffness * time,
@@ -356,7 +355,7 @@ class Bench(Parametrised):
         """What a force below the levels stays below, in words."""
         return "break-away" if self.sticks else "its level of sliding"
 
-    def deflected(self, share: float = NEAR) -> dict[str, float]:
+    def deflected(self, share: float = START_SHARE) -> dict[str, float]:
         """Return states of the law at a share of the presliding length."""
         return dict.fromkeys(self.law.states, share * self.reach)
 
@@ -383,16 +382,14 @@ class GuidedContact(Mechanism):
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force."""
 
-    @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         return 0.5 * self.mass * q_dot["x"] * q_dot["x"]
 
-    @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        # The far end stands for the path, whose reaction is the measured force.
         stretch = q["u"] - q["x"]
         return 0.5 * self.stiffness * stretch * stretch
 
-    @override
     def forces(
         self,
         t: Scalar,
@@ -403,19 +400,15 @@ class GuidedContact(Mechanism):
         force = self.damping * (q_dot["u"] - q_dot["x"])
         return {"x": force, "u": -force}
 
-    @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", load=self.load),)
 
-    @override
     def drives(self) -> Mapping[str, Drive]:
         return {"path": self.path}
 
-    @override
     def guided(self) -> Mapping[str, Guide]:
         return {"u": Guide(drive="path", effort="pull", unit="N")}
 
-    @override
     def start(self) -> Mapping[str, Scalar]:
         return {"w": self.rate, "v": self.rate}
 
@@ -432,6 +425,7 @@ def there_and_back(
         pauses or [0.0] * len(places),
         strict=True,
     ):
+        # Half the time speeding up, half slowing down: the peak speed is twice the mean one.
         lasts = 2.0 * abs(place - here) / float(fastest)
         acceleration = 4.0 * (place - here) / (lasts * lasts)
         times += [now, now + 0.5 * lasts]
@@ -442,6 +436,7 @@ def there_and_back(
             times.append(now)
             values.append(0.0)
             now += pause
+    # After the last arrival it rests, from the next number on.
     if times[-1] < now or not pauses:
         times.append(math.nextafter(now, math.inf))
         values.append(0.0)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven
@@ -24,7 +23,7 @@ DWELLS = (0.1, 1.0, 10.0, 100.0)
 """Times at rest [s]."""
 FINE = 4001
 """Times at which a peak is looked at."""
-ALIKE = 0.01
+PEAK_TOLERANCE = 0.01
 """Share by which peaks have to differ to depend on anything."""
 MOST_STEPS = 100_000
 """Steps after which a run with a rest is given up: some laws switch without end at rest."""
@@ -53,7 +52,6 @@ class BreakAway(Characteristic):
     rest."""
 
     @property
-    @override
     def sentence(self) -> str:
         if np.isnan(self.force).all():
             return (
@@ -62,7 +60,7 @@ class BreakAway(Characteristic):
             )
         peaked = ~np.isnan(self.force)
         seen = self.force[peaked]
-        if np.ptp(seen) > ALIKE * seen.max():
+        if np.ptp(seen) > PEAK_TOLERANCE * seen.max():
             slow, fast = (quantity(self.rate[peaked][i], "N/s") for i in (0, -1))
             verb = "falls" if seen[-1] < seen[0] else "rises"
             by_rate = (
@@ -75,7 +73,7 @@ class BreakAway(Characteristic):
                 f"Break-away takes {quantity(seen.max(), 'N', 4)} however fast the force grows."
             )
         after = self.force_after[~np.isnan(self.force_after)]
-        if len(after) > 1 and np.ptp(after) > ALIKE * after.max():
+        if len(after) > 1 and np.ptp(after) > PEAK_TOLERANCE * after.max():
             return (
                 f"{by_rate} It goes from {quantity(after[0], 'N')} after"
                 f" {quantity(self.dwell[0], 's')} at rest to {quantity(after[-1], 'N')} after"
@@ -83,7 +81,6 @@ class BreakAway(Characteristic):
             )
         return f"{by_rate} The time at rest does not matter." if len(after) else by_rate
 
-    @override
     def _values(self) -> Mapping[str, Array]:
         """Return a row for each rate, then for each time at rest."""
         return {
@@ -163,6 +160,7 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     force = run.at(times)["friction"]
     least = 1e-9 * np.abs(force).max()
     inner = (force[1:-1] > force[:-2] + least) & (force[1:-1] >= force[2:])
+    # A peak counts only where friction falls below it later, by more than ripples do.
     lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
     falls = lowest_later < force[1:-1] - FALL * np.abs(force).max()
     found = np.flatnonzero(inner & falls)
@@ -183,7 +181,7 @@ DRIFT_SAMPLES = 2000
 FOREVER = 1e9
 GROWN = 0.2
 """Share of a run in which a constant force is reached: a sudden one would set swings off."""
-STILL = 1e-3
+DRIFT_TOLERANCE = 1e-3
 """Drift over the presliding length that counts as none."""
 
 
@@ -212,7 +210,7 @@ class Drift(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return abs(self.distance) <= STILL * self.length
+        return abs(self.distance) <= DRIFT_TOLERANCE * self.length
 
     @property
     def rate(self) -> float:
@@ -220,7 +218,6 @@ class Drift(Characteristic):
         return self.distance / self.lasts
 
     @property
-    @override
     def sentence(self) -> str:
         if self.stays:
             return "It does not drift: under a load below break-away the body stays in its place."
@@ -291,10 +288,9 @@ class Creep(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return bool(abs(self.speed * self.t[-1]) <= STILL * self.length)
+        return bool(abs(self.speed * self.t[-1]) <= DRIFT_TOLERANCE * self.length)
 
     @property
-    @override
     def sentence(self) -> str:
         if self.stays:
             return "It does not creep: a constant force below break-away is held."
@@ -360,9 +356,11 @@ def _balanced(bench: Bench, force: float) -> float:
     def excess(speed: float) -> float:
         return float(bench.curve.steady(speed, bench.load)) - force
 
+    # Over fifteen decades: a curve may cross the force anywhere.
     speeds = bench.speed * np.geomspace(1e-9, 1e6, 301)
     if float(bench.curve.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
         return 0.0
+    # The first crossing: beyond it friction may fall and rise again.
     above = [speed for speed in speeds if excess(speed) >= 0.0]
     if not above:
         return float("inf")
@@ -413,7 +411,6 @@ class Presliding(Characteristic):
     """Whether some force leaves the body at rest."""
 
     @property
-    @override
     def sentence(self) -> str:
         if not self.sticks:
             return (

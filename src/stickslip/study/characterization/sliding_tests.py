@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, SimulationError
@@ -53,7 +52,6 @@ class SteadyCurve(Characteristic):
     """Whether the body stays at rest under any smaller force."""
 
     @property
-    @override
     def sentence(self) -> str:
         ahead, back = (self._side(side) for side in (1, -1))
         same = ahead == back
@@ -132,7 +130,7 @@ MEAN, SWING = 1.5, 1.0
 """Mean and amplitude of the velocity, over the one at which friction changes."""
 LAG_CYCLES = 5
 LAG_POINTS = 201
-NOTHING = 1e-3
+WIDTH_TOLERANCE = 1e-3
 """Width over the force that counts as none."""
 
 
@@ -161,11 +159,10 @@ class Lag(Characteristic):
         return self.gaining - self.slowing
 
     @property
-    @override
     def sentence(self) -> str:
         i = int(np.argmax(np.abs(self.width)))
         at = quantity(self.frequency[i], "Hz")
-        if abs(self.width[i]) < NOTHING * abs(self.gaining[i]):
+        if abs(self.width[i]) < WIDTH_TOLERANCE * abs(self.gaining[i]):
             return (
                 "Friction follows the velocity without lag: what it does at a speed does not depend"
                 " on whether the body becomes faster or slower."
@@ -181,7 +178,6 @@ class Lag(Characteristic):
             " slows down."
         )
 
-    @override
     def _values(self) -> Mapping[str, Array]:
         return {
             "frequency": np.repeat(self.frequency, self.velocity.shape[1]),
@@ -203,6 +199,7 @@ def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:
     swing = SWING * bench.speed
     for frequency in frequencies:
         omega = 2.0 * np.pi * frequency
+        # Share of the cycle at which the velocity falls through the one at which friction changes.
         slowing = np.arccos((1.0 - MEAN) / SWING) / (2.0 * np.pi)
         if not bench.law.states:  # friction is a function of the velocity: no run is needed
             shares = np.concatenate([np.linspace(0.0, 1.0, LAG_POINTS), [slowing, 1.0 - slowing]])
@@ -254,7 +251,7 @@ SEARCHED = 3
 """The same in the search."""
 LENGTH_STEPS = 32
 """Steps of Runge-Kutta for each presliding length."""
-FEWEST = 64
+FEWEST_STEPS = 64
 """Steps of each piece at least."""
 CHECKED, FINER, AGREED = 10, 4, 1e-3
 """Motions that are looked at with shorter steps, how much shorter these are, and how far their
@@ -288,7 +285,6 @@ class Passivity(Characteristic):
         return self.worst >= -SMALL * self.scale
 
     @property
-    @override
     def sentence(self) -> str:
         if not self.passive:
             motion = ", ".join(
@@ -358,6 +354,7 @@ def cycle_energy(
             f"a cycle needs as many durations above 0 s as velocities, got {v.shape[0]} velocities"
             f" and {t.shape[0]} durations."
         )
+    # Without states friction follows from the velocity: no steps are needed.
     if not law.states:
         force = np.array([law.steady(one, load) for one in v]) + np.zeros_like(v)
         return np.asarray((force * v * t).sum(axis=0))
@@ -368,7 +365,8 @@ def cycle_energy(
         energy = np.zeros(v.shape[1])
         for speed, lasts in zip(v, t, strict=True):
             way = float(np.abs(speed * lasts).max()) / length
-            count = finer * max(FEWEST, int(np.ceil(LENGTH_STEPS * way)))
+            # So many steps for each presliding length, over which states relax.
+            count = finer * max(FEWEST_STEPS, int(np.ceil(LENGTH_STEPS * way)))
             z, work = _moved(law, load, speed, lasts / count, count, z, flags)
             energy = energy + work
     return energy
@@ -413,8 +411,10 @@ def _moved(
             for a, b, c, d in zip(start, z, first, k1, strict=True)
         )
         now = power(z)
+        # Simpson's rule, with the state half-way.
         work = work + h / 6.0 * (before + 4.0 * power(half) + now)
         before = now
+        # Latches turn between steps only; rates are those of their new sides then.
         if flags:
             rates(z)
             flags.turn()
@@ -462,6 +462,7 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
         size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, tried)))
         for size, (low, high) in ((bench.reach, WAYS), (bench.speed, CYCLE_SPEEDS))
     )
+    # The first half goes one way; in the rest each piece goes either way.
     speed[:, tried // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, tried - tried // 2))
     # slow, then too fast for the states to follow
     speed[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0])
@@ -483,6 +484,7 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
         energy = np.append(energy, searched(*near))
         speed, way = (np.append(a, b, axis=1) for a, b in zip((speed, way), near, strict=True))
     lasts = way / np.abs(speed)
+    # An energy that differs with the steps is an artefact: the next motion is looked at.
     for i in np.argsort(energy)[:CHECKED]:
         with np.errstate(all="ignore"):
             worst, finer = (

@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import ensemble, simulate
 from stickslip.engine.solver import Max, Min
@@ -80,7 +79,6 @@ class StickSlipMap(Characteristic):
     """Runs that are not certified and count as sliding."""
 
     @property
-    @override
     def sentence(self) -> str:
         place = len(self.stiffness) // 2
         at = quantity(self.stiffness[place], "N/m")
@@ -113,7 +111,6 @@ class StickSlipMap(Characteristic):
             f" or stiffer.{beyond}"
         )
 
-    @override
     def _values(self) -> Mapping[str, NDArray[Any]]:
         speed, stiffness = np.meshgrid(self.speed, self.stiffness)
         return {
@@ -148,11 +145,13 @@ def stick_slip_map(
     told(1, HALVINGS + 1)
     shape = len(k), len(v)
     sticks, amplitude = sticks.reshape(shape), amplitude.reshape(shape)
+    # The highest speed of each row at which it sticks: the boundary lies behind it.
     last = np.array([np.flatnonzero(row)[-1] if row.any() else -1 for row in sticks])
     inner = (last >= 0) & (last < len(v) - 1)
     low, high = v[np.maximum(last, 0)], v[np.minimum(last + 1, len(v) - 1)]
     for n in range(HALVINGS):
         if inner.any():
+            # Speeds span decades: halved by their ratio.
             middle = np.sqrt(low * high)
             stuck = np.zeros(len(k), dtype=bool)
             stuck[inner] = _runs(bench, middle[inner], k[inner])[1]
@@ -184,6 +183,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     needed = STRETCHES * stretched + RUN_PERIODS * 2.0 * np.pi * np.sqrt(bench.mass / stiffness)
     amplitude, sticks = np.zeros(len(speed)), np.zeros(len(speed), dtype=bool)
     bad = 0
+    # Runs of one ensemble end together: those of about one duration are made in one.
     group = np.floor(np.log(needed) / np.log(RATIO)).astype(int)
     for one in np.unique(group):
         chosen = np.flatnonzero(group == one)
@@ -205,6 +205,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
         good = runs.certified
         bad += int((~good).sum())
         amplitude[chosen] = np.where(good, 0.5 * (fast - slow), np.nan)
+        # Late in the run it nearly rests, and it overtakes the belt.
         sticks[chosen] = good & (slow < STUCK) & (fast > 1.0 + STUCK)
     return amplitude, sticks, bad
 
@@ -263,6 +264,7 @@ def _grows(bench: Bench, stiffness: float, speed: float) -> bool:
     matrix[1:, 1:] = inner
     matrix[1, 1] -= float(_damper(bench, stiffness)) / bench.mass
     values = np.linalg.eigvals(matrix)
+    # Growth beyond the rounding of the largest eigenvalue.
     return bool(values.real.max() > 1e-9 * np.abs(values).max())
 
 
@@ -302,6 +304,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return ()
     length = presliding_length(law, load)
     z, latches = (0.0,) * len(law.states), Latches(off=True)
+    # Twice as long each time, until nothing changes any more.
     for doublings in range(DOUBLINGS):
         with latches:
             known = law.moved(speed, load, z, 2.0**doublings * length / speed)
@@ -313,7 +316,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return z
 
     def rates(shares: Array) -> Array:
-        found = law.rates(speed, load, tuple(float(one) * length for one in shares))
+        found = law.rates(speed, load, tuple(float(share) * length for share in shares))
         return np.asarray(found, dtype=float) / speed
 
     found = root(rates, np.full(len(law.states), 0.9))
@@ -362,7 +365,6 @@ class Hunting(Characteristic):
     """Distance from the target at the end [m]."""
 
     @property
-    @override
     def sentence(self) -> str:
         if self.kind in ("limit cycle", "growing", "irregular") and np.isfinite(self.amplitude):
             how = {"growing": ", and more from cycle to cycle", "irregular": " irregularly"}
@@ -448,7 +450,6 @@ class Cost(Characteristic):
         return float(self.rate.max()) if len(self.rate) else np.nan
 
     @property
-    @override
     def sentence(self) -> str:
         fast = self.largest_rate
         run = (

@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeAlias
 
-from typing_extensions import override
-
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound, is_bound
 from stickslip.mechanisms import Mechanism, within_limit
@@ -84,7 +82,6 @@ class PID(Parametrised):
     """What is added before the limit, such as a compensation of friction."""
     _memory: _PidMemory = field(default_factory=_PidMemory, init=False, repr=False, compare=False)
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -113,6 +110,7 @@ class PID(Parametrised):
         command += self.derivative * (value_at(self.reference_rate, t) - speed)
         if self.feedforward is not None:
             command += self.feedforward(t, measured)
+        # The integral part is added within the limit, so that it does not wind up there.
         found, integral = self._integrated(command, error, since)
         memory.t, memory.place, memory.speed, memory.integral = t, place, speed, integral
         return found
@@ -121,9 +119,11 @@ class PID(Parametrised):
         """Return the measured rate, or an estimate."""
         if self.rate is not None:
             return _seen(measured, self.rate)
+        # One sample tells no rate.
         if since <= 0.0:
             return 0.0
         raw = (place - self._memory.place) / since
+        # A first-order low pass, discretised backwards: stable whatever the interval is.
         share = since / (self.filter_time + since)
         return self._memory.speed + share * (raw - self._memory.speed)
 
@@ -135,6 +135,7 @@ class PID(Parametrised):
         found, integral = within_limit(command, before, grown, limit)
         if self.tracking_time is not None:
             share = min(since / self.tracking_time, 1.0)
+            # Back-calculation: what the limit took off is led back within the tracking time.
             return found, grown + share * (found - (command + grown))
         return found, integral
 
@@ -162,6 +163,7 @@ def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
     >>> sliding_force(Coulomb(kinetic_coefficient=0.25), -0.1, load=4.0)
     -1.0
     """
+    # The sign of rest is open; a push of break-away would chatter.
     if velocity == 0.0:
         return 0.0
     if isinstance(law, FrictionLaw):
@@ -193,7 +195,6 @@ class FrictionCompensation(Parametrised):
     velocity: str | Callable[[float], float] = "v"
     """Name of a measured rate, or the desired velocity as a function of time."""
 
-    @override
     def __post_init__(self) -> None:
         """Check the law."""
         super().__post_init__()
@@ -230,6 +231,7 @@ class FrictionCompensation(Parametrised):
         if inputs:
             law = bound(law, dict(zip(self.inputs, inputs, strict=True)))
         share = min(abs(speed) / self.width, 1.0)
+        # 0 at rest with a slope, 1 at the width without one: no kink in either place.
         crossing = 0.5 * share * (3.0 - share * share)
         return self.factor * crossing * sliding_force(law, speed, load)
 
@@ -364,7 +366,6 @@ class PartialLinearisation(Parametrised):
         default_factory=_LinearisationMemory, init=False, repr=False, compare=False
     )
 
-    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
@@ -414,17 +415,21 @@ class PartialLinearisation(Parametrised):
         """Return the command, None where there is none."""
         row = self.mechanism.coordinates.index(self.track)
         if abs(speed) > self.rest_speed:
+            # Slip tells the direction of friction.
             return self._sliding(table, row, target, self._line(speed))
         if row == slip:  # it must break away, to where it is asked to go
             side = 1.0 if target > 0.0 else -1.0
             return self._sliding(table, row, target, self._holding(side))
         held, friction, normal = self._stuck(table, row, slip, target)
+        # What holds is within the cone of friction: the body stays.
         if held is None or abs(friction) <= float(self.law.break_away(normal)):
             return held
         side = 1.0 if friction > 0.0 else -1.0
+        # The limit of slip from rest: no speed yet, and already a direction.
         return self._sliding(table, row, target, self._line(side * 1e-300))
 
     def _line(self, speed: float) -> _Line:
+        # Laws are affine in the load: two loads tell the line.
         none, one = (sliding_force(self.law, speed, load) for load in (0.0, 1.0))
         return _Line(none, one - none)
 
@@ -435,6 +440,7 @@ class PartialLinearisation(Parametrised):
     def _sliding(self, table: Any, row: int, target: float, friction: _Line) -> float | None:
         """Solve acceleration, normal force and friction for the command."""
         (free, by_friction, by_command), (n_0, n_f, n_u) = table[:, row], table[:, -1]
+        # N = n_0 + n_f F + n_u u and F = c + s N, solved for N.
         pivot = 1.0 - friction.slope * n_f
         if pivot <= 0.0:
             return None  # Painleve's paradox
@@ -454,6 +460,7 @@ class PartialLinearisation(Parametrised):
         self, table: Any, row: int, slip: int, target: float
     ) -> tuple[float | None, float, float]:
         """Return command, friction and normal force while the contact holds."""
+        # Friction that holds makes the acceleration of the slip 0: F = -(s_0 + s_u u) / s_f.
         (a_0, a_f, a_u), (s_0, s_f, s_u), (n_0, n_f, n_u) = (table[:, i] for i in (row, slip, -1))
         gain = a_u - a_f * s_u / s_f
         if self._is_singular(gain, abs(a_u) + abs(a_f * s_u / s_f)):

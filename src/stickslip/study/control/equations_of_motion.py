@@ -245,6 +245,7 @@ class Evaluator:
         from stickslip.engine.solver import Equations, gather
 
         _refuse_prescribed(mechanism)
+        # A command of 0 makes room for commands among the drives' numbers.
         none = Sampled(times=(0.0,), values=(0.0,))
         mechanism, name = place_of(mechanism, drive).commanded(mechanism, none)
         law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
@@ -261,6 +262,7 @@ class Evaluator:
         """
         import numpy as np
 
+        # All is affine in both: three evaluations tell everything.
         rows = [self._at(t, state, *unit) for unit in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))]
         found = np.array(rows)
         found[1:] -= found[0]
@@ -315,10 +317,12 @@ class DynamicsOfContacts:
         if drive >= 0:
             w[self.places[drive]] += 1.0
         w[first : first + 2 * n], w[at.TIME] = state, t
+        # Twice: first what turns states, then what depends on the turned state.
         prepare(t, w, whole)
         turn_states(first, 0, w, whole)
         for _ in range(max(whole[at.N_SWITCHES], 1)):
             set_own_flags(0, w, whole)
+        # All slip: friction is given, and nothing holds.
         for i in range(whole[at.N_DIRECTIONS]):
             whole[whole[at.MODES] + i] = FORWARD
         prepare(t, w, whole)
@@ -326,6 +330,7 @@ class DynamicsOfContacts:
         factorise(w, whole)
         evaluate(FORCES, 0, whole[at.FLAGS], t, w, first, whole[at.FORCE])
         evaluate(LOADS, 0, whole[at.FLAGS], t, w, first, whole[at.LOAD])
+        # A given friction, whatever the loads are.
         for c in range(count):
             w[whole[at.FRICTION_CONSTANT] + c] = 1.0 if c == contact else 0.0
             w[whole[at.FRICTION_FACTOR] + c] = 0.0
@@ -357,6 +362,7 @@ class DynamicsOfContacts:
                 slips[j, c] = along * w[whole[at.SLIP_FACTORS] + c]
         frictions = [self.at(t, state, contact=c)[1] - loads for c in range(count)]
         commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
+        # Back in coordinates of the mechanism: T^T M T and T^T h.
         return {
             "coordinates": mechanism.coordinates,
             "mass": turn.T @ mass @ turn,
@@ -440,6 +446,7 @@ def dynamics_at(
     table = evaluator(t, state)
     n = len(mechanism.coordinates)
     mass = _mass(mechanism, state[:n])
+    # Forces are the mass matrix times the accelerations that they give.
     free, driven = mass @ table[0, :n], mass @ table[2, :n]
     return Dynamics(
         coordinates=mechanism.coordinates,

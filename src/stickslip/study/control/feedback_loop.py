@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine.simulation import END, event_driven_law, initial_state, refuse
 from stickslip.engine.solver import EventDriven, IncrementalRun
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 # Closes the loop: a controller that samples, computes and holds, around an exact simulation.
 
-SAME = 1e-9
+PERIOD_TOLERANCE = 1e-9
 """Share of a period that counts as none: delays are multiples of it or are not."""
 Stretch: TypeAlias = tuple[float, float, float]
 """Start of a stretch of constant or straight command [s], its value there, its slope."""
@@ -55,12 +54,13 @@ class Timing(Parametrised):
 
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
-        return [k * self.period for k in range(math.ceil(t_end / self.period - SAME))]
+        # Rounding of the end must not add a sample there.
+        return [k * self.period for k in range(math.ceil(t_end / self.period - PERIOD_TOLERANCE))]
 
     def lag(self) -> tuple[int, float]:
         """Return the delay as whole periods and a rest [s]."""
         whole = round(self.delay / self.period)
-        if abs(self.delay - whole * self.period) <= SAME * self.period:
+        if abs(self.delay - whole * self.period) <= PERIOD_TOLERANCE * self.period:
             return whole, 0.0
         whole = math.floor(self.delay / self.period)
         return whole, self.delay - whole * self.period
@@ -82,6 +82,8 @@ class Commands:
         self.whole, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
         self.told: list[float] = []
+        # Pieces of the drive begin at samples, and where commands act that are late by part of a
+        # period.
         ends = [*samples[1:], t_end]
         middle = [t + self.rest for t in samples if self.rest > 0.0]
         inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
@@ -105,6 +107,7 @@ class Commands:
         value, slope = self._line(index - self.whole)
         if self.rest <= 0.0:
             return [(start, value, slope)]
+        # The command before goes on until the new one acts.
         old, steep = self._line(index - self.whole - 1)
         first = (start, old + steep * (self.period - self.rest), steep)
         middle = start + self.rest
@@ -227,7 +230,6 @@ class ClosedLoop(InPanels, Tabular):
         """How the run ended."""
         return self.run.status
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured, requested and commanded as a pandas DataFrame, a row a sample.
 
@@ -245,15 +247,12 @@ class ClosedLoop(InPanels, Tabular):
             }
         return pd.DataFrame({"t": self.t, **seen, **commands})
 
-    @override
     def _over(self) -> str:
         return "t"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s", **{f"measured_{name}": self.run.units[name] for name in self.measured}}
 
-    @override
     def _summary(self) -> Summary:
         rows = (
             ("time", f"{number(self.run.span[0], 6)} to {number(self.run.span[1], 6)} s"),
@@ -379,6 +378,7 @@ def closed_loop(
     several = drive is not None and not isinstance(drive, str)
     walk = _Walk(onward, controller, sensors, commands, timing, several)
     book = walk.made([*samples, last], progress)
+    # Once more with all that was commanded: `simulate` makes the same run of it.
     driven = mechanism
     for name, place in places.items():
         driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
@@ -460,7 +460,7 @@ class _Walk:
 
     def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
         """Run from a sample to the next; return whether it was reached."""
-        told = {name: one.stretches(k, t, end) for name, one in self.commands.items()}
+        told = {name: command.stretches(k, t, end) for name, command in self.commands.items()}
         together = list(zip(*told.values(), strict=True))
         ends = [*[lines[0][0] for lines in together[1:]], end]
         for lines, until in zip(together, ends, strict=True):
@@ -536,7 +536,7 @@ SAMPLES = 20_000
 """Evenly spaced times at which a run is looked at, beside the ends of its steps."""
 HYSTERESIS = 0.2
 """Share of the range that a crossing must pass on either side of the middle."""
-FEWEST = 3
+FEWEST_CYCLES = 3
 """Cycles that tell whether they are alike."""
 TOLERANCE = Quantity("eps", above=0, high=1)
 
@@ -637,10 +637,11 @@ def limit_cycle(
             f"limit_cycle: since must lie between {number(first, 6)} and {number(last, 6)} s, got"
             f" {number(begin, 6)}."
         )
+    # Ends of steps too: fast extremes lie between even times.
     times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
     values = run.at(times)[state]
     starts = _crossings(times, values)
-    if len(starts) <= FEWEST or 0.5 * float(np.ptp(values)) < least:
+    if len(starts) <= FEWEST_CYCLES or 0.5 * float(np.ptp(values)) < least:
         return _described("none", np.empty((0, 3)), run, (begin, last))
     edges = np.searchsorted(times, starts)
     parts = [values[a:b] for a, b in itertools.pairwise(edges)]
@@ -657,12 +658,14 @@ def _crossings(t: Any, x: Any) -> Any:
     import numpy as np
 
     middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
+    # With hysteresis: a side is known only beyond a tenth of the range from the middle.
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
     told = np.flatnonzero(side)
     ups = [k for k in range(1, len(told)) if side[told[k]] > 0 > side[told[k - 1]]]
     found = []
     for k in ups:
         a, b = told[k - 1], told[k]
+        # The first sample above the middle, and a straight line from the one before.
         i = a + int(np.flatnonzero(x[a + 1 : b + 1] > middle)[0])
         found.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))
     return np.array(found)

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import rig_toml
 from stickslip.engine.executors import check_executor
@@ -170,7 +169,6 @@ class Optimum(Tabular):
             "certified": self.run.certificate.certified,
         }
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the motions that were compared as a pandas DataFrame, a row each.
 
@@ -193,11 +191,9 @@ class Optimum(Tabular):
         ]
         return pd.DataFrame(rows)
 
-    @override
     def _over(self) -> str:
         return "motion"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {self.goal.name: self.goal.unit}
 
@@ -207,7 +203,6 @@ class Optimum(Tabular):
         t_end = SHOWN_CYCLES * self.cycle.period
         return rig_toml(self.mechanism, self.law, title=title, t_end=t_end)
 
-    @override
     def __repr__(self) -> str:
         head = f"{self.goal.title} {with_unit(number(self.value, 6), self.goal.unit)}"
         if self.factor is not None and self.best is not self.three_phase:
@@ -629,7 +624,6 @@ class ParetoFront(Tabular):
         """Energies per travel [J/m] or back-slips per cycle [m] (n,), the worst scenario's."""
         return np.array([cost_of(motion, self.cost) for motion in self.motions])
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each motion."""
         import pandas as pd

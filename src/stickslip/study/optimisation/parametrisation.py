@@ -8,7 +8,6 @@ from typing import ClassVar, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.mechanisms.drives import (
@@ -30,7 +29,7 @@ SLOWEST, FASTEST = 1.0 / 50.0, 200.0
 """Accelerations, over the one that just reaches the rate allowed within the position allowed."""
 LEAST_SHARE = 0.05
 """Least top rate over the one that could be reached."""
-SHORTEST, LONGEST = 0.5, 30.0
+SHORTEST_SPLINE, LONGEST_SPLINE = 0.5, 30.0
 """Durations of a spline, over the time for there and back at the rate allowed."""
 BELOW = 1.0 - 1e-12
 """A top rate must be reached, rounding included."""
@@ -111,22 +110,18 @@ class ThreePhases(Space):
     kind: ClassVar[str] = "three-phase"
 
     @property
-    @override
     def size(self) -> int:
         return 3
 
-    @override
     def profile(self, u: Array) -> ThreePhase:
         outer, middle = (_between(*self.accelerations, x) for x in u[1:])
         return _three_phases(self.amplitude(u[0]), outer, middle)
 
-    @override
     def place(self, profile: Profile) -> Array | None:
         if not isinstance(profile, ThreePhase) or profile.last is not None:
             return None
         return self.inside([self.share(profile), *self.placed(profile.accelerations[:2])])
 
-    @override
     def paths(self, u: Array) -> Mapping[str, float]:
         return _numbers(self.profile(u))
 
@@ -137,22 +132,18 @@ class ThreeAccelerations(Space):
     kind: ClassVar[str] = "three-accelerations"
 
     @property
-    @override
     def size(self) -> int:
         return 4
 
-    @override
     def profile(self, u: Array) -> ThreePhase:
         first, middle, last = (_between(*self.accelerations, x) for x in u[1:])
         return _three_phases(self.amplitude(u[0]), first, middle, last)
 
-    @override
     def place(self, profile: Profile) -> Array | None:
         if not isinstance(profile, ThreePhase | TimedThreePhase):
             return None
         return self.inside([self.share(profile), *self.placed(profile.accelerations)])
 
-    @override
     def paths(self, u: Array) -> Mapping[str, float]:
         return _numbers(self.profile(u))
 
@@ -175,14 +166,13 @@ class SevenSteps(Space):
     kind: ClassVar[str] = "seven-step"
 
     @property
-    @override
     def size(self) -> int:
         return 6
 
-    @override
     def profile(self, u: Array) -> SevenStep:
         fast, slow = (_between(*self.accelerations, x) for x in u[1:3])
         amplitude = self.amplitude(u[0])
+        # Rates are shares of what is reached: any point of the cube is a motion.
         most = min(_reachable(amplitude, fast, slow), self.limits.rate)
         there, back = (most * (LEAST_SHARE + (1.0 - LEAST_SHARE) * x) for x in u[3:5])
         return SevenStep(
@@ -198,7 +188,6 @@ class SevenSteps(Space):
     def _longest_pause(self) -> float:
         return 4.0 * self.limits.position / self.limits.rate
 
-    @override
     def place(self, profile: Profile) -> Array | None:
         if isinstance(profile, ThreePhase):  # begins with its first two accelerations both ways
             fast, slow, _ = profile.accelerations
@@ -218,7 +207,6 @@ class SevenSteps(Space):
             ]
         )
 
-    @override
     def paths(self, u: Array) -> Mapping[str, float]:
         return _numbers(self.profile(u))
 
@@ -234,17 +222,14 @@ class Sines(Space):
     kind: ClassVar[str] = "sine"
 
     @property
-    @override
     def size(self) -> int:
         return 2
 
-    @override
     def profile(self, u: Array) -> SineSwing:
         amplitude = self.amplitude(u[0])
         rate = _between(LEAST_SHARE, 1.0, u[1]) * self.limits.rate
         return SineSwing(amplitude=amplitude, frequency=rate / (2.0 * math.pi * amplitude))
 
-    @override
     def place(self, profile: Profile) -> Array | None:
         if not isinstance(profile, SineSwing):
             return None
@@ -256,7 +241,6 @@ class Sines(Space):
             ]
         )
 
-    @override
     def paths(self, u: Array) -> Mapping[str, float]:
         return _numbers(self.profile(u))
 
@@ -270,21 +254,18 @@ class Splines(Space):
     """Number of positions."""
 
     @property
-    @override
     def size(self) -> int:
         return self.knots + 1
 
     @property
     def _durations(self) -> tuple[float, float]:
         unit = 4.0 * self.limits.position / self.limits.rate
-        return SHORTEST * unit, LONGEST * unit
+        return SHORTEST_SPLINE * unit, LONGEST_SPLINE * unit
 
-    @override
     def profile(self, u: Array) -> SplineSwing:
         positions = tuple((self.limits.position * (2.0 * u[1:] - 1.0)).tolist())
         return SplineSwing(positions=positions, duration=_between(*self._durations, u[0]))
 
-    @override
     def place(self, profile: Profile) -> Array | None:
         period = float(profile.period)
         positions = [profile.at(k * period / self.knots)[0] for k in range(self.knots)]
@@ -295,7 +276,6 @@ class Splines(Space):
             ]
         )
 
-    @override
     def paths(self, u: Array) -> Mapping[str, float]:
         return {}
 

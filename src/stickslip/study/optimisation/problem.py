@@ -258,6 +258,7 @@ def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -
     last = run.at(np.linspace((count - 1) * period, count * period, 33))
     before = run.at([(count - 2) * period])
     x, v = last[slip], last[rate]
+    # Travel of the last cycle less that of the one before.
     more = (x[-1] - x[0]) - (x[0] - before[slip][0])
     return bool(
         abs(more) <= REPEATED * np.ptp(x) and abs(v[-1] - v[0]) <= REPEATED * np.abs(v).max()
@@ -329,6 +330,7 @@ def _nodes(run: Trajectory, profile: Profile, begin: float, end: float, samples:
     jumps = [float(piece.start) for piece in profile.pieces(end)]
     jumps += [event.t for event in run.events]
     inside = np.array([t for t in jumps if begin < t < end])
+    # Just before a jump too, so that both of its sides are seen.
     before = np.nextafter(inside, -np.inf)
     return np.unique(np.concatenate([np.linspace(begin, end, samples), inside, before]))
 
@@ -336,6 +338,7 @@ def _nodes(run: Trajectory, profile: Profile, begin: float, end: float, samples:
 def _stretches(profile: Profile, nodes: Array, begin: float) -> list[slice]:
     """Return the nodes of each stretch between the steps of a motion, at least one each."""
     starts = [float(piece.start) for piece in profile.pieces(0.0)]
+    # A motion without steps is cut into parts, each with extremes of its own.
     if len(starts) < 2:
         starts = np.linspace(0.0, float(profile.period), QUARTERS, endpoint=False).tolist()
     ends = [begin + start for start in (*starts[1:], float(profile.period))]
@@ -428,6 +431,7 @@ class Scenarios(metaclass=Described):
         """Return what each value counts (n,): the quantile, or the mean, is their sum."""
         if self.quantile == "mean":
             return np.full(len(values), 1.0 / len(values))
+        # Between neighbours in rank, as quantiles by linear interpolation are.
         place = self.quantile * (len(values) - 1)
         low = int(place)
         found = np.zeros(len(values))
@@ -702,6 +706,7 @@ class ScoredMotion(metaclass=Described):
     @property
     def violation(self) -> float:
         """What is broken, as the sum of shares of the limits; 0 if nothing is."""
+        # The earlier a run ended the worse, so that a search finds its way out.
         ends = [FAILED * (2.0 - c.lasted) for c in self.cycles if not c.repeats]
         return sum(ends) + sum(max(0.0, -m.share) for m in self.margins)
 

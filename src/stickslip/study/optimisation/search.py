@@ -169,6 +169,7 @@ class _Laps:
 
     def costs(self, rows: Sequence[Row]) -> list[float]:
         """Return what the evolution strategy is told; it looks at their order only."""
+        # In units of the best goal, or of the largest while none is within the limits.
         scale = self.top if self.top > 0.0 else self.largest or 1.0
         return [PRICE * broken - goal / scale for goal, broken in rows]
 
@@ -263,6 +264,7 @@ def _cloud(space: Space, start: Sequence[float] | Array | None, seed: int, lap: 
     """Return a new evolution strategy within the cube; later ones are larger."""
     import cma
 
+    # Far apart, so that laps of one seed are not those of the next.
     own = seed + 1_000_003 * lap
     if start is None:
         middle = np.full(space.size, 0.5)
@@ -270,12 +272,14 @@ def _cloud(space: Space, start: Sequence[float] | Array | None, seed: int, lap: 
         width = LATER_WIDTH
     else:
         width = FIRST_WIDTH
+    # Each lap has twice as many points, up to eight times as many: larger clouds see past narrow
+    # valleys.
     usual = 8 + int(3.0 * np.log(space.size))
     options = {
         "bounds": [0.0, 1.0],
         "popsize": usual * 2 ** min(lap, 3),
         "randn": _Normal(own),
-        "seed": np.nan,
+        "seed": np.nan,  # leaves NumPy's global state alone
         "tolfun": 1e-6,
         "tolx": 1e-6,
         "verbose": -9,
@@ -519,6 +523,7 @@ def travel_gradient(problem: Problem, space: Space, u: Array, cycle: Cycle) -> A
     slopes = seen.differentiate(seen.t, paths)[:, seen.states.index(x), :]
     moved = _differences(lambda w: list(space.paths(w).values()), u, SMALL)
     period = _differences(lambda w: float(space.profile(w).period), u, SMALL)
+    # Ends lie at whole numbers of periods, and move with the period.
     counts = np.round(np.array(ends) / cycle.period)
     at_ends = slopes @ moved + np.outer(seen[v] * counts, period)
     return np.asarray(at_ends[1] - at_ends[0])

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.data import LawEstimates
 from stickslip.engine.simulation import GivenFriction, ensemble, event_driven_law
@@ -52,7 +51,7 @@ Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
-FEWEST = 0.01
+VALID_SHARE = 0.01
 """Share of draws that must lie in the valid ranges of a mechanism, or too few are left of them."""
 POINTS = 601
 """Evenly spaced times of a band, beside those asked for."""
@@ -163,7 +162,6 @@ class Band(OnAxes, Tabular):
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
         import pandas as pd
@@ -176,11 +174,9 @@ class Band(OnAxes, Tabular):
         }
         return pd.DataFrame({"t": self.t, **columns})
 
-    @override
     def _over(self) -> str:
         return "t"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s"} | {
             f"{name}_{end}": self.units[name]
@@ -189,7 +185,6 @@ class Band(OnAxes, Tabular):
             for end in ("low", "median", "high")
         }
 
-    @override
     def _summary(self) -> Summary:
         several = len(self.travels) > 1
         rows = [
@@ -212,7 +207,7 @@ class Band(OnAxes, Tabular):
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
         travels = {name: one._asdict() for name, one in self.travels.items()}
-        means = {name: one._asdict() for name, one in self.mean_velocities.items()}
+        means = {name: velocity._asdict() for name, velocity in self.mean_velocities.items()}
         cycles = {
             name: [one._asdict() for one in own] for name, own in self.travels_by_cycle.items()
         }
@@ -275,6 +270,7 @@ def band_of(
     if has_one_slip(mechanism):
         pairs = dict([slip_names(mechanism)])
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
     grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, asked]))
     runs = ensemble(
@@ -364,7 +360,7 @@ def draws_of(
         with contextlib.suppress(ParameterError):
             vary(mechanism, "mechanism", one)
             kept.append(one)
-        if tried > count and len(kept) < FEWEST * tried:
+        if tried > count and len(kept) < VALID_SHARE * tried:
             raise InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."
@@ -379,6 +375,7 @@ def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
         return None
     spread = np.sqrt(np.diag(table))
     scale = np.where(spread > 0.0, spread, 1.0)
+    # Without the diagonal; what has no spread has no correlation.
     matrix = table / np.outer(scale, scale) - np.diag((spread > 0.0).astype(float))
     one, other = np.unravel_index(int(np.argmax(np.abs(matrix))), matrix.shape)
     return f"friction.{names[one]}", f"friction.{names[other]}", float(matrix[one, other])

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.engine.formulation import formulate
@@ -271,7 +270,6 @@ class Bifurcation(OnAxes):
             for lacks, reason in zip(few, reasons_of(self.status), strict=True)
         ]
 
-    @override
     def _summary(self) -> Summary:
         closed = int((self.period > 0).sum())
         low, high = float(self.values.min()), float(self.values.max())
@@ -544,7 +542,6 @@ class _Strobe(_Method):
     def __init__(self, shared: _Shared, settle: int, period: float | None) -> None:
         self.shared, self.settle, self.period = shared, settle, period
 
-    @override
     def run(self, value: float, starts: Starts) -> Found:
         one = self.shared
         names = states_of(one.mechanism, one.law)
@@ -581,7 +578,6 @@ class _AtEvents(_Method):
     ) -> None:
         self.shared, self.events, self.t_end, self.period = shared, events, t_end, period
 
-    @override
     def run(self, value: float, starts: Starts) -> Found:
         one = self.shared
         mechanism, law = one.at(value)
@@ -680,7 +676,6 @@ class Basins(OnAxes):
             columns, {name: (name, x, units[name]) for name, x in self.starts.items()}
         )
 
-    @override
     def _summary(self) -> Summary:
         rows = [(one.share, one.period or "not closed", one.velocity) for one in self.attractors]
         count = len(rows)

@@ -37,7 +37,6 @@ from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike
-from typing_extensions import override
 
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.engine.simulation import beginning_pair, ensemble, event_driven_law
@@ -194,7 +193,6 @@ class CampaignRuns(Tabular):
             counts.update(part.status)
         return dict(sorted(counts.items()))
 
-    @override
     def to_dataframe(self, columns: Sequence[str] | None = None) -> "pd.DataFrame":
         """Return the runs as a pandas DataFrame, or some columns of them.
 
@@ -218,7 +216,6 @@ class CampaignRuns(Tabular):
         found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
         return found
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return self.units
 
@@ -244,7 +241,6 @@ class CampaignRuns(Tabular):
                 " what is missing."
             ) from None
 
-    @override
     def __repr__(self) -> str:
         """Return the number of runs, and how they ended."""
         return text_of(self._summary())
@@ -361,6 +357,7 @@ class Campaign(metaclass=Described):
         """Hash of all that the results depend on."""
         from importlib.metadata import version
 
+        # Other versions of these may give other bits.
         versions = [version(name) for name in ("stickslip", "numpy", "scipy")]
         own = {
             type(one)
@@ -368,6 +365,7 @@ class Campaign(metaclass=Described):
             for one in (case.mechanism, *_laws(case.law))
             if not type(one).__module__.startswith("stickslip.")
         }
+        # The code of classes of others: under the same name they may have been changed.
         code = sorted(f"{one.__qualname__} {_source(one)}" for one in own)
         # arrays in full and to the last bit: shortened ones would be the same for other runs
         with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
@@ -427,6 +425,7 @@ class Campaign(metaclass=Described):
 
         if progress is not None:
             progress(there, total)
+        # A generator: what a task is given is made when it begins.
         missing = (task for task in self.tasks() if task[0] not in ledger.known)
         with ledger.lock:
             complete = spread(_made, missing, keep, executor)
@@ -456,6 +455,7 @@ class Campaign(metaclass=Described):
         """
         self._checked()
         count, seconds, size = len(self.whole), 0.0, 0.0
+        # Spread over the design: runs cost more at some values than at others.
         starts = sorted({int(at) for at in np.linspace(0, max(count - BLOCK, 0), BLOCKS)})
         for case in self.cases:
             begun, rows, data = time.perf_counter(), 0, 0
@@ -544,8 +544,10 @@ def _made(
     runs = _runs(case, campaign, start, stop)
     frame = runs.to_dataframe()
     for place, (label, value) in enumerate(case.labels.items()):
+        # Labels first, then the number of the run, then what varies.
         frame.insert(place, label, value)
     frame.insert(len(case.labels), "run", np.arange(start, stop))
+    # Metadata of pandas would differ between its versions, and files are compared by their hash.
     table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(None)
     for place, name_of in enumerate(table.column_names):
         unit = runs.units.get(name_of, runs.units.get(name_of.rpartition(".")[0], ""))
@@ -585,6 +587,7 @@ class _Ledger:
         if folder.exists() and not folder.is_dir():
             raise InputError(f"{folder} is a file, but a folder is needed: choose another name.")
         before = self._manifest()
+        # Nothing of others is ever removed.
         if before is None and folder.exists() and any(map(_is_foreign, folder.iterdir())):
             raise InputError(f"{folder} holds other files: choose another folder.")
         self.planned = {name: stop - start for name, _, _, start, stop in campaign.tasks()}

@@ -42,7 +42,6 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.solver import path_units
 from stickslip.errors import InputError, SimulationError
@@ -224,7 +223,6 @@ class Branch(OnAxes, Tabular):
         share = ((value - low[at]) / span)[:, None]
         return self.starts[at] + share * (self.starts[at + 1] - self.starts[at])
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point."""
         import pandas as pd
@@ -236,7 +234,6 @@ class Branch(OnAxes, Tabular):
         columns |= {f"advance {name}": values for name, values in self.advances.items()}
         return pd.DataFrame(columns)
 
-    @override
     def _summary(self) -> Summary:
         low, high = float(self.values.min()), float(self.values.max())
         rows = [(e.kind, quantity(e.value, self.unit, 6), e.sentence) for e in self.events]

@@ -30,7 +30,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 from scipy.stats import qmc
-from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, check_size, not_whole
 from stickslip.show.described import Described
@@ -87,14 +86,13 @@ class Levels(Factor):
             raise ParameterError(f"values must be finite numbers, at least one, got {self.values}.")
         object.__setattr__(self, "values", tuple(given.tolist()))
 
-    @override
     def at(self, share: Array) -> Array:
         count = len(self.values)
+        # A share of exactly 1 belongs to the last value.
         places = np.minimum((share * count).astype(np.intp), count - 1)
         found: Array = self.levels()[places]
         return found
 
-    @override
     def levels(self) -> Array:
         return np.array(self.values)
 
@@ -127,7 +125,6 @@ class Uniform(Factor):
         if self.number is not None and (type(self.number) is not int or self.number < 2):
             raise ParameterError(not_whole("number", 2, self.number))
 
-    @override
     def at(self, share: Array) -> Array:
         ends = (self.low, self.high)
         if self.log:
@@ -135,10 +132,10 @@ class Uniform(Factor):
             found = np.exp(low + share * (high - low))
         else:
             found = self.low + share * (self.high - self.low)
+        # Rounding must not put a value beyond an end that a parameter may not exceed.
         inside: Array = np.clip(found, *ends)
         return inside
 
-    @override
     def levels(self) -> Array:
         if self.number is None:
             return super().levels()
@@ -175,8 +172,8 @@ class Normal(Factor):
                 f" about {self.mean} with sd {self.sd}."
             )
 
-    @override
     def at(self, share: Array) -> Array:
+        # Cut off: shares are of what lies between the ends.
         below, above = special.ndtr((np.array([self.low, self.high]) - self.mean) / self.sd)
         least = np.finfo(float).tiny  # the end of a distribution without one
         inside = np.clip(below + share * (above - below), least, 1.0 - np.finfo(float).eps)
@@ -218,6 +215,7 @@ class Design(metaclass=Described):
         if type(self.seed) is not int or self.seed < 0:
             raise InputError(not_whole("seed", 0, self.seed))
         for path, factor in self.factors.items():
+            # One step only: no chains of multiples, which might be circles.
             other = self.factors.get(factor.times)
             if factor.times and (other is None or other.times):
                 raise InputError(
@@ -242,7 +240,7 @@ class Design(metaclass=Described):
     def __len__(self) -> int:
         """Return the number of runs."""
         if self.kind == "grid":
-            return math.prod(len(one.levels()) for one in self.factors.values())
+            return math.prod(len(factor.levels()) for factor in self.factors.values())
         assert self.runs is not None
         blocks = self.runs // self.block
         if self.kind == "saltelli":  # a Sobol sequence is balanced at powers of two only
@@ -290,19 +288,21 @@ class Design(metaclass=Described):
         dict of str to array (runs,)
             Values of each factor [SI].
         """
+        # The last part of a campaign may be shorter.
         stop = min(stop, len(self))
         if self.kind == "grid":
-            levels = [one.levels() for one in self.factors.values()]
-            at = np.unravel_index(np.arange(start, stop), [len(one) for one in levels])
+            levels = [factor.levels() for factor in self.factors.values()]
+            at = np.unravel_index(np.arange(start, stop), [len(level) for level in levels])
             found = dict(
                 zip(self.factors, (x[i] for x, i in zip(levels, at, strict=True)), strict=True)
             )
         else:
             columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
             found = {path: one.at(share) for (path, one), share in columns}
-        for path, one in self.factors.items():
-            if one.times:
-                found[path] = found[path] * found[one.times]
+        # Multiples last, once all other factors have their values.
+        for path, factor in self.factors.items():
+            if factor.times:
+                found[path] = found[path] * found[factor.times]
         return found
 
 
@@ -343,7 +343,7 @@ FALSE_ALARMS = 1e-3
 NEARLY_INDEPENDENT = 0.05
 """Correlation of estimates up to which each has a share of its own: its square goes from one to the
 other."""
-FEWEST = 8
+FEWEST_POINTS = 8
 """Base points or trajectories without which an interval says nothing."""
 
 
@@ -374,7 +374,6 @@ class SensitivityIndices(OnAxes, Tabular):
     reasons: tuple[str, ...] = ()
     """Why runs have none: a sentence for each reason."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each factor: indices and half widths of their intervals."""
         import pandas as pd
@@ -386,11 +385,9 @@ class SensitivityIndices(OnAxes, Tabular):
                 columns[f"{name}_half_width"] = self.half_widths[name]
         return pd.DataFrame(columns)
 
-    @override
     def _over(self) -> str:
         return "factor"
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (factor, *(self.text_of(name, place) for name in self.indices))
@@ -438,12 +435,13 @@ def indices_of(
     """
     blocks = values.reshape(-1, design.block)
     good = np.array([bool(np.isfinite(block).all()) for block in blocks])
-    if good.sum() < FEWEST:
+    if good.sum() < FEWEST_POINTS:
         raise InputError(
             f"{output}: {int(good.sum())} of {len(good)} base points or trajectories have a value"
-            f" in all their runs, {FEWEST} are needed: ask for more runs, or narrow the factors."
-            + "".join(f" {reason}" for reason in reasons)
+            f" in all their runs, {FEWEST_POINTS} are needed: ask for more runs, or narrow the"
+            " factors." + "".join(f" {reason}" for reason in reasons)
         )
+    # All runs of a base point, or none: indices are differences within it.
     left = blocks[good].ravel()
     _refuse_constant(output, left)
     many = len(design.factors)
@@ -491,6 +489,7 @@ def first_order_of(
     _refuse_constant(output, values)
     names = list(draws)
     for one, other in itertools.combinations(range(many), 2):
+        # Of many pairs one may seem correlated by chance: the level is shared among all of them.
         # ranges of the law may tie draws whose estimates are independent
         pairs = many * (many - 1) / 2
         limit = NormalDist().inv_cdf(1.0 - 0.5 * FALSE_ALARMS / pairs) / math.sqrt(count)

@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
-from typing_extensions import override
 
 from stickslip.engine.simulation import GivenFriction, beginning_pair, ensemble, event_driven_law
 from stickslip.engine.solver import EventDriven, Mean, Output
@@ -32,22 +31,8 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.show.display import OnAxes, Summary, Tabular, require_library
 from stickslip.show.formatting import percent, quantity, span
-from stickslip.study.sweep.parameter_grid import (
-    Array,
-    Progress,
-    Tally,
-    axis_of,
-    compiled,
-    counted,
-    cycles_of,
-    early_ends,
-    names_of,
-    near,
-    product,
-    reasons_of,
-    unit_of,
-    whole_run,
-)
+from stickslip.study.sweep import parameter_grid as grid
+from stickslip.study.sweep.parameter_grid import Array, Progress, early_ends
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,7 +42,7 @@ FREEDOM, ERRORS = 4.0, 400
 """Degrees of freedom of errors of predictions, and quantiles that stand for them."""
 TOGETHER = 1.25
 """Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
-STILL = 1e-3
+STILL_SHARE = 1e-3
 """Share of the largest velocity of a map below which a body counts as staying where it is."""
 
 
@@ -109,7 +94,7 @@ class VelocityMap(OnAxes):
 
     def moves(self) -> NDArray[np.bool_]:
         """Return where the body moves on: its velocity is not small, and larger than its doubt."""
-        least = STILL * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        least = STILL_SHARE * float(np.nanmax(np.abs(self.velocity), initial=0.0))
         with np.errstate(invalid="ignore"):
             found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
                 least, 2.0 * self.unsettled
@@ -120,11 +105,11 @@ class VelocityMap(OnAxes):
         """Return a row for each point of the grid, with the reason where it has no velocity."""
         import pandas as pd
 
-        columns: dict[str, object] = dict(product(self.axes))
+        columns: dict[str, object] = dict(grid.product(self.axes))
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
         columns |= {"unsettled": self.unsettled.ravel()}
-        columns["status"] = names_of(self.status).ravel()
-        columns["reason"] = reasons_of(self.status)
+        columns["status"] = grid.names_of(self.status).ravel()
+        columns["reason"] = grid.reasons_of(self.status)
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
 
     def to_xarray(self) -> "xr.Dataset":
@@ -143,13 +128,12 @@ class VelocityMap(OnAxes):
             "velocity": (over, self.velocity, {"units": self.unit}),
             "unsettled": (over, self.unsettled, {"units": self.unit}),
             "period": (over, self.period, {"units": "s"}),
-            "status": (over, names_of(self.status)),
+            "status": (over, grid.names_of(self.status)),
             "certified": (over, self.certified),
         }
         axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
         return xr.Dataset(columns, axes)
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (
@@ -243,13 +227,14 @@ def average_velocity(
     _check(parameters, cycles, settle)
     mechanism, law = beginning_pair(mechanism, law, parameters)
     if period is None:
-        whole_run("average_velocity", mechanism, settle + cycles)
-    axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
-    columns = product(axes)
-    periods = cycles_of(mechanism, columns, period)
-    table, tally = _Table(len(periods)), Tally(len(periods), progress)
+        # Cycles of a period that was given need not be those of the drives.
+        grid.whole_run("average_velocity", mechanism, settle + cycles)
+    axes = dict(grid.axis_of(mechanism, law, path, values) for path, values in parameters.items())
+    columns = grid.product(axes)
+    periods = grid.cycles_of(mechanism, columns, period)
+    table, tally = _Table(len(periods)), grid.Tally(len(periods), progress)
     # an ensemble has one end: rows of short periods would run on for those of long ones
-    for rows in near(periods, TOGETHER):
+    for rows in grid.near(periods, TOGETHER):
         if not tally.going:
             break
         runs = ensemble(
@@ -259,12 +244,12 @@ def average_velocity(
             t_end=float((settle + cycles) * periods[rows].max()),
             outputs=_means(rate, cycles, periods[rows]),
             y0=y0,
-            solver=compiled(solver),
+            solver=grid.compiled(solver),
             executor=executor,
             progress=tally.part(),
         )
         table.keep(rows, runs)
-    units = {path: unit_of(mechanism, law, path) for path in axes}
+    units = {path: grid.unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
     unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
     return table.mapped(axes, units, shape, periods, unit, coordinate or "")
@@ -307,6 +292,7 @@ class VelocityBand(OnAxes, Tabular):
         return self._quantile(0.5 + 0.5 * self.level)
 
     def _quantile(self, share: float) -> Array:
+        # Quantiles of the error at even probabilities, with every law.
         # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
@@ -317,16 +303,13 @@ class VelocityBand(OnAxes, Tabular):
         """Value with which the body is fastest, either way, with the largest median."""
         return float(self.values[int(np.nanargmax(np.abs(self.median)))])
 
-    @override
     def _over(self) -> str:
         return self.path
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         ends = dict.fromkeys(("low", "median", "high"), self.velocity_unit)
         return {self.path: self.unit} | ends
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each value: lower end, median and upper end of the velocity."""
         import pandas as pd
@@ -334,7 +317,6 @@ class VelocityBand(OnAxes, Tabular):
         ends = {"low": self.low, "median": self.median, "high": self.high}
         return pd.DataFrame({self.path: self.values, **ends})
 
-    @override
     def _summary(self) -> Summary:
         at = int(np.nanargmax(np.abs(self.median)))
         ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
@@ -415,7 +397,7 @@ def velocity_band(
             f"velocity_band takes laws and one parameter, got {len(laws)} laws and"
             f" {len(parameters)} parameters."
         )
-    tally, maps = Tally(len(laws), progress), list[VelocityMap]()
+    tally, maps = grid.Tally(len(laws), progress), list[VelocityMap]()
     for law in laws:
         if not tally.going:
             break
@@ -439,14 +421,15 @@ def velocity_band(
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:
-    counted("average_velocity", "settle", settle, 0)
-    if counted("average_velocity", "cycles", cycles, 2) % 2:
+    grid.counted("average_velocity", "settle", settle, 0)
+    if grid.counted("average_velocity", "cycles", cycles, 2) % 2:
         raise InputError(f"average_velocity: cycles must be even, got {cycles}.")
     if not isinstance(parameters, Mapping) or not parameters:
         raise InputError(f"parameters must map at least one path to numbers, got {parameters!r}.")
 
 
 def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
+    # The late half tells whether the mean still drifts.
     return {
         "all": Mean(rate, last=cycles * periods),
         "late": Mean(rate, last=cycles // 2 * periods),
@@ -485,6 +468,7 @@ class _Table:
             units=units,
             unit=unit,
             velocity=self.velocity.reshape(shape),
+            # Half of what the mean changes between both halves.
             unsettled=np.abs(self.late - self.velocity).reshape(shape),
             period=periods.reshape(shape),
             status=self.status.reshape(shape),

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import (
     GivenFriction,
@@ -137,7 +136,6 @@ class OrbitDiagram(OnAxes, Tabular):
         axis, units = {self.path: self.values}, {self.path: self.unit}
         return early_ends(self.status, "No settled motion there.", axis, units, noun="runs")
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each point of each branch."""
         import pandas as pd
@@ -145,7 +143,6 @@ class OrbitDiagram(OnAxes, Tabular):
         frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
 
-    @override
     def _summary(self) -> Summary:
         rows = [
             (
@@ -420,12 +417,14 @@ class _Search:
         samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
         ways = np.full((len(rows), len(self.map.moving)), np.nan)
         closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
+        # Runs that close clearly after a share of the cycles need not go on.
         for settle, tolerance in ((early, CLOSED / SOONER), (self.settle - early - keep, CLOSED)):
             count += max(settle, 0) + keep
             points, ways[rows], status[rows] = self.sampled(value, columns, max(settle, 0))
             samples[rows] = points
             self.brute_cycles += len(rows) * (max(settle, 0) + keep)
             whole = np.isfinite(points).all(axis=(1, 2))
+            # The size of all samples so far: a single run may rest.
             self.sizes = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
             scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
             closed[rows] = [period_of(one, scale, tolerance) for one in points]
@@ -531,6 +530,7 @@ class _Search:
         A run that comes to rest from either side in turn seems to close after twice as many.
         """
         strobes = self.strobes(shot, cycles)
+        # Distance from the start after each cycle: the first that closes is the period.
         off = np.abs(strobes - shot.y) / shot.scale
         least = next(
             (m for m in range(1, cycles) if cycles % m == 0 and off[m].max() <= SETTLED), cycles
@@ -553,6 +553,7 @@ class _Search:
             branch = curve.branch(first)
         except (SimulationError, InputError):
             return  # nothing leaves there, as where a multiplier jumps across -1
+        # A doubled branch may be one that is known, met from its other end.
         if doubled:
             middle = len(branch.values) // 2
             value = float(branch.values[middle])

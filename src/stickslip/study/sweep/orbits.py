@@ -251,6 +251,7 @@ class Shot:
     @cached_property
     def lost(self) -> NDArray[np.bool_]:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
+        # How the end changes as each start changes by its size.
         size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * np.append(
             self.scale, abs(self.value) if np.isfinite(self.value) else 0.0
         )
@@ -344,6 +345,7 @@ class ReturnMap:
         residual = end[free] - y
         if (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
+        # States that the mechanism begins with change with its parameters.
         told = tuple(name for name in mechanism.start() if name not in self.names)
         sense = replace(run.differentiate, told=told) if told else run.differentiate
         paths = [f"initial.{name}" for name in self.names]
@@ -357,6 +359,7 @@ class ReturnMap:
             )
         slope = np.zeros(len(kept))
         if self.path is not None:
+            # One-sided differences of second order: behind the end there is no run.
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
@@ -393,6 +396,7 @@ class ReturnMap:
 
     def _stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
+        # Friction stands in no drive, so that the cycle stays.
         if self.period is not None or str(self.path).startswith("friction."):
             return 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
@@ -495,6 +499,7 @@ def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
     for _ in range(MOST_STEPS):
         if shot.error <= map_.tolerance:
             return shot
+        # Scaled by the sizes of states, by which least squares choose within a continuum.
         matrix = (shot.monodromy - np.eye(len(y))) * shot.scale / shot.scale[:, None]
         step = -np.linalg.lstsq(matrix, shot.residual / shot.scale, rcond=1e-12)[0] * shot.scale
         better = _halved(map_, shot, step)

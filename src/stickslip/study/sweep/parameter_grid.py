@@ -210,6 +210,7 @@ def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
     """
     order = np.argsort(periods, kind="stable")
     while order.size:
+        # From the shortest that is left: each group reaches up to the ratio above it.
         together = periods[order] <= ratio * periods[order[0]]
         yield np.sort(order[together])
         order = order[~together]
@@ -236,6 +237,7 @@ def early_ends(
     there.',)
     """
     sentences = []
+    # In the order in which they are met.
     for reason in dict.fromkeys(one for one in status.ravel() if not one.complete):
         here = status == reason
         where = _where(here, axes or {}, units or {})
@@ -252,9 +254,11 @@ def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[st
     for dimension, (path, values) in enumerate(axes.items()):
         others = tuple(i for i in range(here.ndim) if i != dimension)
         order = np.argsort(values, kind="stable")
+        # Edges of stretches of neighbours, with False on both sides.
         chosen, sorted_values = np.asarray(here.any(axis=others))[order], values[order].tolist()
         edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))
         pairs = [(sorted_values[a], sorted_values[b - 1]) for a, b in edges.reshape(-1, 2)]
+        # On several axes a union of ranges would say less than the box around it.
         scattered = len(axes) > 1 or len(pairs) > MOST_RANGES
         if scattered:
             pairs = [(pairs[0][0], pairs[-1][1])]

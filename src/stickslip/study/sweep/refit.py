@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, spread_of
 from stickslip.data import unit_on as unit_of_law
@@ -52,7 +51,6 @@ class ParameterAgreement(metaclass=Described):
             return None
         return abs(self.difference) <= Z95 * self.standard_error
 
-    @override
     def __str__(self) -> str:
         """Return both values and whether they agree, in one line."""
         ends = (self.low, self.high)
@@ -107,7 +105,7 @@ class Refit(metaclass=Described):
         """Return whether the refitted law leaves no more than noise; None if that is unknown."""
         if seen is None or not isinstance(self.fit, RecordFit) or not seen.records:
             return None
-        noise = math.sqrt(float(np.mean([one.noise**2 for one in seen.records])))
+        noise = math.sqrt(float(np.mean([record.noise**2 for record in seen.records])))
         return self.fit.rms <= NOISY * noise
 
     def sentences(self, seen: Validation | None) -> tuple[str, ...]:
@@ -123,7 +121,7 @@ class Refit(metaclass=Described):
         tuple of str
             Sentences.
         """
-        said = [f"{one}." for one in self.parameters]
+        said = [f"{parameter}." for parameter in self.parameters]
         if self.explains(seen) is False:
             assert isinstance(self.fit, RecordFit)
             left = quantity(self.fit.rms, self.fit.measurement.unit(self.fit.problem.quantity))
@@ -132,7 +130,7 @@ class Refit(metaclass=Described):
                 " does not explain the record either, so that its values and intervals may be"
                 " biased."
             )
-        if seen is not None and any(one.late for one in seen.records):
+        if seen is not None and any(record.late for record in seen.records):
             said.append(
                 "The times of the record may be shifted (see above), which biases the refitted"
                 " values."
@@ -144,7 +142,7 @@ class Refit(metaclass=Described):
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
         return {
-            "parameters": [one.to_dict() for one in self.parameters],
+            "parameters": [parameter.to_dict() for parameter in self.parameters],
             "fit": dict(self.fit.to_dict()),
         }
 
@@ -190,28 +188,28 @@ def compare_estimates(
         )
     values = {path: value for path, _, value in parameters(law, "friction")}
     found = []
-    for one in fit.estimates:
-        if one.path not in values:
+    for estimate in fit.estimates:
+        if estimate.path not in values:
             continue
-        name = one.path.removeprefix("friction.")
+        name = estimate.path.removeprefix("friction.")
         low, high = (
             (None, None) if estimates is None else estimates.intervals.get(name, (None, None))
         )
         error = None
-        if estimates is not None and low is not None and high is not None and one.bounded:
+        if estimates is not None and low is not None and high is not None and estimate.bounded:
             error = math.hypot(
-                spread_of(values[one.path], low, high, estimates.interval),
-                spread_of(one.value, one.low, one.high, one.interval),
+                spread_of(values[estimate.path], low, high, estimates.interval),
+                spread_of(estimate.value, estimate.low, estimate.high, estimate.interval),
             )
         found.append(
             ParameterAgreement(
-                path=one.path,
-                symbol=one.quantity.symbol,
-                unit=unit_of_law(fit.mechanism, one.quantity),
-                carried=values[one.path],
+                path=estimate.path,
+                symbol=estimate.quantity.symbol,
+                unit=unit_of_law(fit.mechanism, estimate.quantity),
+                carried=values[estimate.path],
                 low=low,
                 high=high,
-                refitted=one,
+                refitted=estimate,
                 standard_error=error,
             )
         )

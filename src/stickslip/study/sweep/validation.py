@@ -24,7 +24,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import QUANTITIES, LawEstimates, Measurement, noise_of, step_of
 from stickslip.engine.simulation import ensemble, event_driven_law, simulate
@@ -378,7 +377,6 @@ class Validation(InPanels):
             "reasons": list(self.reasons),
         }
 
-    @override
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
         rows = [
@@ -584,6 +582,7 @@ def _record(
     read = values - predicted
     zero = float(origin(read)[0])
     stated = record.uncertainty.get(compared)
+    # Half widths of rounding, or of a 95 % interval, are no standard deviations yet.
     kinds = {"rounding": math.sqrt(3.0), "interval": Z95}
     noise = (
         noise_of(read, step_of(values))

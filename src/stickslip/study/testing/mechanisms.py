@@ -55,7 +55,7 @@ def derived(mechanism: Mechanism, law: FrictionLaw) -> Iterator[str]:
 def slip_rates(mechanism: Mechanism) -> list[str]:
     """Return the rates of the coordinates along which contacts slip."""
     rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
-    slips = dict.fromkeys(name for one in mechanism.contacts() for name in one.slips)
+    slips = dict.fromkeys(name for contact in mechanism.contacts() for name in contact.slips)
     return [rates[name] for name in slips if name in rates]
 
 
@@ -201,7 +201,7 @@ class _Case:
     @property
     def names(self) -> tuple[str, ...]:
         """All coordinates, those that are held last."""
-        normals = dict.fromkeys(n for one in self.mechanism.contacts() for n in one.normals)
+        normals = dict.fromkeys(n for contact in self.mechanism.contacts() for n in contact.normals)
         others = [name for name in self.mechanism.held() if name not in normals]
         return (*self.mechanism.coordinates, *normals, *others)
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, TypeVar
 
-from typing_extensions import override
-
 from stickslip.errors import ConformanceError, ParameterError
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.show.described import texts_below
@@ -21,7 +19,7 @@ Case = TypeVar("Case")
 Suite = Mapping[str, Callable[[Case], Iterable[str]]]
 """Checks by what should be; each yields what is not so."""
 
-MOST = 3
+MOST_PROBLEMS = 3
 """Problems that are told of one check."""
 
 
@@ -86,7 +84,6 @@ class Report:
             lines.append(f"Not checked until these are corrected: {'; '.join(self.skipped)}")
         return lines
 
-    @override
     def __repr__(self) -> str:
         return "<" + "\n ".join(self._lines()) + ">"
 
@@ -100,7 +97,7 @@ def examine(
     """Make the first checks, and the others if these found nothing that stands in their way."""
     findings = _found(case, first)
     skipped: tuple[str, ...] = ()
-    if any(one.check == list(first)[-1] for one in findings):
+    if any(finding.check == list(first)[-1] for finding in findings):
         skipped = tuple(then)
     else:
         findings += _found(case, then)
@@ -116,7 +113,7 @@ def _found(case: Case, suite: "Suite[Case]") -> list[ConformanceFinding]:
     found = []
     for name, check in suite.items():
         try:
-            problems = list(islice(check(case), MOST))
+            problems = list(islice(check(case), MOST_PROBLEMS))
         except Exception as error:  # code of somebody else may raise anything
             problems = [f"{type(error).__name__}: {error}"]
         found += [ConformanceFinding(check=name, problem=problem) for problem in problems]

@@ -157,6 +157,8 @@ def finite(level: float) -> float:
 
 def stop_guards(w: Vector, whole: Wholes, at: int, to: int, always: float) -> None:
     """Write the guards of the stops: distances of the coordinates that may reach them."""
+    # What moves away from a stop, or is held, cannot reach it: its distance may be 0 and say
+    # nothing.
     for wall in range(whole[N_WALLS]):
         mode = whole[whole[MODES] + wall_coordinate(wall, whole)]
         away = mode in (FORWARD, BACKWARD) and mode != wall_side(wall, whole)
@@ -180,6 +182,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
     if whole[N_DIRECTIONS] > n:
         mass = project_mass(w, whole)
     for i in range(n):
+        # Rows of held ones stay, as those of 1: a change of modes moves no index.
         free_row = whole[modes + i] != HELD_FAST
         for j in range(i):
             free = free_row and whole[modes + j] != HELD_FAST
@@ -190,6 +193,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
         total = w[mass + i * n + i] if free_row else 1.0
         for k in range(i):
             total -= w[factors + i * n + k] * w[factors + i * n + k]
+        # What is no inertia gives NaN, which no step accepts.
         w[factors + i * n + i] = math.sqrt(total) if total > 0.0 else math.nan
 
 
@@ -206,6 +210,7 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     factors = whole[CHOLESKY]
     if whole[N_DIRECTIONS] > n:
         fold(right, w, whole)
+    # L z = b, then L^T x = z; held ones have 0 on the right and stay so.
     for i in range(n):
         total = 0.0 if whole[modes + i] == HELD_FAST else w[right + i]
         for k in range(i):
@@ -242,6 +247,7 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
     if whole[N_WALLS] > 0:
         evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])
+    # Without friction only the normals are in the rows: their determinant is the measure of PIVOT.
     count, rows = whole[N_REACTIONS], whole[REACTION_ROWS]
     for i in range(count * (count + 1)):
         w[rows + i] = 0.0
@@ -260,7 +266,7 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
         i = whole[whole[MASS_ROWS] + k]
         j = whole[whole[MASS_COLUMNS] + k]
         w[mass + i * n + j] = w[values + k]
-        if i < n:
+        if i < n:  # rows from n on are those of held coordinates, which are no columns
             w[mass + j * n + i] = w[values + k]
 
 
@@ -290,6 +296,7 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     coordinate = whole[whole[SLIPS] + contact]
     row = whole[whole[LAW_ROWS] + contact]
     if whole[whole[MODES] + coordinate] == HELD_FAST:
+        # 0 exactly: laws must not see what rounding has left of a rate.
         w[row] = 0.0
     else:
         speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
@@ -298,11 +305,13 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     place = row + whole[whole[LAW_BRISTLES] + contact]
     inputs = whole[whole[INPUT_COUNTS] + contact]
     for k in range(inputs):
+        # Inputs of all contacts stand behind the loads, contact by contact.
         first = whole[LOAD] + whole[N_CONTACTS] + whole[whole[INPUTS] + contact]
         w[place - inputs + k] = w[first + k]
     if bristle >= 0:
         for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
+        # Friction is affine in the load, which stands outside; rates of bristles are not.
         w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]
     return row
 
@@ -344,6 +353,7 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
         w[level_factors + k] = 0.0
     bristle = whole[whole[BRISTLES] + contact]
     if whole[whole[OPEN] + contact]:
+        # An open contact has no friction, and its bristles keep their bend.
         for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[whole[BRISTLE_RATES] + bristle + k] = 0.0
         return
@@ -360,6 +370,8 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
     if mode in (FORWARD, BACKWARD):
         w[constant + contact] = side * w[values]
         w[factor + contact] = side * w[values + 1]
+        # Slip speed is the factor times the rate, and the force along the coordinate the factor
+        # times friction: damping has its square.
         own = w[whole[SLIP_FACTORS] + contact]
         w[whole[DAMPING] + contact] = (
             own * own * (w[values + 4] + w[values + 5] * w[whole[LOAD] + contact])
@@ -370,6 +382,7 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
     ahead = 0 if side > 0 else 1
     w[levels + ahead] = w[values + 2]
     w[level_factors + ahead] = w[values + 3]
+    # A law without directions has the level that was just asked on both sides.
     if whole[whole[DIRECTIONAL] + contact] and mode == HELD_FAST:
         ask_law(contact, -side, t, w, whole, at)
     w[levels + 1 - ahead] = w[values + 2]
@@ -389,6 +402,7 @@ def accelerate(w: Vector, whole: Wholes) -> None:
         own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
         w[friction + c] = own
         spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
+    # All forces but inertia here; what couples held coordinates to free ones is taken off below.
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
@@ -397,7 +411,7 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
             w[needed + i] = 0.0
-        elif not whole[DIAGONAL]:
+        elif not whole[DIAGONAL]:  # else nothing couples them
             total = w[needed + i]
             for j in range(n):
                 total -= w[mass + i * n + j] * w[found + j]
@@ -445,6 +459,7 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
             factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
+            # Partners share in proportion to their levels, and so reach these at the same time.
             needed = w[whole[NEEDED] + i]
             back = 0 if needed >= 0.0 else 1
             place = 2 * c + (back if factor > 0.0 else 1 - back)
@@ -523,7 +538,7 @@ def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes)
     bare = rows + count * wide + row
     if trial == 0:
         w[bare] = surplus
-    else:
+    else:  # all is affine in the loads: the difference is the column of slopes, negated
         w[rows + row * wide + trial - 1] = w[bare] - surplus
 
 
@@ -533,6 +548,7 @@ def balance(to: int, w: Vector, whole: Wholes) -> float:
     rows = whole[REACTION_ROWS]
     for row in range(count):
         w[rows + row * wide + count] = w[rows + count * wide + row]
+    # What held coordinates lack is what loads give by their normals.
     add_normals(w, whole)
     found = determinant(w, rows, count)
     k = 0
@@ -615,6 +631,7 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and what follows from it, where forces, mass matrix and loads are at hand."""
     reacts = whole[N_REACTIONS] > 0
+    # Reactions change with any mode: no answer of a law may be kept.
     ask_laws(fresh or reacts, t, w, whole, at)
     if reacts:
         react(w, whole)

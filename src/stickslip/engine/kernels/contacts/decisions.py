@@ -177,6 +177,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
 def scale_of(w: Vector, whole: Wholes) -> float:
     """Return the largest acceleration at hand, or that a candidate's friction can make."""
     n, scale = whole[N_COORDINATES], 0.0
+    # Tolerances are shares of an acceleration: the largest that forces or levels at hand can make.
     for i in range(n):
         scale = max(scale, abs(w[whole[ACCELERATION] + i]))
         if whole[whole[CANDIDATES] + i] == WAITING:
@@ -216,8 +217,10 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
                 last = i
         if count == 0:
             return True
+        # Blocks go on as long as they leave fewer violations than ever before.
         patience = PATIENCE if count < fewest else patience - 1
         fewest = min(fewest, count)
+        # At the static level one is pushed and may stay; with kinetic friction it slips.
         pushed = FORWARD if kinetic else PUSHED
         for i in range(n):
             chosen = whole[candidates + i] == WAITING and (patience >= 0 or i == last)
@@ -245,6 +248,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
         if trial > 0 or not fresh:
             reconsider(w, whole)
         share, turned = 1.0, -1
+        # The largest share of the way on which nothing pushed turns against its push.
         for i in range(whole[N_DIRECTIONS]):
             mode = whole[modes + i]
             if begun and whole[candidates + i] == WAITING and mode != HELD_FAST:
@@ -255,7 +259,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
                     share, turned = max(before, 0.0) / (before - after), i
         for j in range(n):
             w[now + j] += share * (w[target + j] - w[now + j]) if begun else 0.0
-            if share == 1.0:
+            if share == 1.0:  # without the rounding of the sum
                 w[now + j] = w[target + j]
         begun = True
         if turned >= 0:
@@ -385,6 +389,7 @@ def begin_decision(whole: Wholes) -> int:
 def is_ambiguous(w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand."""
     n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
+    # Whatever the trial gives, the answer at hand is put back.
     for i in range(n):
         whole[kept + i] = whole[modes + i]
     begin_decision(whole)
@@ -420,6 +425,7 @@ def decide(w: Vector, whole: Wholes) -> bool:
     whole[DECISIONS] += 1
     solved = break_away(scale, w, whole)
     if not solved:
+        # Somebody would move against its own friction: all are decided anew, with kinetic levels.
         for i in range(whole[N_DIRECTIONS]):
             if whole[whole[CANDIDATES] + i] != 0:
                 whole[whole[CANDIDATES] + i] = WAITING
@@ -476,12 +482,14 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
     for wall in range(whole[N_WALLS]):
         i = wall_coordinate(wall, whole)
         if whole[whole[STRUCK] + i] == STRIKES and margin_of(wall, w, whole, y) == 0.0:
+            # Those that stand beside a stop within rounding were put onto it: they rebound, too.
             rebound = restitution_of(wall, w, whole)
             w[change + i] = -(1.0 + rebound) * w[y + n + i]
     before = energy_now(w, whole)
     share_impulses(w, whole)
     book_impacts(w, whole)
     for i in range(n):
+        # What rests at its stop must keep rate 0 to the last bit.
         rate = w[y + n + i] + w[change + i]
         w[y + n + i] = 0.0 if whole[whole[STRUCK] + i] == RESTS else rate
     if whole[N_CHANNELS] > 0 and whole[BOOKS] and whole[STEPS] > 0:
@@ -506,6 +514,7 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
     mode = whole[modes + i]
     whole[modes + i] = HELD_FAST
     refresh(w[TIME], w, whole, y)
+    # Friction helps to hold it: to leave, the force off the stop must exceed the level that way.
     level = finite(w[whole[LEVELS] + 2 * i + (1 if side > 0 else 0)])
     pressed = side * w[whole[NEEDED] + i] + level > 0.0
     whole[modes + i] = mode
@@ -536,6 +545,7 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
                 whole[struck + i] = RESTS
                 w[change + i] = -w[y + n + i]
                 settled = False
+            # An impulse towards the stop would be a pull, which no stop gives.
             elif whole[struck + i] == RESTS and side * impulse(i, w, whole) > 0.0:
                 whole[struck + i] = 0
                 settled = False
@@ -548,6 +558,8 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
 def follow(w: Vector, whole: Wholes) -> None:
     """Write the changes of the rates that no stop gives: momentum along them stays."""
     n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
+    # Struck coordinates are given, others keep their momentum: the solver for held and free ones
+    # does.
     for i in range(n):
         whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
     if not whole[DIAGONAL]:
@@ -579,6 +591,7 @@ def book_impacts(w: Vector, whole: Wholes) -> None:
     lost = 0.0
     for i in range(n):
         if whole[whole[STRUCK] + i] != 0:
+            # An impulse does its work at the mean of the rates before and after it.
             mean = w[y + n + i] + 0.5 * w[change + i]
             lost -= impulse(i, w, whole) * mean
     w[LOST] += lost

@@ -49,6 +49,7 @@ BEYOND = 1e-9
 def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
     """Return the rate of a direction in the motion of a cut."""
     n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
+    # Rates of closing slips in the motions of cuts stand behind all rows of the coordinates.
     if direction < n:
         return w[whole[LOOPS] + (cut - n) * n + direction]
     first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
@@ -70,6 +71,8 @@ def scale_cuts(w: Vector, whole: Wholes) -> None:
         for j in range(n):
             largest = max(largest, abs(w[row + j]))
         for j in range(n):
+            # A minor that should vanish is a difference of equal products, of which rounding is
+            # left.
             w[row + j] = w[row + j] / largest if abs(w[row + j]) > NOTHING * largest else 0.0
         for d in range(directions - n):
             if w[crossed + d] != 0.0:  # what no motion of the cut crosses stays 0
@@ -81,11 +84,13 @@ def scale_cuts(w: Vector, whole: Wholes) -> None:
 def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
     """Leave of a row over the coordinates what held ones and the first `d` closing slips do not."""
     n = whole[N_COORDINATES]
+    # The size of the row before anything is left out tells what of it is rounding.
     size = 0.0
     for j in range(n):
         size = max(size, abs(w[to + j]))
         if whole[whole[MODES] + j] == HELD_FAST:
             w[to + j] = 0.0
+    # Rows of followers are free of each other (`find_followers`), so that one pass does.
     for e in range(d):
         follower, other = whole[whole[FOLLOWERS] + e], whole[FOLLOWED] + e * n
         if follower >= 0 and w[to + follower] != 0.0:
@@ -113,16 +118,18 @@ def find_followers(w: Vector, whole: Wholes) -> None:
         for j in range(n):
             w[row + j] = factor_of(n + d, j, w, whole)
         leave(row, d, w, whole)
+        # The largest entry is divided by: it follows, and the others stay below 1.
         best, largest = -1, 0.0
         for j in range(n):
             if abs(w[row + j]) > largest:
                 best, largest = j, abs(w[row + j])
-        if best < 0:
+        if best < 0:  # held by others already: it needs nothing
             continue
         pivot = w[row + best]
         for j in range(n):
             w[row + j] /= pivot
         whole[whole[FOLLOWERS] + d] = best
+        # Earlier rows lose the new follower, as Gauss and Jordan do.
         for e in range(d):
             other = whole[FOLLOWED] + e * n
             if whole[whole[FOLLOWERS] + e] >= 0 and w[other + best] != 0.0:
@@ -136,6 +143,7 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 def watch_cuts(w: Vector, whole: Wholes) -> None:
     """Set the modes of all cuts, for those of the directions."""
     directions, modes = whole[N_DIRECTIONS], whole[MODES]
+    # A cut is one more direction to watch, but never one to be decided: its mode follows.
     for cut in range(directions, whole[N_PAIRS]):
         whole[modes + cut] = FREE
         for i in range(directions):
@@ -166,7 +174,7 @@ def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
         decided = decided and (not waiting or whole[whole[CANDIDATES] + i] == 1)
         if decided and mode not in (HELD_FAST, FREE) and is_bound(i, w, whole):
             whole[whole[MODES] + i] = HELD_FAST
-    find_followers(w, whole)
+    find_followers(w, whole)  # what is held now makes others follow
 
 
 @rare
@@ -182,6 +190,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
         p, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
         if p < 0:
             continue
+        # T^T M T, where T gives all coordinates by those that are left: columns first, then rows.
         for j in range(n):
             factor = w[row + j]
             if j != p and factor != 0.0:
@@ -200,6 +209,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 def fold(right: int, w: Vector, whole: Wholes) -> None:
     """Add forces on followers to those on what they follow from."""
     n = whole[N_COORDINATES]
+    # Virtual work: a force on a follower acts on what it follows from with its factor, negated.
     for d in range(whole[N_DIRECTIONS] - n):
         p, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
         if p >= 0:
@@ -252,6 +262,7 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     for cut in range(directions, whole[N_PAIRS]):
         held = whole[whole[MODES] + cut] == HELD_FAST
         w[needed + cut] = combined(cut, whole[BORNE], w, whole) if held else 0.0
+    # Scratch behind the equations of the deflections: their growth, and where levels are reached.
     rates = whole[SHARES] + n * (n + 2)
     clamped = rates + directions
     for i in range(directions):
@@ -262,6 +273,7 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     for _ in range(MOST_LOADINGS * directions):
         if reached >= 1.0 or not grow(rates, clamped, w, whole):
             return
+        # Where something was let go, growth is another: nothing is loaded before it is known.
         if not release(rates, clamped, w, whole):
             reached += load_on(1.0 - reached, rates, clamped, w, whole)
 
@@ -270,6 +282,7 @@ def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
     """Let directions at their levels go whose deflections fall; return whether there are any."""
     released = False
     for i in range(whole[N_DIRECTIONS]):
+        # it moves back from the side at which it is clamped
         if w[clamped + i] * w[rates + i] < 0.0:
             w[clamped + i] = 0.0
             released = True
@@ -280,6 +293,7 @@ def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> 
     """Load until a level is reached, or all of the rest is on; return the share that was added."""
     needed, step, which = whole[NEEDED], rest, -1
     for i in range(whole[N_DIRECTIONS]):
+        # Deflections grow at one rate; forces by their stiffnesses, up to the first level.
         rate = stiffness(i, w, whole) * w[rates + i]
         if w[clamped + i] == 0.0 and rate != 0.0:
             level = w[whole[LEVELS] + 2 * i + (0 if rate > 0.0 else 1)]
@@ -293,6 +307,7 @@ def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> 
     if which >= 0:
         forward = w[rates + which] > 0.0
         w[clamped + which] = 1.0 if forward else -1.0
+        # The level itself: rounding of many stages must not add up.
         level = w[whole[LEVELS] + 2 * which + (0 if forward else 1)]
         w[needed + which] = level if forward else -level
     return step
@@ -317,6 +332,7 @@ def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
     for j in range(n):
         used = w[growth + j] != 0.0
         w[growth + j] = w[rows + j * wide + n] if used else 0.0
+        # A force that no stiffness below its level can balance: the rest cannot be put on.
         if not used and abs(w[rows + j * wide + n]) > BEYOND * size:
             return False
     for i in range(whole[N_DIRECTIONS]):
@@ -346,6 +362,8 @@ def eliminate(used: int, w: Vector, whole: Wholes) -> None:
     largest = 0.0
     for j in range(n):
         largest = max(largest, w[rows + j * wide + j])
+    # The matrix is symmetric and semidefinite: diagonal pivots are enough, and none below rounding
+    # counts.
     for _ in range(n):
         best, pivot = -1, NOTHING * largest
         for j in range(n):

@@ -153,6 +153,7 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
         elif mode == HELD_FAST and not whole[whole[LOOPED] + i]:
             needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
             spare = blur(i, w, whole)
+            # Towards a stop the level is infinite: nothing falls on that side.
             if w[levels] < math.inf:
                 w[to + 2 * i] = w[levels] * (1.0 + WITHIN) + spare - needed
             if w[levels + 1] < math.inf:
@@ -165,6 +166,7 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
         place = to + first_own_switch(whole)
         for j in range(whole[N_SWITCHES]):
             margin = w[values + j]
+            # A guard falls where the margin crosses its threshold, from whichever side it is now.
             w[place + j] = margin if whole[FLAGS] & (1 << j) else -margin
     if whole[N_LIMITS] > 0:
         limits_at(t, w, whole, at, to + whole[FIRST_LIMIT])
@@ -188,6 +190,7 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
     linear = True
     for c in range(whole[N_CONTACTS]):
         mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        # Rates of bristles are not affine in the speed.
         if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
             linear = False
         if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
@@ -204,6 +207,7 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
         w[to + j] = UNWATCHED
     if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + contact]:
         load = w[whole[LOAD] + contact]
+        # Of an open contact the load has to stay below 0: its guard falls as it closes.
         w[to + switches] = -load if whole[whole[OPEN] + contact] else load
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
     if switches > 0 and watches(contact, mode, whole):
@@ -292,6 +296,7 @@ def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     n = whole[N_COORDINATES]
     assemble(t, w, whole, at)
     for i in range(n):
+        # Places follow rates as the state has them: what is held has rate 0 exactly.
         w[to + i] = w[at + n + i]
         w[to + n + i] = w[whole[ACCELERATION] + i]
     for k in range(whole[N_STATES] - 2 * n):
@@ -321,6 +326,7 @@ def mode_of(
     mode = coordinate_mode
     if mode == HELD_FAST:
         mode = 2 * stopped_side(whole[whole[SLIPS] + contact], w, whole, at)
+    # a contact may slip against its coordinate
     return mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -mode
 
 
@@ -336,7 +342,7 @@ def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the power supplied; that of guides asks for accelerations, which are worked out."""
     if whole[N_CHANNELS] > 0:
-        put_motion(w, whole, at)
+        put_motion(w, whole, at)  # with the accelerations behind the state
         at = whole[MOTION_POINT]
     evaluate(POWER, 0, whole[FLAGS], t, w, at, to)
 
@@ -353,6 +359,7 @@ def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
     assemble(t, w, whole, whole[Y])
     largest = 0.0
     for i in range(n):
+        # A stop pulls nothing: only what friction can do gives a size.
         level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
         pull = abs(w[whole[FORCE] + i]) + level
         largest = max(largest, pull / w[whole[MASS] + i * n + i])
@@ -367,6 +374,7 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """
     n, states, y, scale = whole[N_COORDINATES], whole[N_STATES], whole[Y], whole[SCALE]
     largest = largest_pull(w[TIME], w, whole)
+    # At the start nothing may act yet: a drive that begins at 0 acts later.
     if largest == 0.0:
         largest = largest_pull(t_end, w, whole)
         assemble(w[TIME], w, whole, y)
@@ -396,6 +404,7 @@ def note_motion(w: Vector, whole: Wholes) -> None:
     n, mass, rates = whole[N_COORDINATES], whole[MASS], whole[Y] + whole[N_COORDINATES]
     energy = 0.0
     for i in range(n):
+        # q' M q' over the rows of one triangle, the other half doubled: twice the kinetic energy.
         row = w[mass + i * n + i] * w[rates + i]
         if not whole[DIAGONAL]:
             for j in range(i):
@@ -404,6 +413,7 @@ def note_motion(w: Vector, whole: Wholes) -> None:
     w[LIVELIEST] = max(w[LIVELIEST], energy)
     size = whole[SCALE] + n
     for i in range(n):
+        # The speed that all of that energy would give this coordinate alone.
         least = MODEST * math.sqrt(w[LIVELIEST] / w[mass + i * n + i])
         w[size + i] = max(w[size + i], least)
 
@@ -449,6 +459,7 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     share, h = w[FRACTION], w[LENGTH]
     terms = int(w[whole[DENSE]])
     damping = w[whole[DAMPING] + contact]
+    # Slip is a sum of terms, so that the work of a constant friction needs no quadrature.
     slip, power = 0.0, 1.0
     if i < n:
         for k in range(1, terms + 1):
@@ -460,6 +471,8 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
             power *= share
             slip += combined(i, dense + k * states, w, whole) * power
         rates, width = whole[NEEDED_SERIES] + i, whole[N_PAIRS]
+    # Friction is F_0 + d (v - v_0): what is constant of it times the slip, then d v^2 by
+    # quadrature.
     work = (factor * w[whole[FRICTION] + contact] - damping * w[rates]) * slip
     if damping != 0.0:
         for node in range(len(NODES)):
@@ -489,11 +502,13 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
         for k in range(drives):
             bound = w[whole[BOX] + 2 * k + ((corner >> k) & 1)]
             w[whole[GIVEN] + k] = bound
+            # A drive without a bound can move anything.
             if not abs(bound) < math.inf:
                 return False
         evaluate(REST, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
         for i in range(whole[N_PAIRS]):
             force = combined(i, values, w, whole)
+            # the friction that would be needed, against the level on its side
             level = w[whole[LEVELS] + 2 * i + (0 if force >= 0.0 else 1)]
             if abs(force) > level and not whole[whole[LOOPED] + i]:
                 return False

@@ -118,6 +118,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
     evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
+    # Terms hold the powers of the step: the series is one in its fraction, from 0 to 1.
     last = whole[DENSE] + 1
     for i in range(n):
         w[last + i] = w[at + i]
@@ -126,6 +127,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
     for i in range(whole[N_PAIRS]):
         w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
+    # Largest terms so far, beside which later ones vanish.
     for i in range(states):
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
     last += states
@@ -134,6 +136,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     while terms < SERIES and small < 2:
         next_forces(terms, h, last, waving, w, whole)
         ratio = h / (terms + 1.0)
+        # Before the last harmonic that counts, terms may vanish by themselves for a while.
         ended = terms >= waving
         for i in range(n):
             speed = ratio * w[last + n + i]
@@ -144,11 +147,13 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
             w[largest + n + i] = max(w[largest + n + i], abs(growth))
             ended = ended and abs(speed) <= VANISHED * w[largest + i]
             ended = ended and abs(growth) <= VANISHED * w[largest + n + i]
+        # Even or odd terms alone may vanish: two in a row are asked for.
         small = small + 1 if ended else 0
         terms += 1
         last += states
     w[whole[DENSE]] = terms - small
     w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+    # Speeds of closing slips are combinations of those of coordinates, term by term.
     for i in range(n, whole[N_DIRECTIONS]):
         for k in range(terms - small + 1):
             rate = combined(i, whole[DENSE] + 1 + k * states + n, w, whole)
@@ -168,6 +173,7 @@ def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: 
             total += w[slopes + k] * w[last + whole[whole[SLOPE_COLUMNS] + k]]
             k += 1
         w[row + i] = total
+    # Forces are affine in the time, which so has a slope in the first term alone.
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
@@ -181,7 +187,7 @@ def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: 
         leave_to_loops(row, w, whole)
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
-            w[row + i] = 0.0
+            w[row + i] = 0.0  # what is free needs nothing
         elif not whole[DIAGONAL]:
             total = w[row + i]
             for j in range(n):
@@ -199,6 +205,7 @@ def add_waves(terms: int, to: int, w: Vector, whole: Wholes) -> None:
 def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
     """Take the damping of slipping contacts away from a term of the forces."""
     n = whole[N_COORDINATES]
+    # DAMPING has the slip factor squared in it: it is that of the force along the coordinate.
     for c in range(whole[N_CONTACTS]):
         damping = w[whole[DAMPING] + c]
         if damping != 0.0:
@@ -253,6 +260,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     found = abs(w[whole[ACCELERATION] + i]) - change_in_a_tick(i, w, whole)
     if whole[DIAGONAL]:
         return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
+    # A row of the inverse mass matrix, which is symmetric: the answer to a unit force.
     row = whole[VALUES]
     for j in range(n):
         w[row + j] = 1.0 if j == i else 0.0
@@ -311,6 +319,8 @@ def search(
     behind the earliest fall known, in FRACTION: coefficients are scaled by its powers.
     """
     reach = min(1.0, w[FRACTION] + slack)
+    # Each term has a power of the fraction of one at least: up to `reach` they add up to this at
+    # most.
     if value > reach * bound:
         return NEVER_FALLS
     power = 1.0
@@ -321,6 +331,7 @@ def search(
         w[POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
         total += abs(w[POLYNOMIAL + k])
     for k in range(1, balanced + 1):
+        # Rounding as a first coefficient would decide the sign of all that follows.
         w[POLYNOMIAL + k] = 0.0
     if value > total:
         return NEVER_FALLS
@@ -338,6 +349,7 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
     moved, grown = whole[POINT], whole[DRIFT]
+    # POINT and DRIFT keep the sums of sizes: what speeds and needed friction can change by.
     sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
     sum_terms(whole[NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
     best = NO_GUARD
@@ -345,6 +357,7 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     for guard in range(2 * pairs):
         w[whole[ROOTS] + guard] = NEVER_FALLS
     h = w[LENGTH]
+    # Falls closer than two ticks of the clock are one.
     slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
     early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
     if early != NO_GUARD:
@@ -411,6 +424,8 @@ def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
         leaves = margin == 0.0 and w[whole[Y] + whole[N_COORDINATES] + i] == 0.0
         balanced = 2 if leaves and is_balanced(i, w, whole) else 0
         row = whole[DENSE] + 1 + states + i
+        # The margin is side * (position - place), so that terms of the place enter negated. No sum
+        # of their sizes is at hand: infinity.
         x = search(margin, math.inf, slack, row, states, -side, terms, balanced, w)
         if x == FALLS_AT_ONCE:
             w[FRACTION] = 0.0
@@ -462,6 +477,7 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
             slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
         elif i < n:
             slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+        # Behind the coordinates this series has the speeds of closing slips that slip.
         else:
             slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
         value = value_of(guard, w, whole)
@@ -481,6 +497,7 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
         w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
         row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
         bound, sign = w[whole[DRIFT] + i], side_sign(guard)
+        # Where nothing can hold it, growth below the rounding of the inertia forces is no growth.
         loose = w[whole[LEVELS] + guard] == 0.0 and i < n
         balanced = 1 if loose and abs(w[row]) <= STILLNESS * growth_of_forces(i, w, whole) else 0
         x = search(value, bound, slack, row, pairs, sign, count, balanced, w)
@@ -506,7 +523,7 @@ def growth_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     row = whole[DENSE] + 1 + 2 * whole[N_STATES] + n
     for j in range(n):
         total += abs(w[whole[MASS] + i * n + j] * w[row + j])
-    return 2.0 * total / w[LENGTH]
+    return 2.0 * total / w[LENGTH]  # half of the second derivative stands in the series
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:

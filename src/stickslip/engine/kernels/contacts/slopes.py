@@ -135,6 +135,7 @@ def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> Non
     if whole[whole[DIRECTIONAL] + contact]:
         evaluate(LAW_SLOPES_OF + kind, -side, flags, t, w, row, place + room)
     else:
+        # A law that is alike in both directions has one set of slopes.
         for k in range((4 + whole[whole[BRISTLE_COUNTS] + contact]) * variables_of(contact, whole)):
             w[place + room + k] = w[place + k]
     if whole[LAW_SWITCHES] > 0:
@@ -154,6 +155,7 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
     """
     wide = variables_of(contact, whole)
     row = whole[LAW_SLOPES] + (3 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
+    # Rates of bristles depend on the load by themselves; friction and levels have it outside.
     own = w[row + wide - 1] if which >= 4 else 0.0
     return own * w[whole[LOAD_SLOPES] + contact] + own_slope(contact, row, k, w, whole)
 
@@ -167,7 +169,7 @@ def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> 
 def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return a slope along a variable from those along what stands in the row of a law."""
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
-    total = 0.0
+    total = 0.0  # by the chain rule along bristles, inputs, parameters and slip speed
     if bristle >= 0:
         first = 2 * n + bristle
         if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
@@ -179,6 +181,7 @@ def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
     place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
     if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
         total += w[at + place]
+    # What is held has slip speed 0, whatever the variable is.
     if whole[whole[MODES] + whole[whole[SLIPS] + contact]] != HELD_FAST:
         total += w[at] * speed_slope(contact, k, w, whole)
     return total
@@ -188,6 +191,7 @@ def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of a contact's slip speed along a variable."""
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
     rate = slip_rate_along(i, whole[MOTION_POINT], w, whole)
+    # The product rule: slip factors change with parameters, rates with states.
     slope = factor_slope(contact, w, whole) * rate
     if n <= k < 2 * n:
         slope += factor_of(i, k - n, w, whole) * w[whole[SLIP_FACTORS] + contact]
@@ -252,6 +256,7 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of friction, accelerations and needed friction for given ones of loads."""
     n, column, mass = whole[N_COORDINATES], whole[PART_COLUMN], whole[MASS]
     found, needed = whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
+    # Slopes of the parts are those of M a - h; forces gain their negative.
     for i in range(n):
         w[found + i] = -w[column + i]
     for c in range(whole[N_CONTACTS]):
@@ -262,11 +267,13 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
             own = sliding_friction(c, w, whole)
             grows = w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
             spread(i, grows, found, w, whole)
+        # Of a rigid contact the rows below give what it needs.
         w[whole[FRICTION_SLOPES] + c] = slope
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
     for i in range(n):
+        # What loops hold is read along their cuts, of which held parts must still be there.
         if whole[whole[MODES] + i] != HELD_FAST and not whole[whole[LOOPED] + i]:
             w[needed + i] = 0.0
         elif not whole[DIAGONAL]:
@@ -283,6 +290,7 @@ def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     if not slips and whole[whole[BRISTLES] + contact] < 0:
         return 0.0
     load = w[whole[LOAD] + contact]
+    # Friction a + b N: slopes of a and b at the load at hand, then b times that of the load.
     own = law_slope(contact, 0, 0, k, w, whole) + load * law_slope(contact, 0, 1, k, w, whole)
     side = side_of(contact, w, whole, whole[MOTION_POINT])
     return side * own + w[whole[FRICTION_FACTOR] + contact] * w[whole[LOAD_SLOPES] + contact]
@@ -310,6 +318,7 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
 def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of the part that a held contact has of the needed friction."""
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
+    # The part is the needed friction over the slip factor: the quotient rule.
     part = w[whole[NEEDED] + i] / factor
     change = w[whole[NEEDED_SLOPES] + i] - part * factor_slope(contact, w, whole)
     return equal_part(contact, change, w, whole)
@@ -345,12 +354,14 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
         total += w[whole[HELD_SLIPS] + c * held + row] * slope
         total += w[slips + c * held + row] * shared_part(c, w, whole)
         if whole[whole[REACTS] + c]:
+            # Loads act by their normals, which may turn with the variable.
             total -= w[normals + c * held + row] * w[whole[LOAD] + c]
     return total
 
 
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of the loads that are reactions."""
+    # The same equations as those of the reactions themselves: `assembly.react`.
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD_SLOPES], w, whole)
         respond(k, w, whole)
@@ -369,6 +380,7 @@ def rate_slopes_along(
         k = first + j
         along(k, w, whole)
         for i in range(n):
+            # A place changes as its rate does, unless that is held.
             moves = k == n + i and whole[whole[MODES] + i] != HELD_FAST
             w[to + i * count + j] = 1.0 if moves else 0.0
             w[to + (n + i) * count + j] = w[whole[ACCELERATION_SLOPES] + i]
@@ -405,6 +417,8 @@ def guard_slopes_along(
                 w[to + row * count + j] = -load if whole[whole[OPEN] + c] else load
             if watches(c, whole[whole[MODES] + whole[whole[SLIPS] + c]], whole):
                 for s in range(whole[LAW_SWITCHES]):
+                    # A guard is the margin of a switch that is on, and its negative of one that is
+                    # off.
                     sign = 1.0 if whole[whole[LAW_FLAGS] + c] & (1 << s) else -1.0
                     slope = margin_slope(c, s, k, w, whole)
                     w[to + (row - whole[LAW_SWITCHES] + s) * count + j] = sign * slope
@@ -437,6 +451,8 @@ def impact_slopes_along(
         whole[whole[KEPT] + i] = whole[whole[MODES] + i]
         if w[change + i] == -w[at + n + i] and stopped_side(i, w, whole, at) != 0:
             whole[whole[STRUCK] + i] = 1
+        # Struck coordinates are given, all others keep their momentum: held and free ones, so to
+        # speak.
         whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
     put_mass(t, w, whole, at)
     if not whole[DIAGONAL]:
@@ -467,6 +483,7 @@ def respond_to_impact(k: int, to: int, stride: int, w: Vector, whole: Wholes, at
     stops = whole[PART_COLUMN] + stops_of_column(whole)
     for i in range(n):
         w[found + i] = w[to + i * stride]
+        # The factor of the rate before it in its change, -1 for what comes to rest.
         w[given + i] = -1.0 if k == n + i and whole[whole[STRUCK] + i] != 0 else 0.0
     for wall in range(whole[N_WALLS]):
         i, columns = wall_coordinate(wall, whole), whole[WALL_COLUMNS]
@@ -475,6 +492,7 @@ def respond_to_impact(k: int, to: int, stride: int, w: Vector, whole: Wholes, at
             w[given + i] -= w[stops + wall * columns + 1] * w[at + n + i]
     for i in range(n):
         for j in range(n):
+            # Given changes act on the others by the coupling of the masses alone.
             if whole[whole[STRUCK] + j] != 0 and j != i:
                 w[found + i] -= w[whole[MASS] + i * n + j] * w[given + j]
     solve_free(w, whole, found)

@@ -157,6 +157,8 @@ REACHED_ZERO = 1e-13
 
 def begin_contacts(w: Vector, whole: Wholes) -> None:
     """Set modes, flags and openings for the state at which a run begins."""
+    # States are turned by a matrix that depends on parameters alone; all else needs the turned
+    # state.
     if whole[IS_TURNED]:
         prepare(w[TIME], w, whole)
         turn_states(whole[Y], 0, w, whole)
@@ -171,6 +173,7 @@ def decide_start(w: Vector, whole: Wholes) -> None:
     n = whole[N_DIRECTIONS]
     prepare(w[TIME], w, whole)
     for c in range(whole[N_CONTACTS]):
+        # A reaction is known only once modes are: its contact begins closed.
         closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
         whole[whole[OPEN] + c] = 0 if closed else 1
         whole[whole[LAW_FLAGS] + c] = 0
@@ -210,6 +213,7 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
     What nothing but bristles holds slips: their forces need no decision.
     """
+    # A stop comes first: it holds even where no contact is closed.
     rate = slip_rate_along(i, whole[Y], w, whole)
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
         return HELD_FAST
@@ -244,6 +248,7 @@ def turn_own_switches(w: Vector, whole: Wholes) -> None:
         evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
         turned = False
         for j in range(whole[N_SWITCHES]):
+            # A margin may have moved by rounding without a jump; only what is clearly beyond turns.
             margin = w[values + j] if whole[FLAGS] & (1 << j) else -w[values + j]
             if margin < -UNMOVED * w[whole[REACHED] + first + j]:
                 whole[FLAGS] ^= 1 << j
@@ -261,6 +266,7 @@ def standing_switches(w: Vector, whole: Wholes) -> int:
     values, rates, found = whole[VALUES], whole[Y] + whole[N_COORDINATES], whole[FLAGS]
     for trial in range(2):
         for i in range(whole[N_COORDINATES]):
+            # Only what stopped in this instant: rates of others are those that switches see.
             was = whole[whole[BEFORE] + i] in (FORWARD, BACKWARD)
             if was and whole[whole[MODES] + i] == HELD_FAST:
                 w[rates + i] = ANY_RATE if trial == 0 else 0.0
@@ -300,6 +306,7 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
         whole[STATUS] = LIMITED
     for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
         left = whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST
+        # What leaves its stop and has no closed contact is free.
         if left and not rubs(i, whole):
             whole[whole[MODES] + i] = FREE
     if whole[LAW_SWITCHES] > 0:
@@ -321,6 +328,7 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
     """
+    # Where there are reactions, the determinant of their equations is limit 0.
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if pivots > 0 and whole[STATUS] == LIMITED:
         write_remark(whole[FIRST_LIMIT], 0, w, whole)
@@ -340,7 +348,7 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
         evaluate(LOADS, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[LOAD])
         for c in range(whole[N_CONTACTS]):
             if not whole[whole[REACTS] + c]:
-                load = w[whole[LOAD] + c]
+                load = w[whole[LOAD] + c]  # without load the law says nothing: it opens
                 if load > 0.0:
                     whole[whole[OPEN] + c] = 0
                 else:
@@ -376,9 +384,12 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         return
     remember(whole)
     none_forced(whole)
+    # Exact modes have left all falls of the step in ROOTS; elsewhere guards at the event are looked
+    # at.
     exact = whole[STEPPER] == EXACT
     if not exact:
         contact_guards(w[TIME], w, whole, whole[Y], whole[VALUES])
+    # The other guard of the same coordinate tells of the opposite side.
     for other in range(first_contact_guard(whole)):
         if other == guard or (other // 2 != guard // 2 and fires_too(other, exact, w, whole)):
             stop_or_break(other, w, whole)
@@ -459,7 +470,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
     values = whole[ROOTS] if exact else whole[VALUES]
     # of a level that has vanished both sides are near: nothing breaks away in both directions
     if whole[whole[MODES] + guard // 2] == HELD_FAST:
-        opposite = guard + 1 - 2 * (guard % 2)
+        opposite = guard + 1 - 2 * (guard % 2)  # guards of the two sides pair up
         if not w[values + guard] < w[values + opposite]:
             return False
     elif slip_rate_along(guard // 2, whole[Y], w, whole) == 0.0:
@@ -585,6 +596,7 @@ def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
                 needed = w[whole[NEEDED] + i]
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
+            # The guard that fell first is kept in the code: -2 - guard.
             write_event(OF_MODES - 1 - guard, c, before, after, margin, w, whole)
     for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
         held = whole[whole[BEFORE] + i] == HELD_FAST and whole[whole[MODES] + i] != HELD_FAST
@@ -628,6 +640,7 @@ def write_event(
     """Write one row of the events that are new."""
     at = whole[CHANGES] + whole[CHANGED] * EVENT_COLUMNS
     flags = whole[FLAGS]
+    # Guards between these belong to a law: flags of that law are the ones that explain the event.
     if guard >= first_contact_guard(whole) and guard < first_own_switch(whole):
         flags = whole[whole[LAW_FLAGS] + contact]
     w[at] = w[TIME]

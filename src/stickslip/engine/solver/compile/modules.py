@@ -298,8 +298,10 @@ def compile_in_background(equations: EquationsCode) -> bool:
         return False
     if multiprocessing.parent_process() is not None:
         return False
+    # Absolute, as it runs in another folder.
     places = [str(Path(place).absolute()) for place in sys.path]
     with contextlib.suppress(OSError), tempfile.TemporaryFile() as told:
+        # A file: writing into a pipe may have to wait for who reads it.
         told.write(json.dumps(dataclasses.astuple(equations)).encode())
         told.seek(0)
         process = subprocess.Popen(
@@ -308,7 +310,7 @@ def compile_in_background(equations: EquationsCode) -> bool:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             cwd=cache_directory(),  # where nobody else's modules lie
-            start_new_session=True,
+            start_new_session=True,  # an interrupt of this one does not end it
             creationflags=sum(getattr(subprocess, name, 0) for name in ON_WINDOWS),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
         )

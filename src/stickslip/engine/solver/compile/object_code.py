@@ -36,7 +36,7 @@ HAS_MODES = os.name == "posix"
 """Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
-LEAST = "+64bit,+sse2"
+BASE_FEATURES = "+64bit,+sse2"
 """What any x86-64 processor can do: without it, LLVM ends the process if it does not know a name.
 """
 SEAL = 32
@@ -95,6 +95,7 @@ def _trusted(folder: Path) -> Path:
             mode = status.st_mode & OTHERS_WRITE
             if mode & stat.S_IWGRP and _is_private(status.st_gid):
                 mode &= ~stat.S_IWGRP
+            # With the sticky bit, as in /tmp, nobody renames what is another's.
             if mode and not status.st_mode & stat.S_ISVTX:
                 raise _not_trusted(parent, _open_to_others(parent, "go-w"))
     return folder
@@ -102,7 +103,7 @@ def _trusted(folder: Path) -> Path:
 
 def _refuse_foreign(path: Path, status: os.stat_result, modes: int) -> None:
     """Refuse what is another user's, or has one of these mode bits."""
-    if status.st_uid not in (os.geteuid(), 0):
+    if status.st_uid not in (os.geteuid(), 0):  # root may write anywhere anyway
         raise _not_trusted(path, f"{path} belongs to another user")
     if status.st_mode & modes:
         raise _not_trusted(path, _open_to_others(path, "-R go-w"))
@@ -180,7 +181,7 @@ def processor() -> Processor:
 
     triple, named = binding.get_process_triple(), os.environ.get("STICKSLIP_CPU")
     if named:
-        return triple, named, LEAST if triple.startswith("x86_64") else ""
+        return triple, named, BASE_FEATURES if triple.startswith("x86_64") else ""
     return triple, binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
 
 
@@ -249,7 +250,7 @@ def keep_image(name: str, content: bytes, *, warns: bool, kind: Processor | None
 # products. Code that is loaded stays until the process ends, since vectors of runs hold addresses
 # in it.
 
-LONG = 1.0
+LONG_SECONDS = 1.0
 """Time for compiling [s] that nobody should spend in each process without being told."""
 _LOCK = threading.RLock()
 _loaded: dict["ObjectCode", tuple[Mapping[str, int], Any]] = {}
@@ -304,6 +305,7 @@ class ObjectCode(ABC):
         Two processes that do so at once both compile: to wait for each other would take as long.
         """
         with _LOCK:
+            # Code may be in this process whose file was removed since: it is made for others then.
             if self.is_ready() and self.is_kept():
                 return False
             image, compiled = self._image(None)
@@ -322,7 +324,7 @@ class ObjectCode(ABC):
         if image is not None:
             return image, False
         image = _compiled(self.text(), kind)
-        keep_image(self.name, image, warns=self.seconds > LONG, kind=kind)
+        keep_image(self.name, image, warns=self.seconds > LONG_SECONDS, kind=kind)
         return image, True
 
 

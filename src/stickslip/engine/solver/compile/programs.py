@@ -27,7 +27,6 @@ from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
-from typing_extensions import override
 
 from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
@@ -89,22 +88,18 @@ class EquationsCode(ObjectCode):
     """Names of the functions that are called, and their numbers."""
 
     @property
-    @override
     def title(self) -> str:
         return self.pair
 
     @property
-    @override
     def name(self) -> str:
         return name_of("\n".join([maker(), repr(self.numbers), self.program]))
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return (ENTRY,)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.1
 
@@ -113,7 +108,6 @@ class EquationsCode(ObjectCode):
         """Address of a C function of (number, mode, flags, t, w, size, at, to)."""
         return self.addresses[ENTRY]
 
-    @override
     def text(self) -> str:
         functions = []
         for node in ast.parse(self.program).body:
@@ -183,26 +177,21 @@ class KernelsCode(ObjectCode):
     """Machine code of the kernels."""
 
     @property
-    @override
     def title(self) -> str:
         return "the solver"
 
     @property
-    @override
     def name(self) -> str:
         return _name()
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return entries.__all__
 
     @property
-    @override
     def seconds(self) -> float:
         return SECONDS
 
-    @override
     def text(self) -> str:
         functions = [function_of(one) for one in _reached()]
         called = [
@@ -229,6 +218,7 @@ KERNELS = KernelsCode()
 def _name() -> str:
     """Return the name of the file: a hash of the text of all kernels."""
     folder = Path(kernels.__file__).parent
+    # What translates them counts as well.
     sources = [path.read_text("utf-8") for path in (Path(__file__), *sorted(folder.rglob("*.py")))]
     return name_of("\n".join([maker(), *sources]))
 
@@ -317,6 +307,7 @@ def as_function(address: int, signature: Signature) -> Callable[..., Any]:
     result = NUMBERS[signature.results[0]] if signature.results else None
     bare = ctypes.CFUNCTYPE(result, *types)(address)
     wanted = [(name, ARRAYS.get(kind)) for name, kind in signature.parameters]
+    # Looked up once, and not in each call.
     from_buffer, addressof = PLACE.from_buffer, ctypes.addressof
 
     def call(*arguments: Any) -> Any:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.kernels import observer
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
@@ -28,31 +27,26 @@ class ObserverCode(ObjectCode):
     """Machine code of `stickslip.engine.kernels.observer.observe`."""
 
     @property
-    @override
     def title(self) -> str:
         return "the observer of records"
 
     @property
-    @override
     def name(self) -> str:
         sources = [Path(one).read_text("utf-8") for one in (observer.__file__, __file__)]
         return name_of("\n".join([maker(), *sources]))
 
     @property
-    @override
     def symbols(self) -> Sequence[str]:
         return ("observe",)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.2
 
-    @override
     def text(self) -> str:
         parts: list[Any] = [observer.looked_up, observer.strained, observer.observe]
         own = signature_of(observer.observe)
-        return f"{translated([function_of(one) for one in parts])}\n{exported('observe', own)}"
+        return f"{translated([function_of(part) for part in parts])}\n{exported('observe', own)}"
 
 
 CODE = ObserverCode()
@@ -92,6 +86,7 @@ def states_along(law: FrictionLaw, motion: Array, inputs: tuple[str, ...], start
     table = np.empty((copies, len(code.paths)))
     for k, path in enumerate(code.paths):
         table[:, k] = getattr(law, path)
+    # Room for the step, parameters, states and flags of one copy.
     size = columns + len(code.paths) + states + code.flags
     sizes = (columns, len(code.paths), *((states, code.flags) if code.entry == FORMULA else ()))
     given = (motion.ravel(), table.ravel(), out.ravel(), np.zeros(size))
@@ -108,11 +103,9 @@ class _Shape:
         self.law, self.inputs = law, inputs
         self.key: Hashable = (structure(_scalars(law)), inputs)
 
-    @override
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Shape) and self.key == other.key
 
-    @override
     def __hash__(self) -> int:
         return hash(self.key)
 
@@ -142,11 +135,13 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
         z = tuple(Written(f"z{i}", lines) for i in range(len(law.states)))
         found = own.moved(v, n, z, h)
         entry = RATES if found is None else FORMULA
+        # The entry for rates integrates one state.
         if found is None and len(z) > 1:
             return None
         found = own.rates(v, n, z) if found is None else found
         results = [lines.word(one) for one in found]
     except (TypeError, ValueError, ArithmeticError, AttributeError, CompilationError):
+        # Equations of others may ask of numbers what no program can do: they run in NumPy.
         return None
     names = [*STEP, *(f"x_{name}" for name in shape.inputs), *(f"p_{path}" for path in paths)]
     reads = [f"{name} = w[{i}]" for i, name in enumerate(names)]
@@ -162,8 +157,9 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
             f"w[{place}] = {hold} >= 0.0 and ({margin} > 0.0 or (f{k} and {hold} > 0.0))"
             for k, (place, (margin, hold)) in enumerate(zip(places, flags, strict=True))
         ]
+        # Latches turn last: all of a step sees the sides on which it began.
         body = [*reads, *lines.written]
-        body += [f"w[{at + i}] = {one}" for i, one in enumerate(results)]
+        body += [f"w[{at + i}] = {result}" for i, result in enumerate(results)]
         body += [line.replace(" = ", " = 1.0 if ", 1) + " else 0.0" for line in turned]
         head = "def move(w):"
     program = "\n    ".join([head, *body])
@@ -186,26 +182,21 @@ class StatesCode(ObjectCode):
     """Its latched switches."""
 
     @property
-    @override
     def title(self) -> str:
         return f"the states of {self.law}"
 
     @property
-    @override
     def name(self) -> str:
         return name_of("\n".join([maker(), _steps_text(), self.entry, self.program]))
 
     @property
-    @override
     def symbols(self) -> tuple[str, ...]:
         return (self.entry,)
 
     @property
-    @override
     def seconds(self) -> float:
         return 0.1
 
-    @override
     def text(self) -> str:
         own = observer.move if self.entry == FORMULA else observer.rate
         (node,) = ast.parse(self.program).body
@@ -214,7 +205,7 @@ class StatesCode(ObjectCode):
         if self.entry == RATES:
             steps = [observer.by_rates, observer.stepped, observer.held_back]
         functions = [Function(node, signature_of(own), lambda _: None, self.title)]
-        functions += [function_of(one) for one in steps]
+        functions += [function_of(step) for step in steps]
         return f"{translated(functions)}\n{exported(self.entry, signature_of(steps[0]))}"
 
     @functools.cached_property
@@ -315,7 +306,7 @@ class Written:
         return self._of("abs({})", self)
 
     def __pow__(self, exponent: Any) -> "Written":
-        if float(exponent) == 2.0:
+        if float(exponent) == 2.0:  # as NumPy squares: the same bits
             return self * self
         return self._of("math.pow({}, {})", self, exponent)
 

@@ -194,6 +194,7 @@ def _parameters(signature: Signature) -> str:
     A function has one vector of whole numbers, and no vector of reals shares memory with it.
     """
     parts = []
+    # With two vectors of whole numbers, nothing tells that they do not overlap.
     alone = sum(kind == WHOLES for _, kind in signature.parameters) == 1
     for name, kind in signature.parameters:
         if kind in ELEMENTS:
@@ -245,6 +246,7 @@ class _Body:
         self._lines: list[str] = []
         self._count = 0
         self._block = ENTRY
+        # Labels of the loops around: where to go on, and where to leave.
         self._around: list[tuple[str, str]] = []
         self._kinds: dict[str, str] = {}
         self._vectors: dict[str, Value] = {}
@@ -259,6 +261,7 @@ class _Body:
                 self._vectors[name] = value
             else:
                 self._store_local(name, value, names, node)
+        # The end of the body is reached: nothing was returned on some way.
         if self._statements(node.body, names):
             if signature.results:
                 raise self._refused(node, "may end without a result")
@@ -275,6 +278,7 @@ class _Body:
         for i, statement in enumerate(body):
             if not self._statement(statement, names):
                 if body[i + 1 :]:
+                    # Python would run past it in silence; here it is a mistake in a kernel.
                     raise self._refused(body[i + 1], "is never reached")
                 return False
         return True
@@ -354,6 +358,7 @@ class _Body:
         kind = self._kinds.get(name)
         if kind is None:
             kind = self._kinds[name] = value.kind
+            # In the first block: inside a loop each round would take more of the stack.
             self._places.append(f"  %{name}.place = alloca {kind}")
         if kind == REAL and value.kind == WHOLE:
             value = self._real_of(value)
@@ -393,6 +398,7 @@ class _Body:
         if len(found) == 1:
             self._line(f"ret {wanted[0]} {found[0].text}")
             return
+        # A result of several values is built up from an undefined one.
         whole = Value(signature.result, "undef")
         for i, one in enumerate(found):
             text = f"insertvalue {whole.kind} {whole.text}, {one.kind} {one.text}, {i}"
@@ -404,6 +410,7 @@ class _Body:
         condition = self._truth(node.test, names)
         otherwise = "else" if node.orelse else "end"
         self._fork(condition, f"then.{label}", f"{otherwise}.{label}")
+        # Names that have a value after a branch are those that have one on all ways that arrive.
         arriving = [] if node.orelse else [set(names)]
         for side, body in (("then", node.body), ("else", node.orelse)):
             if body:
@@ -426,6 +433,7 @@ class _Body:
         self._loop(node.body, label, f"test.{label}", set(names))
         self._begin(f"done.{label}")
         match node.test:
+            # An endless loop that nothing breaks has no code behind it.
             case ast.Constant(value=True) if not _breaks(node):
                 self._line("unreachable")
                 return False
@@ -439,6 +447,8 @@ class _Body:
                 iter=ast.Call(func=ast.Name(id="range"), args=[_, *_] as ends, keywords=[]),
                 orelse=[],
             ) if len(ends) <= 3:
+                # As in Python, ends are found out before the loop: changing them inside has no
+                # effect.
                 values = [self._whole(end, names) for end in ends]
             case _:
                 raise self._refused(node)
@@ -462,6 +472,7 @@ class _Body:
         self._fork(more.text, f"loop.{label}", f"done.{label}")
         own = set(names)
         self._begin(f"loop.{label}")
+        # The loop's name gets its value from the counter, so that assigning to it changes no round.
         self._store_local(name, at, own, node.target)
         self._loop(node.body, label, f"next.{label}", own, begun=True)
         self._begin(f"next.{label}")
@@ -509,6 +520,7 @@ class _Body:
     def _joined(self, op: ast.boolop, values: Sequence[ast.expr], names: set[str]) -> str:
         """Translate `and` and `or`, which ask no further than they have to."""
         label = self._label()
+        # What decides is known at the first part that has that value; later ones are not evaluated.
         decided = "false" if isinstance(op, ast.And) else "true"
         ways = []
         for i, value in enumerate(values):
@@ -559,6 +571,7 @@ class _Body:
 
     def _comparison(self, op: ast.cmpop, left: Value, right: Value) -> str:
         words = COMPARISONS[type(op)]
+        # Whole numbers are compared as such: as reals they would lose digits beyond 2^53.
         if left.kind == right.kind != REAL:
             return self._result(TRUTH, f"icmp {words[0]} {left.kind} {{}}, {{}}", left, right).text
         left, right = self._real_of(left), self._real_of(right)
@@ -621,11 +634,13 @@ class _Body:
     def _table(self, numbers: tuple[float, ...]) -> Value:
         kind = _kind(numbers[0])
         words = ", ".join(f"{kind} {_constant(number)}" for number in numbers)
+        # One table for each set of numbers, however many functions read it.
         name = self._tables.setdefault(words, f"@table.{len(self._tables)}")
         return Value(VECTOR if kind == REAL else WHOLES, name, str(len(numbers)))
 
     def _negative(self, operand: ast.expr, names: set[str]) -> Value:
         value = self._value(operand, names)
+        # `fneg` also turns the sign of 0, which 0 - x would not.
         if value.kind == REAL:
             return self._result(REAL, "fneg double {}", value)
         if value.kind == WHOLE and value.text.isdecimal():
@@ -634,6 +649,7 @@ class _Body:
 
     def _arithmetic(self, node: ast.BinOp, names: set[str]) -> Value:
         """Translate a sum or a product, whose terms may be more than functions may call deep."""
+        # From the inside out, by a list: generated sums are longer than Python may recurse.
         rest: list[ast.BinOp] = []
         first: ast.expr = node
         while isinstance(first, ast.BinOp):
@@ -665,6 +681,7 @@ class _Body:
 
     def _floored(self, left: Value, right: Value) -> Value:
         """Divide whole numbers; the quotient is rounded down, as in Python."""
+        # Processors round quotients towards 0.
         quotient = self._result(WHOLE, "sdiv i64 {}, {}", left, right)
         less = self._result(WHOLE, "sub i64 {}, 1", quotient)
         return self._selected(self._rounds_up(left, right), less, quotient)
@@ -692,6 +709,7 @@ class _Body:
             found.append(self._value(part, names))
             blocks.append(self._block)
             self._line(f"br label %end.{label}")
+        # Both sides have to be of one kind: there is one place for the value.
         if found[0].kind != found[1].kind:
             raise self._refused(node, f"is {_word(found[0].kind)} or {_word(found[1].kind)}")
         self._begin(f"end.{label}")
@@ -771,6 +789,7 @@ class _Body:
     def _of_math(self, name: str, values: Sequence[Value], node: ast.AST) -> Value:
         match name, values:
             case "isnan", [value]:
+                # NaN is the only number that is not equal to itself: unordered with itself.
                 return self._result(TRUTH, "fcmp uno double {}, {}", value, value)
             case "ceil", [value]:
                 return self._cut(self._function(name, [value]))
@@ -796,6 +815,7 @@ class _Body:
         if value.kind != REAL:
             return self._whole_of(value)
         self.used.add("to whole")
+        # Saturating: out of range the plain conversion is undefined, and tiers would differ.
         return self._result(WHOLE, "call i64 @llvm.fptosi.sat.i64.f64(double {})", value)
 
     def _extreme(self, name: str, values: Sequence[Value]) -> Value:
@@ -804,6 +824,7 @@ class _Body:
         found = values[0] if kind == WHOLE else self._real_of(values[0])
         for value in values[1:]:
             other = value if kind == WHOLE else self._real_of(value)
+            # Strictly beyond, as Python compares: of equal numbers, or beside NaN, the first stays.
             op = ast.Lt() if name == "min" else ast.Gt()
             beyond = self._comparison(op, other, found)
             found = self._selected(beyond, other, found)
@@ -831,6 +852,7 @@ class _Body:
             return self._result(REAL, "uitofp i1 {} to double", value)
         if value.kind != WHOLE:
             return value
+        # A constant needs no instruction.
         if value.text.lstrip("-").isdecimal():
             return Value(REAL, _constant(float(value.text)))
         return self._result(REAL, "sitofp i64 {} to double", value)

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.trajectory import Trajectory
 from stickslip.identify.fits.estimation.parameters import FreeParameters
@@ -50,7 +49,6 @@ class ResidualJacobian:
             self._slopes = self._slopes()
         return self._slopes
 
-    @override
     def __getstate__(self) -> dict[str, Any]:
         """Return what crosses processes: slopes that are found."""
         return {**self.__dict__, "_slopes": self.slopes}
@@ -184,7 +182,7 @@ class RecordProblem(Problem):
         """Factor that residuals were multiplied by (n,); 1 where all count alike."""
         return 1.0
 
-    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:  # noqa: ARG002
+    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:
         """Return the rows of an answer by joint, without weights; empty where there is only one."""
         return {}
 
@@ -193,7 +191,7 @@ class RecordProblem(Problem):
         """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
         return None
 
-    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:  # noqa: ARG002
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         """Return the segments simulated again from their fitted states, each with its certificate.
 
         Times of a run count from the start of its segment. There are none along measured motion.

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Measurement, between_gaps
 from stickslip.engine.formulation import JointTorques
@@ -527,17 +526,14 @@ class JointBalance(RecordProblem):
     """The free parameters of all."""
 
     @property
-    @override
     def quantity(self) -> str:
         return "force"
 
     @property
-    @override
     def variation(self) -> float:
         return sum(self.weights[name] ** 2 * one.variation for name, one in self.maps.items())
 
     @property
-    @override
     def spans(self) -> Array:
         found: dict[int, list[float]] = {}
         for one in (one for whole in self.maps.values() for one in whole.stretches):
@@ -548,34 +544,28 @@ class JointBalance(RecordProblem):
         return np.array([found[number] for number in sorted(found)], dtype=float)
 
     @property
-    @override
     def times(self) -> Array:
         return self._rows({name: one.times for name, one in self.maps.items()})
 
     @property
-    @override
     def measured(self) -> Array:
         """The applied force of each row, filtered."""
         return self._rows({name: one.measured for name, one in self.maps.items()})
 
     @property
-    @override
     def samples(self) -> tuple[FrictionSamples, ...]:
         return tuple(one for whole in self.maps.values() for one in whole.samples)
 
     @property
-    @override
     def joints(self) -> NDArray[np.str_]:
         size = {name: len(one.times) for name, one in self.maps.items()}
         return self._rows({name: np.full(count, name) for name, count in size.items()})
 
     @property
-    @override
     def row_weights(self) -> Array:
         size = {name: len(one.times) for name, one in self.maps.items()}
         return self._rows({name: np.full(n, self.weights[name]) for name, n in size.items()})
 
-    @override
     def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:
         segments = self._rows({name: _segments(one) for name, one in self.maps.items()})
         joints = self.joints[np.isin(segments, seen.segment)]
@@ -585,7 +575,6 @@ class JointBalance(RecordProblem):
         order = _order([_segments(self.maps[name]) for name in columns])
         return np.concatenate(list(columns.values()))[order]
 
-    @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalance":
         known = {item.path: item for item in free_parameters.items}
         maps = {
@@ -602,7 +591,6 @@ class JointBalance(RecordProblem):
         }
         return replace(self, maps=maps)
 
-    @override
     def linearise(
         self,
         values: Array,
@@ -635,7 +623,6 @@ class JointBalance(RecordProblem):
             values=values, residual=residual[order], slopes=table, segment=segment, memory=seen
         )
 
-    @override
     def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
 

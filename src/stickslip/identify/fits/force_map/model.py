@@ -6,7 +6,6 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Measurement
 from stickslip.errors import ParameterError
@@ -139,22 +138,18 @@ class ForceMap(RecordProblem):
     """Whether what is measured is the applied force, of which friction is a part."""
 
     @property
-    @override
     def quantity(self) -> str:
         return "force" if self.of_applied else "friction"
 
     @property
-    @override
     def variation(self) -> float:
         """That of what is measured about its mean."""
         return float(np.sum((self.measured - np.mean(self.measured)) ** 2))
 
-    @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "ForceMap":
         return replace(self, free_parameters=free_parameters)
 
     @property
-    @override
     def spans(self) -> Array:
         found = []
         for one in self._of_friction:
@@ -188,23 +183,19 @@ class ForceMap(RecordProblem):
         return ordered
 
     @property
-    @override
     def times(self) -> Array:
         return self._all_rows([one.path.time for one in self.stretches])
 
     @property
-    @override
     def measured(self) -> Array:
         columns = [one.applied if self.of_applied else one.friction for one in self.stretches]
         return self._all_rows([column for column in columns if column is not None])
 
     @property
-    @override
     def response(self) -> SensorResponse:
         return self.stretches[0].response
 
     @property
-    @override
     def samples(self) -> tuple[FrictionSamples, ...]:
         return tuple(
             FrictionSamples(
@@ -225,7 +216,6 @@ class ForceMap(RecordProblem):
         return found
 
     @property
-    @override
     def held_offset(self) -> float:
         return float(self.offset)
 
@@ -262,7 +252,6 @@ class ForceMap(RecordProblem):
         ordered: Array = self._ordered(residual, segment)
         return self.measured - ordered
 
-    @override
     def linearise(
         self,
         values: Array,
@@ -305,7 +294,6 @@ class ForceMap(RecordProblem):
             memory=done,
         )
 
-    @override
     def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
 

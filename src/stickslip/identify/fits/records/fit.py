@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import TypeVar, override
+from typing_extensions import TypeVar
 
 from stickslip.data import (
     QUANTITIES,
@@ -131,7 +131,6 @@ class Score(metaclass=Described):
             for unit in units
         }
 
-    @override
     def __str__(self) -> str:
         """Return the error and what it is of, in one line; that of each joint, if there are any."""
         error = quantity(self.rms, self.unit)
@@ -170,7 +169,6 @@ class Prediction(Tabular):
     joint: NDArray[np.str_] | None = None
     """Name of the joint of each row (n,); None where there is only one."""
 
-    @override
     def __repr__(self) -> str:
         segments = len({*zip(self.record.tolist(), self.segment.tolist(), strict=True)})
         return (
@@ -193,7 +191,6 @@ class Prediction(Tabular):
         columns = ("record", "segment", "t", "residual", "predicted", "measured", "joint")
         return replace(self, **{name: getattr(self, name)[own] for name in columns})
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
         import pandas as pd
@@ -210,11 +207,9 @@ class Prediction(Tabular):
             }
         )
 
-    @override
     def _over(self) -> str:
         return "t"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"t": "s"}
 
@@ -272,7 +267,6 @@ class RecordFit(Fit[AnyLaw_co]):
         return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
 
     @property
-    @override
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
         mechanism, records = self.mechanism, self.measurement.records()
         pairs = zip(records, uncertainties_of(mechanism, self.measurement), strict=True)
@@ -281,7 +275,6 @@ class RecordFit(Fit[AnyLaw_co]):
             for record, (own, shared) in pairs
         ]
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         draw = plots().plot_friction_map if self.problem.joints is None else plots().plot_joints
         return cast("Drawing", draw(self, ax))
@@ -296,7 +289,6 @@ class RecordFit(Fit[AnyLaw_co]):
         """Whether a constant force that nobody gave is a part of the friction level."""
         return isinstance(self.problem, ForceMap) and self.problem.one_way
 
-    @override
     def law_estimates(self) -> LawEstimates:
         records = self.measurement.records()
         weighed = any("load" in record.quantities() for record in records)
@@ -322,7 +314,6 @@ class RecordFit(Fit[AnyLaw_co]):
         }
         return {name: speed for name, speed in joints.items() if speed is not None} or None
 
-    @override
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
         joints = self.problem.joints is not None
@@ -335,7 +326,6 @@ class RecordFit(Fit[AnyLaw_co]):
         )
         return ". ".join((fitted, *findings))
 
-    @override
     def _notes(self) -> Sequence[str]:
         return (*self.assumptions, *map(str, self.model_errors), *self.sentences)
 
@@ -558,7 +548,6 @@ class RecordFit(Fit[AnyLaw_co]):
             costs.append(end.cost)
         return np.array(costs)
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         found, restarts = self.optimum, self.restarts
         rows = len(restarts.best.residual)

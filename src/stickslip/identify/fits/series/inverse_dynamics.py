@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
 from stickslip.errors import InputError, UnknownNameError
@@ -71,7 +70,6 @@ class InverseDynamics(Tabular):
     weights: Array
     """Weights of the rows (n,), 1 where regression is not robust."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return time, velocity, friction and residual as a pandas DataFrame, a row a sample."""
         import pandas as pd
@@ -79,11 +77,9 @@ class InverseDynamics(Tabular):
         names = ("time", "velocity", "friction", "residual")
         return pd.DataFrame({name: getattr(self, name) for name in names})
 
-    @override
     def _over(self) -> str:
         return "time"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {"time": "s"}
 
@@ -93,7 +89,6 @@ class InverseDynamics(Tabular):
             raise UnknownNameError("estimate", name, self.names)
         return float(self.values[self.names.index(name)])
 
-    @override
     def __repr__(self) -> str:
         found = zip(self.names, self.values, self.deviations, strict=True)
         estimates = ", ".join(f"{name} = {estimate(value, sd)}" for name, value, sd in found)

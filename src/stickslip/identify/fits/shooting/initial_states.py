@@ -7,7 +7,6 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.estimation.bristle_integration import Path, balancing, follow
@@ -93,7 +92,6 @@ class LocalState:
         assert ways is not None
         return ways
 
-    @override
     def __getstate__(self) -> dict[str, Any]:
         """Return what crosses processes: slopes that are found."""
         return {**self.__dict__, "sense": Known(self.slopes), "ways": Known(self.ways())}

@@ -12,7 +12,6 @@ from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.executors import on_threads
 from stickslip.engine.solver import BareRun, EventDriven
@@ -106,35 +105,29 @@ class Shooting(RecordProblem):
     """The measured motion of each record between gaps, as far as bristles are followed along it."""
 
     @property
-    @override
     def quantity(self) -> str:
         return self.quantity_
 
     @property
-    @override
     def spans(self) -> Array:
         return np.array(
             [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
         )
 
     @property
-    @override
     def times(self) -> Array:
         return np.concatenate([s.start + s.times for s in self.segments])
 
     @property
-    @override
     def measured(self) -> Array:
         return np.concatenate([s.measured for s in self.segments])
 
     @property
-    @override
     def variation(self) -> float:
         """That of the motion about a straight line: first position and velocity are fitted."""
         return sum(curvature_of(segment) for segment in self.segments)
 
     @property
-    @override
     def simulates(self) -> bool:
         return True
 
@@ -155,11 +148,9 @@ class Shooting(RecordProblem):
         guesses = (replace(s, guess=seen.memory[k].state) for k, s in segments)
         return replace(self, segments=tuple(guesses))
 
-    @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
         return replace(self, free_parameters=free_parameters)
 
-    @override
     def linearise(
         self,
         values: Array,
@@ -259,7 +250,6 @@ class Shooting(RecordProblem):
             ways=cache(ways),
         )
 
-    @override
     def carried(self, seen: ResidualJacobian) -> Array:
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, range(len(self.segments)))
@@ -299,7 +289,6 @@ class Shooting(RecordProblem):
                 found[one.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
         return found
 
-    @override
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, list(seen.memory))

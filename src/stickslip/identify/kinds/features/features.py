@@ -9,7 +9,6 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import (
     CURE,
@@ -354,7 +353,6 @@ class StickSlipFeatures(metaclass=Described):
         """Frequency, mean and standard deviation (3,)."""
         return np.array([getattr(self, name) for name in COMPARED])
 
-    @override
     def __str__(self) -> str:
         """Return the numbers in a line, then the sentences."""
         head = (
@@ -363,7 +361,6 @@ class StickSlipFeatures(metaclass=Described):
         )
         return "\n".join([head, *self.sentences])
 
-    @override
     def __repr__(self) -> str:
         return f"<StickSlipFeatures: {str(self).splitlines()[0]}>"
 

@@ -3,8 +3,6 @@
 from collections.abc import Collection
 from dataclasses import replace
 
-from typing_extensions import override
-
 from stickslip.data import Measurement
 from stickslip.identify.fits import Laws
 from stickslip.identify.kinds.features.features import COMPARED, FEATURES
@@ -29,32 +27,25 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"seed"})
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return measurement.only_spring_force
 
-    @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return [one.name for one in feature_laws(laws)]
 
-    @override
     def residual_text(self, error: float, request: Request) -> str:
         return f"error of the features {percent(error)}"
 
-    @override
     def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
         return input_names(mechanism)
 
-    @override
     def fit(self, request: Request) -> FeatureFit:
         seed = 0 if request.settings is None else request.settings.seed
         return fit_features(seed=seed, **request.arguments("law"))
 
-    @override
     def select(self, request: Request) -> FeatureVerdict:
         return select_features(**request.arguments("laws", "validate", "settings", "executor"))
 
-    @override
     def comparison(self, verdict: FeatureVerdict) -> Comparison:
         rows = list(verdict.candidates)
         if verdict.control:
@@ -69,7 +60,6 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
             fitted=(best.title, best.fit.estimates) if best and best.fit else None,
         )
 
-    @override
     def summary(
         self, fit: FeatureFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
@@ -90,7 +80,6 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
             second=second or None,
         )
 
-    @override
     def sections(
         self, verdict: FeatureVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:

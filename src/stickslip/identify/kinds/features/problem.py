@@ -7,7 +7,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.engine.simulation import ensemble
 from stickslip.engine.solver import EventDriven, Samples
@@ -49,17 +48,14 @@ class FeatureProblem(Problem):
     """The free parameters."""
 
     @property
-    @override
     def spans(self) -> Array:
         return np.zeros((1, 3))
 
     @property
-    @override
     def quantity(self) -> str:
         return "spring_force"
 
     @property
-    @override
     def times(self) -> Array:
         return np.zeros(len(COMPARED))
 
@@ -83,7 +79,6 @@ class FeatureProblem(Problem):
         observed = self.observed.compared
         return np.log(observed / np.maximum(features, READ * observed))
 
-    @override
     def linearise(
         self,
         values: Array,

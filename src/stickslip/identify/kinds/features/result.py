@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, Measurement, levels_at
 from stickslip.engine.simulation import simulate
@@ -70,7 +69,6 @@ class FeatureFit(Fit[Law_co]):
     """Estimates that hold if this law does, where `estimates` hold whichever law does of those that
     the features do not tell from it; empty elsewhere."""
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
 
@@ -79,7 +77,6 @@ class FeatureFit(Fit[Law_co]):
         rows = [Interval(name.replace("_", " "), error) for name, error in errors.items()]
         return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
 
-    @override
     def law_estimates(self) -> LawEstimates:
         return estimates_for(
             self.law,
@@ -129,7 +126,6 @@ class FeatureFit(Fit[Law_co]):
         force = block.stiffness * (block.speed * times - np.asarray(run["x"]))
         return np.asarray(force + block.damping * (block.speed - np.asarray(run["v"])))
 
-    @override
     def __str__(self) -> str:
         """Return law, estimates and errors, then the sentences."""
         numbers = ", ".join(map(str, self.estimates))
@@ -141,15 +137,12 @@ class FeatureFit(Fit[Law_co]):
         head = f"{self.law.title} fitted to features: {numbers}; {where} errors: {errors}"
         return "\n".join([head, *self.sentences])
 
-    @override
     def __repr__(self) -> str:
         return f"<FeatureFit: {self.law.title}, rms error {percent(self.score)}>"
 
-    @override
     def _notes(self) -> Sequence[str]:
         return self.sentences
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,

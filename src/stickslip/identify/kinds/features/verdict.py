@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from typing_extensions import override
-
 from stickslip.data import Checks
 from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Candidate, Verdict, plain, score_text
@@ -48,7 +46,6 @@ class FeatureCandidate(Candidate[FeatureFit]):
     """Relative errors on the record given to validate, if there is one."""
 
     @property
-    @override
     def score(self) -> float:
         """Root mean square of the relative errors held out, infinite without a fit."""
         return self.fit.score if self.fit else math.inf
@@ -68,11 +65,9 @@ class FeatureCandidate(Candidate[FeatureFit]):
         """Relative errors of each feature, held out."""
         return self.fit.held_out_errors if self.fit else {}
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return data_row(COLUMNS, self)
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.name,
@@ -171,20 +166,16 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
     """Other speeds of the pull, the most telling first."""
 
     @property
-    @override
     def route(self) -> str:
         return FEATURES
 
     @property
-    @override
     def score_unit(self) -> str:
         return "1"
 
-    @override
     def _basis(self) -> str:
         return " to features of the first half of the record, scored on the second half"
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         return {
             "scored": "frequency, mean and standard deviation of the second half, root mean square",

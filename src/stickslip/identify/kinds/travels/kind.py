@@ -3,8 +3,6 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from typing_extensions import override
-
 from stickslip.data import Checks, Measurement, check, is_filmed, travels_of_films
 from stickslip.friction import law_type
 from stickslip.identify import USUAL_LAWS
@@ -28,45 +26,36 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
     has_criteria = True
     counts_runs = True
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return bool(measurement.travelled)
 
-    @override
     def reads(self, measurement: Measurement) -> bool:
         return is_filmed(measurement)
 
-    @override
     def why_unused(self, name: str, request: Request) -> str:
         if name == "validate":
             return "requires a second record, and travels have none: give more trials instead."
         return ""
 
-    @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return [one if isinstance(one, str) else one.name for one in laws or USUAL_LAWS]
 
-    @override
     def owner(self, law: Law) -> AnyLaw:
         return law_type(law) if isinstance(law, str) else law
 
-    @override
     def law_and_parameters(
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
     ) -> tuple[Law, str | Sequence[str] | None]:
         return self.owner(law), vary
 
-    @override
     def fit(self, request: Request) -> TravelFit:
         request, t_end = _read(request)
         return fit_travels(t_end=t_end, **request.arguments("law"))
 
-    @override
     def select(self, request: Request) -> TravelVerdict:
         request, t_end = _read(request)
         return select_travels(t_end=t_end, **request.arguments("laws", "assumed"))
 
-    @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.dropped}" for c in everyone if c.dropped]
@@ -75,7 +64,6 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         heads, rows = terminal_table(columns_of(verdict), everyone)
         return Comparison(heads=heads, rows=rows, notes=notes, checks=_of_units(verdict))
 
-    @override
     def summary(
         self, fit: TravelFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
@@ -87,7 +75,6 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
         heads += [f"measured {read}", "predicted"] if read else []
         return FitSummary(heads=heads, rows=rows, limits=limits_of(fit))
 
-    @override
     def sections(
         self, verdict: TravelVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import LawEstimates, Rig, levels_at
 from stickslip.engine.simulation import simulate
@@ -67,21 +66,17 @@ class TravelFit(Fit[Law_co]):
     """What was fitted."""
 
     @property
-    @override
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
         return [(one.mechanism, {**one.shared, **one.doubts}) for one in self.trials]
 
     @property
-    @override
     def settings(self) -> int:
         return len({trial.mechanism for trial in self.trials})
 
     @property
-    @override
     def readings(self) -> str:
         return "the readings" if len(self.trials) > 1 else "the reading"
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.show.plots import INTERVAL_SIZE, Interval, draw_intervals, on_axes
 
@@ -90,7 +85,6 @@ class TravelFit(Fit[Law_co]):
         draw = draw_intervals(rows, "measured minus predicted travel", "mm")
         return on_axes(draw, ax, INTERVAL_SIZE)
 
-    @override
     def law_estimates(self) -> LawEstimates:
         settings = {trial.setting: trial for trial in self.trials}.values()
         speeds = [_largest_speed(trial, self.law) for trial in settings]
@@ -102,7 +96,6 @@ class TravelFit(Fit[Law_co]):
             largest_speed=max(speeds, default=None),
         )
 
-    @override
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
         count = len(self.measured)
@@ -112,7 +105,6 @@ class TravelFit(Fit[Law_co]):
             f" {', '.join(map(str, self.estimates))}; largest residual {quantity(worst, 'm', 2)}"
         )
 
-    @override
     def _notes(self) -> Sequence[str]:
         return (*self.remarks, *self.told_apart)
 
@@ -156,7 +148,6 @@ class TravelFit(Fit[Law_co]):
         """Sum of the squares of `standardised`."""
         return sum(one**2 for one in self.standardised)
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Checks, Measurement
 from stickslip.friction import FrictionLaw
@@ -59,7 +58,6 @@ class TravelCandidate(Candidate[TravelFit]):
     """Evidence less that of the named law."""
 
     @property
-    @override
     def score(self) -> float | None:
         return self.held_out
 
@@ -68,11 +66,9 @@ class TravelCandidate(Candidate[TravelFit]):
         """Number of coefficients that were fitted."""
         return self.parameters
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return data_row(columns_of(None), self)
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         law = self.fit.law if self.fit else self.law
         return {
@@ -116,7 +112,6 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return self.judgement.trials
 
     @property
-    @override
     def closest(self) -> TravelCandidate:
         return self.candidates[0]
 
@@ -151,12 +146,10 @@ class TravelVerdict(Verdict[TravelCandidate]):
         return self.judgement.explained
 
     @property
-    @override
     def route(self) -> str:
         return "travel"
 
     @property
-    @override
     def score_unit(self) -> str:
         return "m"
 
@@ -296,7 +289,6 @@ class TravelVerdict(Verdict[TravelCandidate]):
         scaled = {name: x / last for name, x in columns.items()}
         return pd.DataFrame({**set_, **scaled}, index=names)
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify import plot_band  # loads matplotlib
 
@@ -332,12 +324,10 @@ class TravelVerdict(Verdict[TravelCandidate]):
             names=(words_of(path), what),
         )
 
-    @override
     def _basis(self) -> str:
         trials = count(len(self.measurement.records()), "trial")
         return f"; {trials}, {'ranked' if self.ranked else 'not ranked'} by held-out error"
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         judgement, fit = self.judgement, self.closest.fit
         assert fit is not None

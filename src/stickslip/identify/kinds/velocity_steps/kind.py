@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-from typing_extensions import override
-
 from stickslip.data import Measurement
 from stickslip.friction import RateState
 from stickslip.identify.candidates import on_second_record
@@ -35,30 +33,24 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     simulated = False
     columns = COLUMNS
 
-    @override
     def serves(self, measurement: Measurement) -> bool:
         return serves(measurement)
 
-    @override
     def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
         return [one.name for one in rate_state_laws(laws)]
 
-    @override
     def residual_text(self, error: float, request: Request) -> str:
         return f"coefficient off by {number(error, 2)}"
 
-    @override
     def fit(self, request: Request) -> RateStateFit:
         settings = request.settings or RecordSettings(starts=STARTS)
         return fit_rate_state(
             starts=settings.starts, seed=settings.seed, **request.arguments("law")
         )
 
-    @override
     def select(self, request: Request) -> RateStateVerdict:
         return select_rate_state(**request.arguments("laws", "validate", "settings", "executor"))
 
-    @override
     def comparison(self, verdict: RateStateVerdict) -> Comparison:
         usual, fit = super().comparison(verdict), verdict.closest.fit
         if usual.fitted is None or fit is None:
@@ -66,7 +58,6 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
         title, estimates = usual.fitted
         return replace(usual, fitted=(title, (*estimates, fit.rate)))
 
-    @override
     def summary(
         self,
         fit: RateStateFit,
@@ -84,7 +75,6 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
             second=second,
         )
 
-    @override
     def sections(
         self, verdict: RateStateVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:

@@ -7,7 +7,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Measurement
 from stickslip.errors import InputError
@@ -232,12 +231,10 @@ class Slider(Problem):
         return replace(self, free_parameters=free_parameters)
 
     @property
-    @override
     def quantity(self) -> str:
         return "friction"
 
     @property
-    @override
     def times(self) -> Array:
         return self.mean_time
 
@@ -259,7 +256,6 @@ class Slider(Problem):
         return np.array([self.record.time[0], *inner, self.record.time[-1]])
 
     @property
-    @override
     def spans(self) -> Array:
         edges = self.edges
         return np.column_stack([np.zeros(len(edges) - 1), edges[:-1], edges[1:]])
@@ -298,7 +294,6 @@ class Slider(Problem):
             coefficients(law, logs) + drift * np.interp(times, path.time, path.position)
         )
 
-    @override
     def linearise(
         self,
         values: Array,

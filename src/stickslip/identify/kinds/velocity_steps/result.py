@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.data import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.errors import InputError
@@ -133,7 +132,6 @@ class RateStateFit(Fit[RateState]):
     inference: Inference
     """Covariance of the fitted values, those that were held included."""
 
-    @override
     def _plot(self, ax: "Target") -> "Drawing":
         from stickslip.identify.kinds.velocity_steps.figures import draw_coefficient
         from stickslip.show.plots import MAP_SIZES, on_axes
@@ -228,7 +226,6 @@ class RateStateFit(Fit[RateState]):
         weight = other.weight[late]
         return float(np.sqrt(np.sum(seen.residual[late] ** 2) / np.sum(weight**2)))
 
-    @override
     def law_estimates(self) -> LawEstimates:
         own = [
             i for i, item in enumerate(self.problem.free_parameters.items) if item.low < item.high
@@ -246,7 +243,6 @@ class RateStateFit(Fit[RateState]):
         """The findings in words."""
         return sentences_of(self.findings)
 
-    @override
     def __str__(self) -> str:
         """Return law, estimates and error, then the sentences."""
         numbers = "; ".join(str(estimate) for estimate in (*self.estimates, self.rate))
@@ -256,15 +252,12 @@ class RateStateFit(Fit[RateState]):
         )
         return "\n".join([head, *self.sentences])
 
-    @override
     def __repr__(self) -> str:
         return f"<RateStateFit: {self.law.title}, {self.rate}, rms error {number(self.rmse, 2)}>"
 
-    @override
     def _notes(self) -> Sequence[str]:
         return self.sentences
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
 
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import RateState
@@ -63,22 +62,18 @@ class SliderHistory(Tabular):
     second_state: Array | None = None
     """State theta_2 (n,) [s]; None without one."""
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame with the time in front."""
         import pandas as pd
 
         return pd.DataFrame({name: getattr(self, name) for name in self._column_units()})
 
-    @override
     def _over(self) -> str:
         return "time"
 
-    @override
     def _column_units(self) -> Mapping[str, str]:
         return {name: unit for name, unit in UNITS.items() if getattr(self, name) is not None}
 
-    @override
     def __repr__(self) -> str:
         low, high = self.coefficient.min(), self.coefficient.max()
         ends = f"{number(low, 4)} to {number(high, 4)}"

@@ -7,7 +7,6 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from stickslip.friction import RateState
 from stickslip.identify.candidates import CrossValidated, CrossValidatedVerdict, plain, score_text
@@ -53,15 +52,12 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
         return self.fit.law if self.fit else None
 
     @property
-    @override
     def is_simpler(self) -> Collection[str]:
         return self.reduces_to
 
-    @override
     def to_row(self) -> Mapping[str, Any]:
         return data_row(COLUMNS, self)
 
-    @override
     def to_dict(self) -> Mapping[str, Any]:
         judged = self.validation
         return {
@@ -137,20 +133,16 @@ class RateStateVerdict(CrossValidatedVerdict[RateStateCandidate]):
     """Steps that would tell the closest from its rival, the most telling first."""
 
     @property
-    @override
     def route(self) -> str:
         return VELOCITY_STEPS
 
     @property
-    @override
     def score_unit(self) -> str:
         return ""
 
-    @override
     def _basis(self) -> str:
         return f" to velocity steps, judged on {'steps' if self.by_steps else 'parts'} held out"
 
-    @override
     def _details(self) -> Mapping[str, Any]:
         held = "velocity steps" if self.by_steps else "parts of the record"
         return {

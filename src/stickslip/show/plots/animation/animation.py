@@ -28,32 +28,16 @@ from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slipping
 from stickslip.show.documents import unwritable
+from stickslip.show.plots import theme
 from stickslip.show.plots.animation.frame import Stage, moments_of
 from stickslip.show.plots.animation.scenes import Drawn, Scene
 from stickslip.show.plots.axes import horizon
 from stickslip.show.plots.svg import Draw, Size, standalone_svg
-from stickslip.show.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    INK,
-    LINE,
-    MUTED,
-    SLIP_BACK,
-    STICK,
-    SURFACE,
-    check_scene,
-    check_size,
-    file_of,
-    house_style,
-    number,
-)
 
 # Pictures one after the other as a GIF, by Pillow, or as an MP4, by ffmpeg.
 
-PAPERS: Final = (SURFACE, STICK, SLIP_BACK)
-INKS: Final = (INK, MUTED, C1, C2, C3, C4)
+PAPERS: Final = (theme.SURFACE, theme.STICK, theme.SLIP_BACK)
+INKS: Final = (theme.INK, theme.MUTED, theme.C1, theme.C2, theme.C3, theme.C4)
 SHADES: Final = 9
 """Steps from each paper to each ink, for smooth edges. One palette for all frames makes a GIF a
 fraction of the size: only what changes is kept of a frame."""
@@ -119,7 +103,7 @@ def _palette() -> list[int]:
         for paper, ink in pairs
         for step in range(SHADES)
     }
-    found.add(_rgb(LINE))  # too pale for shades, which would be taken for paper
+    found.add(_rgb(theme.LINE))  # too pale for shades, which would be taken for paper
     return [level for colour in sorted(found, reverse=True) for level in colour]
 
 
@@ -243,8 +227,8 @@ def draw_scene(
     >>> "slip forward" in standalone_svg(draw_scene(run, rig, 0.1), size=(880, 400))
     True
     """
-    check_scene(run, mechanism, scene)
-    number("t", t)
+    theme.check_scene(run, mechanism, scene)
+    theme.number("t", t)
     first, last = run.span
     if not first <= t <= last:
         raise InputError(f"t must lie between {first:g} and {last:g} s, got {t:g} s.")
@@ -258,7 +242,7 @@ def draw_scene(
 
 def picture_of(run: Trajectory, mechanism: Drawn, t: float, *, size: Size) -> Pixels:
     """Return what `draw_scene` draws as a picture (height, width, 3) in RGB."""
-    check_scene(run, mechanism)
+    theme.check_scene(run, mechanism)
     (pixels,) = frames(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
     return pixels
 
@@ -324,8 +308,8 @@ def animate(
     >>> run = simulate(clock, Coulomb(kinetic_coefficient=0.02), t_end=2.0, y0={"theta": 0.5})
     >>> path = animate(run, clock, "clock.gif", fps=5, size=(600, 520))  # doctest: +SKIP
     """
-    check_scene(run, mechanism, scene)
-    path = file_of(path)
+    theme.check_scene(run, mechanism, scene)
+    path = theme.file_of(path)
     encoder = encoder_of(path)
     _check(encoder, fps=fps, size=size, dpi=dpi)
     times = frame_times(run, mechanism, fps=fps, speed=speed, until=until)
@@ -365,12 +349,12 @@ def frame_times(
     >>> frame_times(run, clock, fps=4.0, speed=0.5).size
     17
     """
-    check_scene(run, mechanism)
-    number("fps", fps)
-    number("speed", speed)
+    theme.check_scene(run, mechanism)
+    theme.number("fps", fps)
+    theme.number("speed", speed)
     first, last = run.span
     if until is not None:
-        number("until", until)
+        theme.number("until", until)
         if not first < until <= last:
             raise InputError(f"until must lie between {first:g} and {last:g} s, got {until:g} s.")
         last = until
@@ -399,9 +383,9 @@ def frames(
     scene: Scene | None,
 ) -> Iterator[Pixels]:
     """Yield pictures (height, width, 3) of a run at some times."""
-    with house_style():
+    with theme.house_style():
         figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=dpi, layout="constrained")
-        figure.set_facecolor(SURFACE)
+        figure.set_facecolor(theme.SURFACE)
         canvas: Any = FigureCanvasAgg(figure)  # half of it has no types
         stage = Stage(
             figure,
@@ -415,7 +399,7 @@ def frames(
     moments = moments_of(run, mechanism, times)
     background = None
     for moment in moments:
-        with house_style():  # not across a yield: others may draw in between
+        with theme.house_style():  # not across a yield: others may draw in between
             moving = stage.show(moment)
             if background is None:
                 # what does not move is drawn once, which makes frames several times cheaper
@@ -438,9 +422,9 @@ def _digits(times: NDArray[np.float64]) -> int:
 
 
 def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
-    number("fps", fps)
-    number("dpi", dpi)
-    check_size(size)
+    theme.number("fps", fps)
+    theme.number("dpi", dpi)
+    theme.check_size(size)
     if encoder is ENCODERS[".gif"] and fps > FASTEST:
         raise InputError(
             f"a GIF shows at most {FASTEST:g} frames a second, got fps={fps:g}; write an .mp4."
@@ -454,7 +438,7 @@ def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
 
 # Animations inside HTML: a GIF of bounded size on screen, a still picture in print.
 
-MOST: Final = 1_500_000
+MOST_BYTES: Final = 1_500_000
 """Bytes of a GIF in a page, if nothing else is asked for."""
 PHONE: Final = 620
 """Width of a window up to which the narrow animation is shown [CSS px]."""
@@ -473,7 +457,7 @@ def animation_html(
     size: Size = ANIMATION_SIZE,
     narrow: Size | None = None,
     still: float | None = None,
-    most_bytes: int = MOST,
+    most_bytes: int = MOST_BYTES,
     scene: Scene[Drawn] | None = None,
 ) -> str:
     """Return an animation of a run as HTML that needs no other file.

@@ -17,30 +17,7 @@ from stickslip.engine.trajectory import UNLOADED, Trajectory
 from stickslip.mechanisms import Mechanism, driven_by_motor, motor_of, slipping
 from stickslip.mechanisms.drives import Drive
 from stickslip.show.formatting import scale_of
-from stickslip.show.plots.animation.scenes import (
-    Arrow,
-    Ball,
-    Box,
-    Coil,
-    Extent,
-    Fill,
-    Ground,
-    Moment,
-    Picture,
-    Rod,
-    Role,
-    Scales,
-    Scene,
-    Shape,
-    Turn,
-    Wall,
-    Word,
-    extent_of,
-    joined,
-    nice,
-    scales_of,
-    scene_of,
-)
+from stickslip.show.plots.animation import scenes
 from stickslip.show.plots.axes import dense, raster, within
 from stickslip.show.plots.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, STICK, SURFACE, shade
 
@@ -50,20 +27,20 @@ MODE_COLOURS: Final = MappingProxyType(
     {0: STICK, 2: STICK, -2: STICK, 1: SURFACE, -1: SLIP_BACK, UNLOADED: "none"}
 )
 """Fill of the body that rubs, by mode: the bands behind curves have the same."""
-ROLE_COLOURS: Final[MappingProxyType[Role, str]] = MappingProxyType(
+ROLE_COLOURS: Final[MappingProxyType[scenes.Role, str]] = MappingProxyType(
     {"friction": C2, "normal": C3, "drive": C4}
 )
 BODY: Final = SURFACE
 HATCH: Final = 11.0
 """Distance of hatches, about [CSS px]."""
-SHORTEST: Final = 3.0
+SHORTEST_ARROW: Final = 3.0
 """Arrows below this length are left out: only a head would be seen [CSS px]."""
 
 
 class _Brush:
     """What shapes need to know to be painted."""
 
-    def __init__(self, axes: Axes, modes: Mapping[str, int], scales: Scales) -> None:
+    def __init__(self, axes: Axes, modes: Mapping[str, int], scales: scenes.Scales) -> None:
         self.axes, self.modes, self.scales = axes, modes, scales
         low, high = axes.get_xlim()
         self.left, self.right = low, high
@@ -73,7 +50,7 @@ class _Brush:
         """Metres in a CSS pixel."""
         self.spacing = _spacing(HATCH * self.pixel)
 
-    def fill(self, fill: Fill, contact: str = "") -> str:
+    def fill(self, fill: scenes.Fill, contact: str = "") -> str:
         """Return the colour of a fill; that of a contact without a law never changes."""
         if fill == "mode" and contact in self.modes:
             return MODE_COLOURS[self.modes[contact]]
@@ -81,7 +58,7 @@ class _Brush:
 
 
 def artists_of(
-    axes: Axes, shapes: Sequence[Shape], modes: Mapping[str, int], scales: Scales
+    axes: Axes, shapes: Sequence[scenes.Shape], modes: Mapping[str, int], scales: scenes.Scales
 ) -> list[Artist]:
     """Return shapes as matplotlib artists of axes whose limits are set, from back to front."""
     brush = _Brush(axes, modes, scales)
@@ -89,7 +66,7 @@ def artists_of(
     for order, shape in enumerate(shapes):
         for artist in _PAINTERS[type(shape)](shape, brush):
             # forces are seen whatever stands before them
-            front = 60 if isinstance(shape, (Arrow, Turn)) else 0
+            front = 60 if isinstance(shape, (scenes.Arrow, scenes.Turn)) else 0
             artist.set_zorder(3 + 0.5 * order + front)
             axes.add_artist(artist)
             found.append(artist)
@@ -100,7 +77,7 @@ def _line(xs: Any, ys: Any, *, colour: str = INK, width: float = 1.4, **style: A
     return Line2D(xs, ys, color=colour, linewidth=width, **style)
 
 
-def _box(shape: Box, brush: _Brush) -> list[Artist]:
+def _box(shape: scenes.Box, brush: _Brush) -> list[Artist]:
     corner = (shape.left, shape.bottom)
     face = brush.fill(shape.fill, shape.contact)
     return [
@@ -108,17 +85,17 @@ def _box(shape: Box, brush: _Brush) -> list[Artist]:
     ]
 
 
-def _ball(shape: Ball, brush: _Brush) -> list[Artist]:
+def _ball(shape: scenes.Ball, brush: _Brush) -> list[Artist]:
     face = brush.fill(shape.fill, shape.contact)
     return [Circle(shape.centre, shape.radius, facecolor=face, edgecolor=INK, linewidth=1.4)]
 
 
-def _rod(shape: Rod, _brush: _Brush) -> list[Artist]:
+def _rod(shape: scenes.Rod, _brush: _Brush) -> list[Artist]:
     xs, ys = zip(*shape.points, strict=True)
     return [_line(xs, ys, width=shape.width)]
 
 
-def _coil(shape: Coil, _brush: _Brush) -> list[Artist]:
+def _coil(shape: scenes.Coil, _brush: _Brush) -> list[Artist]:
     (x0, y0), (x1, y1) = shape.start, shape.end
     length = math.hypot(x1 - x0, y1 - y0) or 1e-300
     along = np.array([0.0, 0.1, *np.linspace(0.1, 0.9, 2 * shape.turns + 1), 0.9, 1.0])
@@ -129,7 +106,7 @@ def _coil(shape: Coil, _brush: _Brush) -> list[Artist]:
     return [_line(xs, ys, width=1.3)]
 
 
-def _ground(shape: Ground, brush: _Brush) -> list[Artist]:
+def _ground(shape: scenes.Ground, brush: _Brush) -> list[Artist]:
     step, y = brush.spacing, shape.height
     first = math.floor(brush.left / step) * step  # strokes stay where they are on the ground
     feet = np.arange(first, brush.right + 2 * step, step)
@@ -152,7 +129,7 @@ def _ground(shape: Ground, brush: _Brush) -> list[Artist]:
     return found
 
 
-def _wall(shape: Wall, brush: _Brush) -> list[Artist]:
+def _wall(shape: scenes.Wall, brush: _Brush) -> list[Artist]:
     (x0, y0), (x1, y1) = shape.start, shape.end
     length = math.hypot(x1 - x0, y1 - y0) or 1e-300
     count = max(3, round(length / brush.spacing))
@@ -175,9 +152,9 @@ def _wall(shape: Wall, brush: _Brush) -> list[Artist]:
     ]
 
 
-def _arrow(shape: Arrow, brush: _Brush) -> list[Artist]:
+def _arrow(shape: scenes.Arrow, brush: _Brush) -> list[Artist]:
     length = brush.scales.metres * shape.value
-    if abs(length) < SHORTEST * brush.pixel:
+    if abs(length) < SHORTEST_ARROW * brush.pixel:
         return []
     (x, y), (dx, dy) = shape.at, shape.along
     return [
@@ -194,7 +171,7 @@ def _arrow(shape: Arrow, brush: _Brush) -> list[Artist]:
     ]
 
 
-def _turn(shape: Turn, brush: _Brush) -> list[Artist]:
+def _turn(shape: scenes.Turn, brush: _Brush) -> list[Artist]:
     if not brush.scales.torque or abs(shape.value) < 0.01 * brush.scales.torque:
         return []
     colour, r = ROLE_COLOURS[shape.role], shape.radius
@@ -216,7 +193,7 @@ def _turn(shape: Turn, brush: _Brush) -> list[Artist]:
     return [arc, head]
 
 
-def _word(shape: Word, _brush: _Brush) -> list[Artist]:
+def _word(shape: scenes.Word, _brush: _Brush) -> list[Artist]:
     x, y = shape.at
     return [Text(x, y, shape.text, color=INK, ha=shape.align, va="baseline", fontsize=11)]
 
@@ -229,22 +206,22 @@ def _spacing(wanted: float) -> float:
 
 _PAINTERS: Final[MappingProxyType[type, Callable[[Any, _Brush], list[Artist]]]] = MappingProxyType(
     {
-        Box: _box,
-        Ball: _ball,
-        Rod: _rod,
-        Coil: _coil,
-        Ground: _ground,
-        Wall: _wall,
-        Arrow: _arrow,
-        Turn: _turn,
-        Word: _word,
+        scenes.Box: _box,
+        scenes.Ball: _ball,
+        scenes.Rod: _rod,
+        scenes.Coil: _coil,
+        scenes.Ground: _ground,
+        scenes.Wall: _wall,
+        scenes.Arrow: _arrow,
+        scenes.Turn: _turn,
+        scenes.Word: _word,
     }
 )
 
 
 # A scene beside time plots with a cursor: what a frame of an animation is made of.
 
-NAMES: Final[Mapping[Role, str]] = {
+NAMES: Final[Mapping[scenes.Role, str]] = {
     "friction": "friction",
     "normal": "normal force",
     "drive": "drive",
@@ -296,14 +273,17 @@ def _stacked(left: float, bottom: float, right: float, top: float) -> list[Place
 
 
 def write_legend(
-    axes: Axes, picture: Picture, shown: Sequence[Sequence[Shape]], scales: Scales
+    axes: Axes,
+    picture: scenes.Picture,
+    shown: Sequence[Sequence[scenes.Shape]],
+    scales: scenes.Scales,
 ) -> None:
     """Say below a scene, whose limits are set, what its arrows are and how long they are."""
     kinds = {
         s.role: type(s)
         for shapes in shown
         for s in shapes
-        if isinstance(s, (Arrow, Turn)) and _seen(s, scales)
+        if isinstance(s, (scenes.Arrow, scenes.Turn)) and _seen(s, scales)
     }
     names = {**NAMES, **(picture.names or {})}
     x = 0.0
@@ -312,16 +292,16 @@ def write_legend(
             _write(axes, x, -34.0, names[role], colour)
             x += LETTER * (len(names[role]) + 2)
     x = 0.0
-    if Arrow in kinds.values() and scales.metres:
+    if scenes.Arrow in kinds.values() and scales.metres:
         x = _bar(axes, scales)
-    if Turn in kinds.values():
+    if scenes.Turn in kinds.values():
         _write(axes, x, -52.0, f"¼ of a turn is {scales.torque:.2g} N m", MUTED)
 
 
-def _bar(axes: Axes, scales: Scales) -> float:
+def _bar(axes: Axes, scales: scenes.Scales) -> float:
     """Draw the length of a round force; return where it ends [CSS px]."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    force = nice(0.25 * min(right - left, high - low) / scales.metres)
+    force = scenes.nice(0.25 * min(right - left, high - low) / scales.metres)
     share = force * scales.metres / (right - left)
     figure = axes.get_figure(root=True)
     wide = 72.0 * axes.get_window_extent().width / (figure.dpi if figure else 72.0)
@@ -349,8 +329,8 @@ def _write(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
     )
 
 
-def _seen(shape: Arrow | Turn, scales: Scales) -> bool:
-    return abs(shape.value) > (0.01 * scales.torque if isinstance(shape, Turn) else 0.0)
+def _seen(shape: scenes.Arrow | scenes.Turn, scales: scenes.Scales) -> bool:
+    return abs(shape.value) > (0.01 * scales.torque if isinstance(shape, scenes.Turn) else 0.0)
 
 
 LOOKS: Final = 121
@@ -370,7 +350,7 @@ WORDS: Final = {0: "stick", 1: "slip forward", -1: "slip backward", 2: "at stop"
 
 def moments_of(
     run: Trajectory, mechanism: Mechanism, times: "np.typing.NDArray[np.float64]"
-) -> list[Moment]:
+) -> list[scenes.Moment]:
     """Return the columns of a run, and its drives or the torque of its motor, at some times.
 
     Examples
@@ -436,13 +416,15 @@ class Stage:
         mechanism: Mechanism,
         *,
         until: float,
-        scene: Scene | None = None,
+        scene: scenes.Scene | None = None,
         narrow: bool = False,
         digits: int = 3,
     ) -> None:
         first = run.span[0]
         looks = np.linspace(first, until, LOOKS)
-        self.picture: Picture = (scene or scene_of(mechanism))(mechanism, run.at(looks))
+        self.picture: scenes.Picture = (scene or scenes.scene_of(mechanism))(
+            mechanism, run.at(looks)
+        )
         self.digits = digits
         self.modes = {name: f"mode:{name}" for name in run.contacts} or {"": "mode"}
         shown = [self.picture.shapes(m) for m in moments_of(run, mechanism, looks)]
@@ -458,28 +440,30 @@ class Stage:
         self.passing: list[Artist] = []
         self._title = self.axes.set_title("", fontsize=11.5, color=INK)
 
-    def _measured(self, shown: Sequence[Sequence[Shape]]) -> Extent:
+    def _measured(self, shown: Sequence[Sequence[scenes.Shape]]) -> scenes.Extent:
         """Return what is seen, and choose how long arrows are."""
-        bare = [extent_of(shapes) for shapes in shown]
-        everything = joined(bare)
+        bare = [scenes.extent_of(shapes) for shapes in shown]
+        everything = scenes.joined(bare)
         own = max(extent.width for extent in bare)
         self.follows = everything.width > FAR * own
         size = max(own if self.follows else everything.width / 2, everything.height)
-        self.scales: Scales = scales_of(shown, size)
-        whole = joined([extent_of(shapes, self.scales) for shapes in shown])
+        self.scales: scenes.Scales = scenes.scales_of(shown, size)
+        whole = scenes.joined([scenes.extent_of(shapes, self.scales) for shapes in shown])
         if not self.follows:
             return whole
         middle = 0.5 * (bare[0].left + bare[0].right)
-        return Extent(middle - FOLLOWED * own, middle + FOLLOWED * own, whole.bottom, whole.top)
+        return scenes.Extent(
+            middle - FOLLOWED * own, middle + FOLLOWED * own, whole.bottom, whole.top
+        )
 
-    def show(self, moment: Moment) -> list[Artist]:
+    def show(self, moment: scenes.Moment) -> list[Artist]:
         """Draw a moment in place of the last one; return what moved, from back to front."""
         for artist in self.passing:
             artist.remove()
         shapes = self.picture.shapes(moment)
         if self.follows:
             low, high = self.axes.get_xlim()
-            extent = extent_of(shapes)
+            extent = scenes.extent_of(shapes)
             middle = 0.5 * (extent.left + extent.right)
             half = 0.5 * (high - low)
             self.axes.set_xlim(middle - half, middle + half)
@@ -576,7 +560,7 @@ def _spans(seen: Trajectory, mode: int) -> list[tuple[float, float]]:
     ]
 
 
-def _padded(whole: Extent, shape: float, *, ground: bool) -> Extent:
+def _padded(whole: scenes.Extent, shape: float, *, ground: bool) -> scenes.Extent:
     """Return a view of the given height over width around a box, with a margin."""
     margin = 0.05 * max(whole.width, whole.height)
     width, height = whole.width + 2 * margin, whole.height + 2 * margin
@@ -589,10 +573,10 @@ def _padded(whole: Extent, shape: float, *, ground: bool) -> Extent:
         height = shape * width
     else:
         width = height / shape
-    return Extent(middle - 0.5 * width, middle + 0.5 * width, bottom, bottom + height)
+    return scenes.Extent(middle - 0.5 * width, middle + 0.5 * width, bottom, bottom + height)
 
 
-def _ruler(axes: Axes, view: Extent, *, metric: bool) -> None:
+def _ruler(axes: Axes, view: scenes.Extent, *, metric: bool) -> None:
     """Write the scale below the scene, in the unit that suits it."""
     if not metric:
         axes.set_xticks([])

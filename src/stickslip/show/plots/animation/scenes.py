@@ -17,30 +17,9 @@ from typing import Any, Final, Literal, NamedTuple, TypeAlias
 import numpy as np
 from typing_extensions import TypeVar
 
+from stickslip import mechanisms
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import StickslipError
-from stickslip.mechanisms import (
-    Axis,
-    BlockChain,
-    Capsule,
-    ClutchTrain,
-    DiscBrake,
-    Mechanism,
-    Motor,
-    Pendulum,
-    PendulumCart,
-    Prescribed,
-    Robot,
-    SerialArm,
-    SpringBlock,
-    Torque,
-    TowedBlock,
-    TwoFeet,
-    TwoLinkArm,
-    TwoMassAxis,
-    TwoMassCapsule,
-    joint_places,
-)
 from stickslip.show.described import Described
 
 # The shapes that scenes are made of, in metres; how they are painted is another matter.
@@ -53,9 +32,9 @@ Moment: TypeAlias = Mapping[str, float]
 """Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
 TALL: Final = 0.6
 """Height of a block over its length."""
-Drawn = TypeVar("Drawn", bound=Mechanism, default=Any)
+Drawn = TypeVar("Drawn", bound=mechanisms.Mechanism, default=Any)
 """The mechanism that a scene is of."""
-LONGEST: Final = 0.32
+LONGEST_ARROW: Final = 0.32
 """Length of the largest force of a run over the size of the mechanism."""
 WALL: Final = 0.03
 """Depth of the hatching behind a wall over its length."""
@@ -279,7 +258,7 @@ def scales_of(moments: Sequence[Sequence[Shape]], size: float) -> Scales:
     forces = [abs(s.value) for m in moments for s in m if isinstance(s, Arrow)]
     torques = [abs(s.value) for m in moments for s in m if isinstance(s, Turn)]
     largest = max(forces, default=0.0)
-    return Scales(LONGEST * size / largest if largest else 0.0, max(torques, default=0.0))
+    return Scales(LONGEST_ARROW * size / largest if largest else 0.0, max(torques, default=0.0))
 
 
 def nice(value: float) -> float:
@@ -336,7 +315,7 @@ def _rubbing(corner: Point, width: float, height: float, contact: str) -> Box:
     return Box(left=left, bottom=bottom, width=width, height=height, fill="mode", contact=contact)
 
 
-def block_chain(mechanism: BlockChain, run: Trajectory) -> Picture:
+def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
     """Return the blocks in their row and the springs between them; distances are for the eye.
 
     Places are those on the belt, which is drawn at rest.
@@ -365,7 +344,7 @@ def block_chain(mechanism: BlockChain, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def clutch_train(mechanism: ClutchTrain, _seen: Trajectory) -> Picture:
+def clutch_train(mechanism: mechanisms.ClutchTrain, _seen: Trajectory) -> Picture:
     """Return the rotors side by side, seen along their axes, with linings between them."""
     largest = max(rotor.inertia for rotor in mechanism.rotors)
     radii = [max(math.sqrt(rotor.inertia / largest), 0.35) for rotor in mechanism.rotors]
@@ -410,7 +389,7 @@ def _lining(centre: Point, contact: str, now: Moment) -> list[Shape]:
     ]
 
 
-def disc_brake(mechanism: DiscBrake, _seen: Trajectory) -> Picture:
+def disc_brake(mechanism: mechanisms.DiscBrake, _seen: Trajectory) -> Picture:
     """Return the disc with its pads, each at its radius."""
     outer = 1.25 * max(pad.radius for pad in mechanism.pads)
     several = len(mechanism.pads) > 1
@@ -435,7 +414,7 @@ def disc_brake(mechanism: DiscBrake, _seen: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "torque"})
 
 
-def two_feet(mechanism: TwoFeet, run: Trajectory) -> Picture:
+def two_feet(mechanism: mechanisms.TwoFeet, run: Trajectory) -> Picture:
     """Return the body on its feet; the length of the spring is for the eye."""
     width = mechanism.front + mechanism.rear
     centre = mechanism.height or 0.4 * width
@@ -464,7 +443,9 @@ def two_feet(mechanism: TwoFeet, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
+def arm(
+    mechanism: mechanisms.SerialArm | mechanisms.TwoLinkArm | mechanisms.Robot, run: Trajectory
+) -> Picture:
     """Return the links as lines from joint to joint, with the joints that rub.
 
     Arms in a plane are drawn in it, with torques at their joints; robots are seen from the front,
@@ -473,9 +454,9 @@ def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
     """
     bodies = mechanism.bodies()
     contacts = [one.name for one in mechanism.contacts()]
-    planar = not isinstance(mechanism, Robot)
+    planar = not isinstance(mechanism, mechanisms.Robot)
     tips = [[2.0 * x / body.mass if body.mass else 0.0 for x in body.moment] for body in bodies]
-    if isinstance(mechanism, SerialArm):
+    if isinstance(mechanism, mechanisms.SerialArm):
         tips[-1] = [mechanism.links[-1].length, 0.0, 0.0]
     carriers = {body.parent for body in bodies}
     leaves = [i for i in range(len(bodies)) if i not in carriers]
@@ -487,7 +468,7 @@ def arm(mechanism: SerialArm | TwoLinkArm | Robot, run: Trajectory) -> Picture:
         return right, sum(a * b for a, b in zip(UPWARDS, point, strict=True))
 
     def points(now: Moment) -> tuple[list[Point], list[Point]]:
-        at = joint_places(bodies, mechanism.joint_values(now))
+        at = mechanisms.joint_places(bodies, mechanism.joint_values(now))
         ends = [
             [p + sum(row[k] * tips[i][k] for k in range(3)) for p, row in zip(*at[i], strict=True)]
             for i in leaves
@@ -565,16 +546,16 @@ def _plumb(incline: float, at: Point, length: float) -> list[Shape]:
     ]
 
 
-def _effort(motor: Motor, now: Moment, column: str) -> float:
+def _effort(motor: mechanisms.Motor, now: Moment, column: str) -> float:
     """Return the force or torque of a motor: what the motion takes, or what it is told."""
-    if isinstance(motor, Prescribed):
+    if isinstance(motor, mechanisms.Prescribed):
         return now[column]
     wanted = now.get("motor", 0.0)
-    limit = motor.limit if isinstance(motor, Torque) else None
+    limit = motor.limit if isinstance(motor, mechanisms.Torque) else None
     return wanted if limit is None else max(-limit, min(limit, wanted))
 
 
-def spring_block(mechanism: SpringBlock, run: Trajectory) -> Picture:
+def spring_block(mechanism: mechanisms.SpringBlock, run: Trajectory) -> Picture:
     """Return the block and the spring that shoots it off; `x` is the face that the spring meets."""
     x_0 = mechanism.compression
     side = -1.0 if x_0 < 0 else 1.0
@@ -621,7 +602,7 @@ def _stops(lower: float | None, upper: float | None, left: float, size: float) -
     return found
 
 
-def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
+def towed_block(mechanism: mechanisms.TowedBlock, run: Trajectory) -> Picture:
     """Return the block, its spring and the far end that pulls; its natural length is ours."""
     stretch = mechanism.speed * run.t - run["x"]
     side = -1.0 if mechanism.speed < 0 else 1.0
@@ -652,7 +633,7 @@ def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "modulation"})
 
 
-def axis(mechanism: Axis, run: Trajectory) -> Picture:
+def axis(mechanism: mechanisms.Axis, run: Trajectory) -> Picture:
     """Return a carriage on its rail; `x` is its middle."""
     reach = float(np.max(np.abs(run["x"]), initial=0.0))
     size = 0.35 * max(_range(run, "x"), 0.3 * reach) or 0.1
@@ -676,7 +657,7 @@ def axis(mechanism: Axis, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
+def two_mass_axis(mechanism: mechanisms.TwoMassAxis, run: Trajectory) -> Picture:
     """Return motor and load on a rail with what joins them; its length is for the eye."""
     reach = max(_range(run, "x"), _range(run, "other"))
     stretch = float(np.max(np.abs(run["x"] - run["other"]), initial=0.0))
@@ -724,7 +705,7 @@ def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
+def pendulum(mechanism: mechanisms.Pendulum, _seen: Trajectory) -> Picture:
     """Return the rod that hangs from its pivot at (0, 0), which rubs."""
     l, bob = mechanism.length, 0.09 * mechanism.length  # noqa: E741  # the symbol of PHYSICS
 
@@ -746,7 +727,7 @@ def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
+def pendulum_cart(mechanism: mechanisms.PendulumCart, _seen: Trajectory) -> Picture:
     """Return the cart with its wheels and the inverted pendulum, to scale.
 
     The wheelbase, the height of the pivot and the rod are those of the mechanism; a cart without
@@ -758,7 +739,7 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
     pivot = mechanism.pivot_height or 0.24 * l
     wheel = min(0.07 * l, 0.4 * pivot)
     overhang = 1.6 * wheel
-    wheels, joint = (one.name for one in mechanism.contacts()) if rubs else ("", "")
+    wheels, joint = (contact.name for contact in mechanism.contacts()) if rubs else ("", "")
 
     def shapes(now: Moment) -> list[Shape]:
         x, theta = now["x"], now["theta"]
@@ -807,7 +788,7 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "torque"})
 
 
-def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]:
+def _spiral(mechanism: mechanisms.PendulumCart, centre: Point, theta: float) -> list[Shape]:
     """Return the spring at the pivot: two turns from the cart up to the rod."""
     if mechanism.pivot_stiffness == 0.0:
         return []
@@ -817,7 +798,7 @@ def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]
     return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
 
 
-def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
+def capsule(mechanism: mechanisms.Capsule, run: Trajectory) -> Picture:
     """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
     places = [float(np.abs(run["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
@@ -868,7 +849,7 @@ def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
 
 
-def two_mass_capsule(mechanism: TwoMassCapsule, run: Trajectory) -> Picture:
+def two_mass_capsule(mechanism: mechanisms.TwoMassCapsule, run: Trajectory) -> Picture:
     """Return the capsule with both masses on their lines, which cross in its middle."""
     reach = max(float(np.abs(run[name]).max()) for name in ("xi", "zeta")) or 0.1
     half = 1.5 * reach
@@ -896,21 +877,21 @@ def two_mass_capsule(mechanism: TwoMassCapsule, run: Trajectory) -> Picture:
 
 SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
     {
-        SpringBlock.name: spring_block,
-        TowedBlock.name: towed_block,
-        Axis.name: axis,
-        TwoMassAxis.name: two_mass_axis,
-        Pendulum.name: pendulum,
-        PendulumCart.name: pendulum_cart,
-        Capsule.name: capsule,
-        TwoMassCapsule.name: two_mass_capsule,
-        BlockChain.name: block_chain,
-        ClutchTrain.name: clutch_train,
-        DiscBrake.name: disc_brake,
-        TwoFeet.name: two_feet,
-        SerialArm.name: arm,
-        TwoLinkArm.name: arm,
-        Robot.name: arm,
+        mechanisms.SpringBlock.name: spring_block,
+        mechanisms.TowedBlock.name: towed_block,
+        mechanisms.Axis.name: axis,
+        mechanisms.TwoMassAxis.name: two_mass_axis,
+        mechanisms.Pendulum.name: pendulum,
+        mechanisms.PendulumCart.name: pendulum_cart,
+        mechanisms.Capsule.name: capsule,
+        mechanisms.TwoMassCapsule.name: two_mass_capsule,
+        mechanisms.BlockChain.name: block_chain,
+        mechanisms.ClutchTrain.name: clutch_train,
+        mechanisms.DiscBrake.name: disc_brake,
+        mechanisms.TwoFeet.name: two_feet,
+        mechanisms.SerialArm.name: arm,
+        mechanisms.TwoLinkArm.name: arm,
+        mechanisms.Robot.name: arm,
     }
 )
 """The scenes of our mechanisms, by the names of these."""
@@ -922,7 +903,7 @@ HALF = 1.0
 """Length of the bar of the largest value."""
 
 
-def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
+def bars(mechanism: mechanisms.Mechanism, run: Trajectory) -> Picture:
     """Return bars for the states, each over its largest value in the run.
 
     Examples
@@ -986,7 +967,7 @@ def _scenes() -> Mapping[str, Scene]:
     return MappingProxyType(found)
 
 
-def scene_of(mechanism: Mechanism) -> Scene:
+def scene_of(mechanism: mechanisms.Mechanism) -> Scene:
     """Return the scene of a mechanism, by the name of its type.
 
     Packages add scenes under the entry point ``stickslip.scenes``, by the name of the mechanism. A

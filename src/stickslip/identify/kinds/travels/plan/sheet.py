@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from typing_extensions import override
-
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds.travels.settings import setting_text, unit_of, words_of
@@ -269,7 +267,6 @@ class Plan(Tabular):
                 found[f"run {len(found) + 1}"] = one
         return found
 
-    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
         import pandas as pd
@@ -302,7 +299,6 @@ class Plan(Tabular):
             "sheet": self.csv(),
         }
 
-    @override
     def __repr__(self) -> str:
         return f"<Plan: {self.sentence}>"
 
