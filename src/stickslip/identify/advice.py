@@ -16,6 +16,8 @@ from stickslip.identify.problem import Array
 
 HALF = 0.35
 """Expected width over today's at which enough is measured: .4 is then measured in the median."""
+WORTH = 0.7
+"""Expected width over today's from which no readings are proposed."""
 MOST = 4
 """Readings that are proposed at most, over those that were taken."""
 
@@ -64,4 +66,6 @@ def propose(
         covariance = covariance - np.outer(row, row) / own[best]
         places.append(best)
     shrinks = width() / start if start > 0.0 else 1.0
+    if shrinks >= WORTH:
+        return Proposal(places=(), shrinks=1.0)
     return Proposal(places=tuple(places), shrinks=shrinks)

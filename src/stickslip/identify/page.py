@@ -153,11 +153,14 @@ def laws_section(verdict: BandVerdict) -> Section:
     )
     # on dense records everything is significant: what more parameters say is no rival
     dense = not judgement.problem.worth
+    named = "with the most evidence is named"
+    if not dense:
+        named += ", less what it loses on average where another holds"
+    rivals = " that have no more parameters" if dense else ""
     caption = (
-        "The law with the most evidence is named: it fits with few and usual parts. Laws within"
-        f" {math.log(THRESHOLDS.odds):.1f} of it{' that have no more parameters' * dense} are not"
-        " told apart. The band is made of all laws, and of the curve as measured, by how well they"
-        " predict."
+        f"The law {named}: it fits with few and usual parts. Laws within"
+        f" {math.log(THRESHOLDS.odds):.1f} of the most evidence{rivals} are not told apart. The"
+        " band is made of all laws, and of the curve as measured, by how well they predict."
     )
     table = Table(columns=columns, rows=rows, caption=caption)
     count = len(verdict.set)

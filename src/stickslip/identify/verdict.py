@@ -63,9 +63,6 @@ if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
     from stickslip.show.display import Drawing, Target
 
-WORTH = 0.9
-"""Expected width of the band, over today's, from which a proposal is worth a sentence."""
-
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawFit(Fit[FrictionLaw]):
@@ -112,7 +109,7 @@ class LawCandidate(Candidate[LawFit]):
     share: float
     """Share of the ensemble."""
     evidence: float
-    """Evidence less that of the named family."""
+    """Evidence less the most of all families."""
     held_out: float
     """Root mean square of the held-out residuals [N] or [N m]."""
     count: int
@@ -538,7 +535,7 @@ def verdict_on(
     ]
     error = {one: judgement.held_out_error(one) for one in shown}
     order = [comparison.named, *(one for one in error if one != comparison.named)]
-    most = comparison.evidence[comparison.named]
+    most = max(comparison.evidence.values())
     candidates = tuple(
         LawCandidate(
             name=name_of(judgement, one),
@@ -575,7 +572,7 @@ def verdict_on(
         doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     doubts += [*remarks, UNMEASURED]
     advice = []
-    if proposal.places and proposal.shrinks < WORTH:
+    if proposal.places:
         by_speed = np.argsort(places, kind="stable")
         advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
     return BandVerdict(
