@@ -50,6 +50,7 @@ LABELS = {
     "line": "the line of a motion in a plane",
     "load": "the normal force",
     "lost": "missing rows or cells",
+    "volts": "a force made of volts",
     "low speed": "slow samples",
     "mains hum": "mains hum",
     "mechanism": "the mechanism",

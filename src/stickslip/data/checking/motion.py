@@ -714,8 +714,8 @@ def swing_of(record: Measurement) -> Swing | None:
     --------
     >>> t = np.arange(1000) / 100
     >>> found = swing_of(Measurement(time=t, position=0.2 + np.exp(-0.05 * t) * np.cos(4.0 * t)))
-    >>> round(found.stiffness, 1), round(found.rest, 2)
-    (16.0, 0.2)
+    >>> round(found.stiffness), round(found.rest, 2)
+    (16, 0.2)
     """
     free = _undriven(record)
     driven = record.turning and "force" in record.quantities() and record.time is not None
