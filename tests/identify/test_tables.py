@@ -220,7 +220,7 @@ def test_given_laws_are_compared_alone_and_no_law_is_said_to_explain_where_none_
     found = select(AXIS, ["coulomb", "coulomb-viscous"], read)
     assert set(found.set) <= {("level",), ("level", "viscous")}
     assert found.best is None
-    assert found.sentence.startswith("No law explains the readings")
+    assert found.sentence.startswith("None of the laws compared explains the readings")
     assert select(AXIS, [Coulomb, Stribeck], read).family == ("level", "stribeck", "viscous")
 
 
