@@ -327,17 +327,7 @@ class ReturnMap:
         A run that ends early or has no derivative is a `SimulationError`, as is one that leaves a
         residual of more than is told.
         """
-        mechanism, law = self.pair(value)
-        period = self.duration(mechanism)
-        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        y = np.where(np.abs(y) <= np.finfo(float).eps * np.abs(y).max(initial=0.0), 0.0, y)
-        if not np.isfinite(y).all():
-            raise SimulationError("a step has left all finite states.")
-        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
-        start = [float(begin.get(name, 0.0)) for name in self.states]
-        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
-        if not run.status.complete:
-            raise SimulationError(run.status.value)
+        mechanism, law, period, y, start, run = self._ran(y, value)
         states = run.at(period * _SHARES)
         end = states[SAMPLES - 1]
         free, n = list(self.free), len(self.free)
@@ -360,7 +350,7 @@ class ReturnMap:
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
-        size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
+        size = np.where(size > 0.0, size, np.maximum(size.max(), _TINY))
         return Shot(
             y=y,
             value=value,
@@ -375,6 +365,28 @@ class ReturnMap:
             advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
             run=run,
         )
+
+    def happens(self, y: Array, value: float) -> Signature:
+        """Return what happens in the run from free states; one that ends early is an error."""
+        mechanism, _, period, _, _, run = self._ran(y, value)
+        return signature_in(run, mechanism, period)
+
+    def _ran(
+        self, y: Array, value: float
+    ) -> tuple[Mechanism, FrictionLaw | Laws, float, Array, list[float], BareRun]:
+        """Run over the period from free states; return what ran, for how long, and its start."""
+        mechanism, law = self.pair(value)
+        period = self.duration(mechanism)
+        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
+        y = np.where(np.abs(y) <= _EPSILON * np.abs(y).max(initial=0.0), 0.0, y)
+        if not np.isfinite(y).all():
+            raise SimulationError("a step has left all finite states.")
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        start = [float(begin.get(name, 0.0)) for name in self.states]
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
+        if not run.status.complete:
+            raise SimulationError(run.status.value)
+        return mechanism, law, period, y, start, run
 
     def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
         """Return what closes so near a shot that derivatives and events are those of its run."""
@@ -417,11 +429,12 @@ class ReturnMap:
             monodromy=shot.monodromy,
             residual=shot.error,
             events=events,
-            modes=first_modes(shot, events),
+            modes=first_modes(shot.run, shot.mechanism, shot.period, events),
             solver=self.solver,
         )
 
 
+_EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
@@ -527,15 +540,17 @@ def _halved(map_: ReturnMap, shot: Shot, step: Array) -> Shot | None:
     return None
 
 
-def first_modes(shot: Shot, events: Sequence[Event]) -> dict[str, int]:
-    """Return the mode of each contact at the start of a shot."""
-    names = [contact.name for contact in shot.mechanism.contacts()]
+def first_modes(
+    run: BareRun, mechanism: Mechanism, period: float, events: Sequence[Event]
+) -> dict[str, int]:
+    """Return the mode of each contact at the start of a run over a period."""
+    names = [contact.name for contact in mechanism.contacts()]
     modes: dict[str, int] = {}
     for event in events:
         if event.from_mode != event.to_mode:
             modes.setdefault(event.contact, event.from_mode)
     if not set(names) <= modes.keys():
-        columns = shot.run.playback(np.array([0.5 * shot.period]))
+        columns = run.playback(np.array([0.5 * period]))
         for name in names:
             column = columns["mode"] if "mode" in columns else columns[f"mode:{name}"]
             modes.setdefault(name, int(column[0]))
@@ -553,15 +568,20 @@ def _stuck(events: Sequence[Event], contact: str, mode: int, period: float) -> f
 
 
 def signature_of(shot: Shot) -> Signature:
+    """Return what happens in the run of a shot, as `signature_in`."""
+    return signature_in(shot.run, shot.mechanism, shot.period)
+
+
+def signature_in(run: BareRun, mechanism: Mechanism, period: float) -> Signature:
     """Return how often each contact does what in a period, and the mode of those that do nothing.
 
     It does not depend on where in the cycle the orbit is cut.
     """
-    events = shot.run.events()
+    events = run.events()
     counts = Counter((event.contact, event.reason) for event in events)
-    idle = {
-        (name, f"mode {mode}"): 1
-        for name, mode in first_modes(shot, events).items()
-        if not any(e.contact == name and e.from_mode != e.to_mode for e in events)
-    }
-    return tuple(sorted((*key, count) for key, count in {**counts, **idle}.items()))
+    changing = {event.contact for event in events if event.from_mode != event.to_mode}
+    if not {contact.name for contact in mechanism.contacts()} <= changing:
+        for name, mode in first_modes(run, mechanism, period, events).items():
+            if name not in changing:
+                counts[name, f"mode {mode}"] = 1
+    return tuple(sorted((*key, count) for key, count in counts.items()))
