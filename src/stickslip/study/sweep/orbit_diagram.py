@@ -13,7 +13,7 @@
    there something else is, be it of a longer period or of none.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
@@ -89,6 +89,9 @@ SOLVED = 1e-6
 """The same of orbits that were solved for: near a doubling branches lie closer than transients."""
 SETTLED = 1e-7
 """The same of points of one orbit."""
+CHORD = 0.05
+"""Distance of an arc from its chord, over the latter, at most; neighbours' tangents differ by less
+than in `continuation.TURN`, of which an eighth of the angle is the sag."""
 NEAR_SAMPLES = 0.05
 """Distance within which a sample of a settled run may lie on a branch that is known: then it is
 compared after both were solved for at the same value."""
@@ -295,6 +298,53 @@ def orbit_diagram(
     return search.diagram()
 
 
+@dataclass(frozen=True)
+class _Chords:
+    """The chords between neighbours on some branches, one after the other."""
+
+    branches: NDArray[np.int64]
+    """Number of the branch of each (n,)."""
+    begins: Array
+    """Free states at its first point, and the parameter (n, k + 1)."""
+    steps: Array
+    """From there to its second (n, k + 1)."""
+    low: Array
+    """Least value of the parameter on it (n,)."""
+    high: Array
+    """Largest value (n,)."""
+
+    @classmethod
+    def of(cls, branches: Sequence[Branch | None], map_: ReturnMap) -> "_Chords":
+        """Return the chords of branches; those that do not count are None."""
+        places = [
+            (i, np.column_stack([one.starts, one.values]))
+            for i, one in enumerate(branches)
+            if one is not None
+        ]
+        none = np.empty((0, len(map_.free) + 1))
+        begins = np.concatenate([none, *(place[:-1] for _, place in places)])
+        steps = np.concatenate([none, *(np.diff(place, axis=0) for _, place in places)])
+        ends = begins[:, -1], begins[:, -1] + steps[:, -1]
+        numbers = [np.full(len(place) - 1, i) for i, place in places]
+        return cls(
+            np.concatenate([np.empty(0, dtype=int), *numbers]),
+            begins, steps, np.minimum(*ends), np.maximum(*ends),
+        )  # fmt: skip
+
+    def crossed(self, at: NDArray[np.int64], value: float) -> Array:
+        """Return the free states (m, k) at which some chords cross a value."""
+        span = np.where(self.steps[at, -1] == 0.0, 1.0, self.steps[at, -1])
+        share = ((value - self.begins[at, -1]) / span)[:, None]
+        found: Array = self.begins[at, :-1] + share * self.steps[at, :-1]
+        return found
+
+    def sags(self, at: NDArray[np.int64], scale: Array, between: tuple[float, float]) -> Array:
+        """Return how far the arc may be from some chords at the same value, over the scale (m,)."""
+        steps = self.steps[at] / np.append(scale, between[1] - between[0])
+        sizes = np.linalg.norm(steps, axis=1)
+        return CHORD * sizes * sizes / np.maximum(np.abs(steps[:, -1]), np.finfo(float).tiny)
+
+
 class _Search:
     """Settled runs, and the branches that they lead to."""
 
@@ -313,6 +363,7 @@ class _Search:
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
+        self.drawn: dict[int, tuple[int, _Chords]] = {}
         self.values: list[float] = []
         self.samples: list[Array] = []
         self.velocities: list[Array] = []
@@ -486,35 +537,46 @@ class _Search:
         """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
         return self.known(closed, value, points, same) is not None
 
-    def known(self, closed: int, value: float, points: Array, same: float) -> int | None:
+    def known(
+        self, closed: int, value: float, points: Array, same: float, *, walking: bool = False
+    ) -> int | None:
         """Return the number of the branch on which an orbit lies, to within a distance.
 
         What lies near the polygon of a branch is compared with the orbit of the branch at the same
         value, unless the distance allowed is one of settled runs.
         """
         scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        near = NEAR_SAMPLES
-        for index, branch in enumerate(self.branches):
-            if branch.cycles != closed:
+        chords = self.chords(closed)
+        at = np.flatnonzero((chords.low <= value) & (value <= chords.high))
+        guesses = chords.crossed(at, value)
+        gaps = np.abs((guesses[:, None] - points) / scale).max(axis=2).min(axis=1)
+        near = np.full(len(at), NEAR_SAMPLES)
+        if walking:  # a step later another chord tells
+            near = np.minimum(near, same + chords.sags(at, scale, self.between))
+        for i in np.flatnonzero(gaps <= near):
+            branch = int(chords.branches[at[i]])
+            if gaps[i] <= same:
+                return branch
+            try:
+                shot = solved(self.branches[branch].map, guesses[i], value)
+            except (SimulationError, InputError):
                 continue
-            for guess in branch.crossings(value):
-                gaps = np.abs((guess - points) / scale).max(axis=1)
-                if gaps.min() > near:
-                    continue
-                if gaps.min() <= same:
-                    return index
-                try:
-                    shot = solved(branch.map, guess, value)
-                except (SimulationError, InputError):
-                    continue
-                if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
-                    return index
+            if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
+                return branch
         return None
+
+    def chords(self, closed: int) -> "_Chords":
+        """Return the chords of all branches of a period."""
+        count, known = self.drawn.get(closed, (-1, None))
+        if known is None or count != len(self.branches):
+            known = _Chords.of([b if b.cycles == closed else None for b in self.branches], self.map)
+            self.drawn[closed] = len(self.branches), known
+        return known
 
     def met(self, shot: Shot) -> int | None:
         """Return the number of the branch on which an orbit lies."""
         cycles = round(shot.period / self.map.duration(shot.mechanism))
-        return self.known(cycles, shot.value, shot.y[None], SOLVED)
+        return self.known(cycles, shot.value, shot.y[None], SOLVED, walking=True)
 
     def follow(self, closed: int, value: float, point: Array) -> None:
         """Follow the branch of a settled motion, and those that leave it by doubling."""
