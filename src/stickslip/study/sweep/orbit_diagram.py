@@ -553,7 +553,7 @@ class _Search:
         near = np.full(len(at), NEAR_SAMPLES)
         if walking:  # a step later another chord tells
             near = np.minimum(near, same + chords.sags(at, scale, self.between))
-        for i in np.flatnonzero(gaps <= near):
+        for i in sorted(np.flatnonzero(gaps <= near), key=gaps.__getitem__):
             branch = int(chords.branches[at[i]])
             if gaps[i] <= same:
                 return branch
