@@ -519,8 +519,9 @@ class _Curve:
                 return None
             residual = shot.residual / self.scale[:-1]
             lack = np.append(residual, float(normal @ (u - u0)) - distance)
+            slopes = self.scaled(shot)
             try:
-                u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
+                u = u - np.linalg.solve(np.vstack([slopes, normal]), lack)
             except np.linalg.LinAlgError:
                 return None
             y = shot.moved(u[:-1] * self.scale[:-1])
@@ -528,7 +529,11 @@ class _Curve:
             # the next step leaves no larger a share than the last, what its run would show is known
             if count and last <= SHOWN:
                 self.left = shot.error / last**2
-            follows = shot.error**2 / last if count else MORE_LEFT * self.left * shot.error**2
+            if count:
+                follows = shot.error**2 / last
+            else:  # near grazing, slopes grow like the inverse root of the distance
+                bend = float(np.abs(slopes).max()) ** 3 * float(np.linalg.norm(u - begun)) ** 2
+                follows = MORE_LEFT * max(self.left * shot.error**2, bend)
             if shot.error <= NEARBY and follows <= self.map.tolerance:
                 return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             # on either side of a border Newton's step may lead to the other one, for ever

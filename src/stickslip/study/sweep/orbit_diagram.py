@@ -448,18 +448,16 @@ class _Search:
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the parts of the range in which no stable orbit is known, from below."""
-        parts = []
+        low, high = self.between
+        ends = [np.full((1, 2), high)]
         for branch in self.branches:
             both = branch.stable[:-1] & branch.stable[1:]
-            ends = np.sort(np.column_stack([branch.values[:-1], branch.values[1:]])[both], axis=1)
-            parts += [(float(begin), float(end)) for begin, end in ends]
-        low, high = self.between
-        found, reached = [], low
-        for begin, end in [*sorted(parts), (high, high)]:
-            if begin > reached:
-                found.append((reached, begin))
-            reached = max(reached, end)
-        return found
+            ends.append(np.column_stack([branch.values[:-1], branch.values[1:]])[both])
+        parts = np.sort(np.concatenate(ends), axis=1)
+        begins, until = parts[np.argsort(parts[:, 0], kind="stable")].T
+        reached = np.maximum.accumulate(np.append(low, until[:-1]))
+        at = begins > reached
+        return list(zip(reached[at].tolist(), begins[at].tolist(), strict=True))
 
     def run(self, value: float, columns: Mapping[str, Array]) -> None:
         """Keep the samples of settled runs at a value.

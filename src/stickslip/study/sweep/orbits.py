@@ -577,11 +577,12 @@ def signature_in(run: BareRun, mechanism: Mechanism, period: float) -> Signature
 
     It does not depend on where in the cycle the orbit is cut.
     """
-    events = run.events()
-    counts = Counter((event.contact, event.reason) for event in events)
-    changing = {event.contact for event in events if event.from_mode != event.to_mode}
+    counts, changing = Counter[tuple[str, str]](), set[str]()
+    for (contact, what, changes), count in run.counts().items():
+        counts[contact, what] += count
+        changing |= {contact} if changes else set()
     if not {contact.name for contact in mechanism.contacts()} <= changing:
-        for name, mode in first_modes(run, mechanism, period, events).items():
+        for name, mode in first_modes(run, mechanism, period, run.events()).items():
             if name not in changing:
                 counts[name, f"mode {mode}"] = 1
     return tuple(sorted((*key, count) for key, count in counts.items()))
