@@ -101,9 +101,6 @@ STEEP = 0.1
 HALVED, NEAR_HALVED = 1e-3, 5e-4
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
 doubling, and how far from it that may be."""
-SHOWN, MORE_LEFT = 1e-3, 10.0
-"""Residual from which Newton's step shows what share of its square it leaves, and how many times as
-much the next correction's first step may leave."""
 NEARBY = 1e-7
 """Residual, over the size of the states, below which the last step needs no run of its own."""
 OUTGROWN = 2.0
@@ -423,7 +420,6 @@ class _Curve:
         self.step, self.most = step, most
         self.scale = np.ones(1)
         self.runs = 0
-        self.left = np.inf
         self.backward = False
         self.met: Callable[[Shot], int | None] = lambda _: None
         self.trails: list[list[Array]] = []
@@ -519,21 +515,14 @@ class _Curve:
                 return None
             residual = shot.residual / self.scale[:-1]
             lack = np.append(residual, float(normal @ (u - u0)) - distance)
-            slopes = self.scaled(shot)
             try:
-                u = u - np.linalg.solve(np.vstack([slopes, normal]), lack)
+                u = u - np.linalg.solve(np.vstack([self.scaled(shot), normal]), lack)
             except np.linalg.LinAlgError:
                 return None
             y = shot.moved(u[:-1] * self.scale[:-1])
             u[:-1] = y / self.scale[:-1]
             # the next step leaves no larger a share than the last, what its run would show is known
-            if count and last <= SHOWN:
-                self.left = shot.error / last**2
-            if count:
-                follows = shot.error**2 / last
-            else:  # near grazing, slopes grow like the inverse root of the distance
-                bend = float(np.abs(slopes).max()) ** 3 * float(np.linalg.norm(u - begun)) ** 2
-                follows = MORE_LEFT * max(self.left * shot.error**2, bend)
+            follows = shot.error * shot.error / last if count else np.inf
             if shot.error <= NEARBY and follows <= self.map.tolerance:
                 return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             # on either side of a border Newton's step may lead to the other one, for ever

@@ -366,11 +366,6 @@ class ReturnMap:
             run=run,
         )
 
-    def happens(self, y: Array, value: float) -> Signature:
-        """Return what happens in the run from free states; one that ends early is an error."""
-        mechanism, _, period, _, _, run = self._ran(y, value)
-        return signature_in(run, mechanism, period)
-
     def _ran(
         self, y: Array, value: float
     ) -> tuple[Mechanism, FrictionLaw | Laws, float, Array, list[float], BareRun]:
