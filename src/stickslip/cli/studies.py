@@ -232,8 +232,8 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
         (unit,) = found.units.values()
-        at = quantity(turn, unit, 6)
-        console.print(f"The mean velocity changes sign at {at}.", markup=False)
+        sign = f"The mean velocity changes sign at {quantity(turn, unit, 6)}."
+        console.print(sign, markup=False)
     for reason in found.early_ends():
         console.print(reason, markup=False)
 

@@ -300,7 +300,7 @@ def orbit_diagram(
 
 @dataclass(frozen=True)
 class _Chords:
-    """The chords between neighbours on some branches, one after the other."""
+    """The chords between neighbours on all branches of a period, one after the other."""
 
     branches: NDArray[np.int64]
     """Number of the branch of each (n,)."""
@@ -308,41 +308,26 @@ class _Chords:
     """Free states at its first point, and the parameter (n, k + 1)."""
     steps: Array
     """From there to its second (n, k + 1)."""
-    low: Array
-    """Least value of the parameter on it (n,)."""
-    high: Array
-    """Largest value (n,)."""
 
     @classmethod
-    def of(cls, branches: Sequence[Branch | None], map_: ReturnMap) -> "_Chords":
-        """Return the chords of branches; those that do not count are None."""
-        places = [
-            (i, np.column_stack([one.starts, one.values]))
-            for i, one in enumerate(branches)
-            if one is not None
-        ]
-        none = np.empty((0, len(map_.free) + 1))
-        begins = np.concatenate([none, *(place[:-1] for _, place in places)])
-        steps = np.concatenate([none, *(np.diff(place, axis=0) for _, place in places)])
-        ends = begins[:, -1], begins[:, -1] + steps[:, -1]
-        numbers = [np.full(len(place) - 1, i) for i, place in places]
-        return cls(
-            np.concatenate([np.empty(0, dtype=int), *numbers]),
-            begins, steps, np.minimum(*ends), np.maximum(*ends),
-        )  # fmt: skip
+    def of(cls, branches: Sequence[Branch], cycles: int, size: int) -> "_Chords":
+        """Return the chords of branches of a period."""
+        numbers, begins, steps = [np.empty(0, int)], [np.empty((0, size))], [np.empty((0, size))]
+        for i, branch in enumerate(branches):
+            if branch.cycles == cycles:
+                places = np.column_stack([branch.starts, branch.values])
+                numbers.append(np.full(len(places) - 1, i))
+                begins.append(places[:-1])
+                steps.append(np.diff(places, axis=0))
+        return cls(np.concatenate(numbers), np.concatenate(begins), np.concatenate(steps))
 
-    def crossed(self, at: NDArray[np.int64], value: float) -> Array:
-        """Return the free states (m, k) at which some chords cross a value."""
-        span = np.where(self.steps[at, -1] == 0.0, 1.0, self.steps[at, -1])
-        share = ((value - self.begins[at, -1]) / span)[:, None]
-        found: Array = self.begins[at, :-1] + share * self.steps[at, :-1]
-        return found
-
-    def sags(self, at: NDArray[np.int64], scale: Array, between: tuple[float, float]) -> Array:
-        """Return how far the arc may be from some chords at the same value, over the scale (m,)."""
-        steps = self.steps[at] / np.append(scale, between[1] - between[0])
-        sizes = np.linalg.norm(steps, axis=1)
-        return CHORD * sizes * sizes / np.maximum(np.abs(steps[:, -1]), np.finfo(float).tiny)
+    def across(self, value: float) -> tuple[NDArray[np.int64], Array, Array]:
+        """Return branches (m,), free states (m, k) and steps of the chords that cross a value."""
+        first, last = self.begins[:, -1], self.begins[:, -1] + self.steps[:, -1]
+        at = np.flatnonzero((np.minimum(first, last) <= value) & (value <= np.maximum(first, last)))
+        steps = self.steps[at]
+        share = (value - first[at]) / np.where(steps[:, -1] == 0.0, 1.0, steps[:, -1])
+        return self.branches[at], self.begins[at, :-1] + share[:, None] * steps[:, :-1], steps
 
 
 class _Search:
@@ -363,7 +348,7 @@ class _Search:
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
-        self.drawn: dict[int, tuple[int, _Chords]] = {}
+        self.drawn: dict[tuple[int, int], _Chords] = {}
         self.values: list[float] = []
         self.samples: list[Array] = []
         self.velocities: list[Array] = []
@@ -544,15 +529,16 @@ class _Search:
         value, unless the distance allowed is one of settled runs.
         """
         scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        chords = self.chords(closed)
-        at = np.flatnonzero((chords.low <= value) & (value <= chords.high))
-        guesses = chords.crossed(at, value)
+        numbers, guesses, steps = self.chords(closed).across(value)
         gaps = np.abs((guesses[:, None] - points) / scale).max(axis=2).min(axis=1)
-        near = np.full(len(at), NEAR_SAMPLES)
-        if walking:  # a step later another chord tells
-            near = np.minimum(near, same + chords.sags(at, scale, self.between))
+        near = np.full(len(gaps), NEAR_SAMPLES)
+        if walking:  # as far as the arc may be from its chord; a step later another chord tells
+            steps = steps / np.append(scale, self.between[1] - self.between[0])
+            sizes = np.linalg.norm(steps, axis=1)
+            ahead = np.maximum(np.abs(steps[:, -1]), np.finfo(float).tiny)
+            near = np.minimum(near, same + CHORD * sizes * sizes / ahead)
         for i in sorted(np.flatnonzero(gaps <= near), key=gaps.__getitem__):
-            branch = int(chords.branches[at[i]])
+            branch = int(numbers[i])
             if gaps[i] <= same:
                 return branch
             try:
@@ -563,13 +549,13 @@ class _Search:
                 return branch
         return None
 
-    def chords(self, closed: int) -> "_Chords":
+    def chords(self, cycles: int) -> _Chords:
         """Return the chords of all branches of a period."""
-        count, known = self.drawn.get(closed, (-1, None))
-        if known is None or count != len(self.branches):
-            known = _Chords.of([b if b.cycles == closed else None for b in self.branches], self.map)
-            self.drawn[closed] = len(self.branches), known
-        return known
+        key = cycles, len(self.branches)
+        if key not in self.drawn:
+            self.drawn = {k: known for k, known in self.drawn.items() if k[1] == key[1]}
+            self.drawn[key] = _Chords.of(self.branches, cycles, len(self.map.free) + 1)
+        return self.drawn[key]
 
     def met(self, shot: Shot) -> int | None:
         """Return the number of the branch on which an orbit lies."""

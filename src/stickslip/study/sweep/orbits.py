@@ -327,7 +327,17 @@ class ReturnMap:
         A run that ends early or has no derivative is a `SimulationError`, as is one that leaves a
         residual of more than is told.
         """
-        mechanism, law, period, y, start, run = self._ran(y, value)
+        mechanism, law = self.pair(value)
+        period = self.duration(mechanism)
+        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
+        y = np.where(np.abs(y) <= _EPSILON * np.abs(y).max(initial=0.0), 0.0, y)
+        if not np.isfinite(y).all():
+            raise SimulationError("a step has left all finite states.")
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        start = [float(begin.get(name, 0.0)) for name in self.states]
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
+        if not run.status.complete:
+            raise SimulationError(run.status.value)
         states = run.at(period * _SHARES)
         end = states[SAMPLES - 1]
         free, n = list(self.free), len(self.free)
@@ -365,23 +375,6 @@ class ReturnMap:
             advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
             run=run,
         )
-
-    def _ran(
-        self, y: Array, value: float
-    ) -> tuple[Mechanism, FrictionLaw | Laws, float, Array, list[float], BareRun]:
-        """Run over the period from free states; return what ran, for how long, and its start."""
-        mechanism, law = self.pair(value)
-        period = self.duration(mechanism)
-        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        y = np.where(np.abs(y) <= _EPSILON * np.abs(y).max(initial=0.0), 0.0, y)
-        if not np.isfinite(y).all():
-            raise SimulationError("a step has left all finite states.")
-        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
-        start = [float(begin.get(name, 0.0)) for name in self.states]
-        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
-        if not run.status.complete:
-            raise SimulationError(run.status.value)
-        return mechanism, law, period, y, start, run
 
     def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
         """Return what closes so near a shot that derivatives and events are those of its run."""
@@ -424,7 +417,7 @@ class ReturnMap:
             monodromy=shot.monodromy,
             residual=shot.error,
             events=events,
-            modes=first_modes(shot.run, shot.mechanism, shot.period, events),
+            modes=first_modes(shot, events),
             solver=self.solver,
         )
 
@@ -535,17 +528,15 @@ def _halved(map_: ReturnMap, shot: Shot, step: Array) -> Shot | None:
     return None
 
 
-def first_modes(
-    run: BareRun, mechanism: Mechanism, period: float, events: Sequence[Event]
-) -> dict[str, int]:
-    """Return the mode of each contact at the start of a run over a period."""
-    names = [contact.name for contact in mechanism.contacts()]
+def first_modes(shot: Shot, events: Sequence[Event]) -> dict[str, int]:
+    """Return the mode of each contact at the start of a shot."""
+    names = [contact.name for contact in shot.mechanism.contacts()]
     modes: dict[str, int] = {}
     for event in events:
         if event.from_mode != event.to_mode:
             modes.setdefault(event.contact, event.from_mode)
     if not set(names) <= modes.keys():
-        columns = run.playback(np.array([0.5 * period]))
+        columns = shot.run.playback(np.array([0.5 * shot.period]))
         for name in names:
             column = columns["mode"] if "mode" in columns else columns[f"mode:{name}"]
             modes.setdefault(name, int(column[0]))
@@ -563,21 +554,15 @@ def _stuck(events: Sequence[Event], contact: str, mode: int, period: float) -> f
 
 
 def signature_of(shot: Shot) -> Signature:
-    """Return what happens in the run of a shot, as `signature_in`."""
-    return signature_in(shot.run, shot.mechanism, shot.period)
-
-
-def signature_in(run: BareRun, mechanism: Mechanism, period: float) -> Signature:
     """Return how often each contact does what in a period, and the mode of those that do nothing.
 
     It does not depend on where in the cycle the orbit is cut.
     """
     counts, changing = Counter[tuple[str, str]](), set[str]()
-    for (contact, what, changes), count in run.counts().items():
+    for (contact, what, changes), count in shot.run.counts().items():
         counts[contact, what] += count
         changing |= {contact} if changes else set()
-    if not {contact.name for contact in mechanism.contacts()} <= changing:
-        for name, mode in first_modes(run, mechanism, period, run.events()).items():
-            if name not in changing:
-                counts[name, f"mode {mode}"] = 1
+    if not {contact.name for contact in shot.mechanism.contacts()} <= changing:
+        modes = first_modes(shot, shot.run.events())
+        counts.update({(n, f"mode {mode}"): 1 for n, mode in modes.items() if n not in changing})
     return tuple(sorted((*key, count) for key, count in counts.items()))
