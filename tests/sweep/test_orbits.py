@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -422,6 +423,17 @@ def test_branches_are_tables_and_pickles(diagram):
     assert len(frame) == sum(len(branch.values) for branch in diagram.branches)
     assert {"branch", "cycles", "stable", FREQUENCY, "advance x"} <= set(frame.columns)
     assert diagram.branch_cycles < diagram.brute_cycles
+
+
+def test_counts_of_events_are_those_of_the_events(diagram):
+    seen = 0
+    for branch in diagram.branches:
+        for index in range(0, len(branch.values), 23):
+            run = branch.map.shoot(branch.starts[index], float(branch.values[index])).run
+            events = [(e.contact, e.reason, e.from_mode != e.to_mode) for e in run.events()]
+            assert run.counts() == Counter(events)
+            seen += len(set(events))
+    assert seen > 10
 
 
 def test_all_orbits_of_a_branch_close(diagram):

@@ -282,6 +282,14 @@ def rig_with(options: RigOptions, given: Mapping[str, str], *, law: str | None =
         names = [*rig.named] if law is None else [law] if law in listed() else []
         for name in names:
             known |= {f"{FRICTION}{one}": x for one, x in fields_of(law_type(name)).items()}
+        ends = [full for full in known if full.rpartition(".")[2] == error.name]
+        if len(ends) == 1:  # a parameter with a default, which no line of the file names
+            again = {ends[0] if one == key else one: value for one, value in given.items()}
+            return load_rig(path, overrides=again, allow_import=allow_import)
+        if ends:
+            raise InputError(
+                f"--set {key}: several paths end so, {joined(ends)}: give one of them."
+            ) from None
         # as the last names that --set takes, of which an earlier path has the symbol
         symbols = {full.rpartition(".")[2]: x.symbol for full, x in reversed(known.items())}
         of = f" of {joined(names)}" if key.startswith(FRICTION) and names else ""

@@ -231,7 +231,8 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
     if rows:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
-        console.print(f"The mean velocity changes sign at {number(turn, 6)}.")
+        (unit,) = found.units.values()
+        console.print(f"The mean velocity changes sign at {quantity(turn, unit, 6)}.")
     for reason in found.early_ends():
         console.print(reason)
 
@@ -347,10 +348,8 @@ def _show_diagram(found: OrbitDiagram) -> None:
     if events:
         show_table("What changes along them", ["branch", name, "event", "what changes"], events)
     ends = [
-        f"Branch {index}: {end}"
+        f"Branch {index}: {' '.join(dict.fromkeys(branch.ends))}"
         for index, branch in enumerate(found.branches)
-        for end in dict.fromkeys(branch.ends)
-        if not end.startswith("It reaches")
     ]
     for sentence in (*ends, *found.costs()):
         stdout().print(sentence)

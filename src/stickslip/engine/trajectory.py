@@ -187,7 +187,17 @@ class Trajectory(InPanels):
     @property
     def ending(self) -> str:
         """How the run ended and why, in words."""
+        if self.status is Status.AT_REST and not self.moves:
+            return "It stayed at rest: no drive can move the body."
         return f"{self.status.value} {self.cause}".rstrip()
+
+    @property
+    def moves(self) -> bool:
+        """Whether any state but at rest is left, or anything happens, between start and end."""
+        if self.events or not self.states:
+            return True
+        first, last = self.evaluate(self.t[:1]), self.evaluate(self.t[-1:])
+        return any(bool(first[name][0] != last[name][0]) for name in self.states)
 
     @cached_property
     def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:

@@ -110,6 +110,7 @@ def read_rig(
     overrides = resolved(raw, overrides, settable)
     apply(raw, overrides)
     file = RigFile(name, overrides)
+    _refuse_open(raw, name)
     stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
     friction = raw.get("friction")
@@ -180,6 +181,26 @@ def _validated(kind: type[RigTable], raw: Mapping[str, Any], file: RigFile) -> R
         return kind.model_validate(raw)
     except ValidationError as error:
         raise complaint(error, raw, file) from None
+
+
+def _refuse_open(raw: Mapping[str, Any], file: str) -> None:
+    """Refuse a file with question marks in place of numbers, all of them at once."""
+    left = [f"{path} = {value!r}" for path, value in _open(raw)]
+    if left:
+        raise ParameterError(
+            f"{file} has a question mark in place of {len(left)} value{'s' * (len(left) > 1)}:"
+            f" {', '.join(left)}. Replace each by a number, or give it with --set."
+        )
+
+
+def _open(table: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield paths and texts of what a table leaves open, such as "? g"."""
+    for key, value in table.items():
+        full = f"{path}.{key}" if path else str(key)
+        if isinstance(value, Mapping):
+            yield from _open(value, full)
+        elif isinstance(value, str) and value.startswith("?") and value[1:2] in {"", " "}:
+            yield full, value
 
 
 def _of_law(path: str, tables: Mapping[str, str]) -> str:

@@ -16,7 +16,7 @@ those of the functions of these names.
 import math
 
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.driver import restore, restore_modes
+from stickslip.engine.kernels.driver import restore, restore_modes, restore_start
 from stickslip.engine.kernels.equations import (
     IMPACT,
     PREPARE,
@@ -76,7 +76,7 @@ from stickslip.engine.kernels.state_layout import (
     Y1,
     Y,
 )
-from stickslip.engine.kernels.steppers import series_fill
+from stickslip.engine.kernels.steppers import VANISHED, series_fill
 
 RADAU_STAGES = 5
 RADAU_NODES = (
@@ -183,13 +183,53 @@ def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to:
                     w[to + i * m + c] += factor * w[columns + j * m + c]
 
 
+def powers_needed(h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> int:
+    """Return the last power of the Jacobian that counts in a step.
+
+    Terms are at most those of absolute values, of the largest sensitivity of each state.
+    """
+    matrix, n, count = whole[MATRIX], whole[N_STATES], len(NODES)
+    now, forced = columns_at(0, q, m, whole), columns_at(5, q, m, whole)
+    largest, after, before = (
+        columns_at(1, q, m, whole),
+        columns_at(2, q, m, whole),
+        columns_at(3, q, m, whole),
+    )
+    for i in range(n):
+        size = 0.0
+        for c in range(m):
+            acts = 0.0
+            if own[c] >= 0.0:
+                for s in range(count):
+                    acts = max(acts, abs(w[forced + (s * n + i) * m + c]))
+            size = max(size, abs(w[now + i * m + c]) + h * acts)
+        w[before + i] = size
+        w[largest + i] = size
+    power, ended = 0, False
+    while power < MOST_TERMS and not ended:
+        power += 1
+        ended = True
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += abs(w[matrix + i * n + j]) * w[before + j]
+            w[after + i] = total * (h / power)
+        for i in range(n):
+            size = w[after + i]
+            w[before + i] = size
+            ended = ended and size <= VANISHED * w[largest + i]  # never of NaN
+            w[largest + i] = max(w[largest + i], size)
+    return power
+
+
 def series_sensed(
     t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
     With the constant Jacobian A they are ``exp(h A) S + integral of exp((h - s) A) F(s)``. The
-    integral is taken by the rule of Gauss, of which each power of A has a sum of its own.
+    integral is taken by the rule of Gauss, of which each power of A has a sum of its own; powers
+    end where what they add has vanished.
     """
     y, matrix, point = whole[Y], whole[MATRIX], whole[POINT]
     n, count = whole[N_STATES], len(NODES)
@@ -205,9 +245,10 @@ def series_sensed(
         interpolate(w, whole, NODES[s], point)
         forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
     jacobian(t, w, whole, y, matrix)
-    for k in range(MOST_TERMS, -1, -1):
+    most = powers_needed(h, w, whole, own, q, m)
+    for k in range(most, -1, -1):
         for i in range(size):
-            w[term + i] = w[result + i] * (h / (k + 1.0)) if k < MOST_TERMS else 0.0
+            w[term + i] = w[result + i] * (h / (k + 1.0)) if k < most else 0.0
             w[result + i] = w[now + i]
         # Horner's scheme, from the highest power down: result = S + h F_k + (h A / (k + 1)) result,
         # where F_k is the mean of the forcing with the weight (1 - s / h)^k.
@@ -278,6 +319,14 @@ def radau_sensed(
             for s in range(RADAU_STAGES):
                 total += RADAU[(RADAU_STAGES - 1) * RADAU_STAGES + s] * w[right + s * n + i]
             w[result + i * m + c] = w[now + i * m + c] + length * total
+
+
+def restore_sensed(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the start of a row; its series is filled in up to where it is needed."""
+    if log[row * whole[ROW_COLUMNS] + ROW_DENSE] > 0.0:
+        restore_start(log, row, table, w, whole)
+    else:
+        restore(log, row, table, w, whole)
 
 
 def advance_sensed(
@@ -747,7 +796,7 @@ def sense(
         load_directions(int(log[at + 5]), dtable, w, whole, q, m)
         # The last row also answers all times behind its end.
         while asked < len(times) and (last or times[asked] < log[at + 1]):
-            restore(log, row, table, w, whole)
+            restore_sensed(log, row, table, w, whole)
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
             turn_columns(result, m, 1, w, whole)
             for i in range(n * m):
@@ -755,7 +804,7 @@ def sense(
             asked += 1
         if last:
             return
-        restore(log, row, table, w, whole)
+        restore_sensed(log, row, table, w, whole)
         advance_sensed(log, row, log[at + 1] - log[at], w, whole, own, q, m)
         for i in range(n * m):
             w[now + i] = w[result + i]

@@ -21,6 +21,7 @@ and the parameters with the largest powers are named.
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
@@ -532,6 +533,13 @@ class BareRun:
         names = model.contacts or tuple(contact.name for contact in contacts)
         return _events(reasons(model), names, sensing.record)
 
+    def counts(self) -> Counter[tuple[str, str, bool]]:
+        """Return how often each contact does what: contact, what, whether its mode changes."""
+        sensing = self.differentiate
+        model, contacts = self.playback.model, sensing.mechanism.contacts()
+        names = model.contacts or tuple(contact.name for contact in contacts)
+        return _counts(reasons(model), names, sensing.record)
+
 
 def bare_run(
     mechanism: Mechanism,
@@ -549,6 +557,21 @@ def bare_run(
         playback=Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS]),
         differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
     )
+
+
+def _counts(
+    names: Sequence[str | None], contacts: Sequence[str], record: Record
+) -> Counter[tuple[str, str, bool]]:
+    """Count what `_events` translates: what happened follows from the numbers but t and margin."""
+    whole = record.whole
+    rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
+    alike = Counter(zip(*(rows[i::layout.EVENT_COLUMNS] for i in (1, 2, 3, 4, 6)), strict=True))
+    found = Counter[tuple[str, str, bool]]()
+    for (before, after, guard, flags, contact), count in alike.items():
+        reason = names[happened([0.0, before, after, guard, flags, 0.0, contact], 0, whole)]
+        if reason is not None:
+            found[contacts[int(contact)], reason, before != after] += count
+    return found
 
 
 def _difference(run: Trajectory, other: Trajectory) -> float:

@@ -815,7 +815,9 @@ class _Curve:
                 continue
             if signature_of(guess) == here.signature:
                 continue
-            for normal in (self.null(guess), here.tangent):
+            null = self.null(guess)
+            alike = abs(float(null @ here.tangent)) > TURN
+            for normal in (null,) if alike else (null, here.tangent):
                 found = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
                 if found is None:
                     continue

@@ -13,7 +13,7 @@
    there something else is, be it of a longer period or of none.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
@@ -88,6 +88,9 @@ SOLVED = 1e-6
 """The same of orbits that were solved for: near a doubling branches lie closer than transients."""
 SETTLED = 1e-7
 """The same of points of one orbit."""
+CHORD = 0.05
+"""Distance of an arc from its chord, over the latter, at most; neighbours' tangents differ by less
+than in `continuation.TURN`, of which an eighth of the angle is the sag."""
 NEAR_SAMPLES = 0.05
 """Distance within which a sample of a settled run may lie on a branch that is known: then it is
 compared after both were solved for at the same value."""
@@ -292,6 +295,38 @@ def orbit_diagram(
     return search.diagram()
 
 
+@dataclass(frozen=True)
+class _Chords:
+    """The chords between neighbours on all branches of a period, one after the other."""
+
+    branches: NDArray[np.int64]
+    """Number of the branch of each (n,)."""
+    begins: Array
+    """Free states at its first point, and the parameter (n, k + 1)."""
+    steps: Array
+    """From there to its second (n, k + 1)."""
+
+    @classmethod
+    def of(cls, branches: Sequence[Branch], cycles: int, size: int) -> "_Chords":
+        """Return the chords of branches of a period."""
+        numbers, begins, steps = [np.empty(0, int)], [np.empty((0, size))], [np.empty((0, size))]
+        for i, branch in enumerate(branches):
+            if branch.cycles == cycles:
+                places = np.column_stack([branch.starts, branch.values])
+                numbers.append(np.full(len(places) - 1, i))
+                begins.append(places[:-1])
+                steps.append(np.diff(places, axis=0))
+        return cls(np.concatenate(numbers), np.concatenate(begins), np.concatenate(steps))
+
+    def across(self, value: float) -> tuple[NDArray[np.int64], Array, Array]:
+        """Return branches (m,), free states (m, k) and steps of the chords that cross a value."""
+        first, last = self.begins[:, -1], self.begins[:, -1] + self.steps[:, -1]
+        at = np.flatnonzero((np.minimum(first, last) <= value) & (value <= np.maximum(first, last)))
+        steps = self.steps[at]
+        share = (value - first[at]) / np.where(steps[:, -1] == 0.0, 1.0, steps[:, -1])
+        return self.branches[at], self.begins[at, :-1] + share[:, None] * steps[:, :-1], steps
+
+
 class _Search:
     """Settled runs, and the branches that they lead to."""
 
@@ -310,6 +345,7 @@ class _Search:
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
         self.branches: list[Branch] = []
+        self.drawn: dict[tuple[int, int], _Chords] = {}
         self.values: list[float] = []
         self.samples: list[Array] = []
         self.velocities: list[Array] = []
@@ -394,18 +430,16 @@ class _Search:
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the parts of the range in which no stable orbit is known, from below."""
-        parts = []
+        low, high = self.between
+        ends = [np.full((1, 2), high)]
         for branch in self.branches:
             both = branch.stable[:-1] & branch.stable[1:]
-            ends = np.sort(np.column_stack([branch.values[:-1], branch.values[1:]])[both], axis=1)
-            parts += [(float(begin), float(end)) for begin, end in ends]
-        low, high = self.between
-        found, reached = [], low
-        for begin, end in [*sorted(parts), (high, high)]:
-            if begin > reached:
-                found.append((reached, begin))
-            reached = max(reached, end)
-        return found
+            ends.append(np.column_stack([branch.values[:-1], branch.values[1:]])[both])
+        parts = np.sort(np.concatenate(ends), axis=1)
+        begins, until = parts[np.argsort(parts[:, 0], kind="stable")].T
+        reached = np.maximum.accumulate(np.append(low, until[:-1]))
+        at = begins > reached
+        return list(zip(reached[at].tolist(), begins[at].tolist(), strict=True))
 
     def run(self, value: float, columns: Mapping[str, Array]) -> None:
         """Keep the samples of settled runs at a value.
@@ -485,35 +519,47 @@ class _Search:
         """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
         return self.known(closed, value, points, same) is not None
 
-    def known(self, closed: int, value: float, points: Array, same: float) -> int | None:
+    def known(
+        self, closed: int, value: float, points: Array, same: float, *, walking: bool = False
+    ) -> int | None:
         """Return the number of the branch on which an orbit lies, to within a distance.
 
         What lies near the polygon of a branch is compared with the orbit of the branch at the same
         value, unless the distance allowed is one of settled runs.
         """
         scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        near = NEAR_SAMPLES
-        for index, branch in enumerate(self.branches):
-            if branch.cycles != closed:
+        numbers, guesses, steps = self.chords(closed).across(value)
+        gaps = np.abs((guesses[:, None] - points) / scale).max(axis=2).min(axis=1)
+        near = np.full(len(gaps), NEAR_SAMPLES)
+        if walking:  # as far as the arc may be from its chord; a step later another chord tells
+            steps = steps / np.append(scale, self.between[1] - self.between[0])
+            sizes = np.linalg.norm(steps, axis=1)
+            ahead = np.maximum(np.abs(steps[:, -1]), np.finfo(float).tiny)
+            near = np.minimum(near, same + CHORD * sizes * sizes / ahead)
+        for i in sorted(np.flatnonzero(gaps <= near), key=gaps.__getitem__):
+            branch = int(numbers[i])
+            if gaps[i] <= same:
+                return branch
+            try:
+                shot = solved(self.branches[branch].map, guesses[i], value)
+            except (SimulationError, InputError):
                 continue
-            for guess in branch.crossings(value):
-                gaps = np.abs((guess - points) / scale).max(axis=1)
-                if gaps.min() > near:
-                    continue
-                if gaps.min() <= same:
-                    return index
-                try:
-                    shot = solved(branch.map, guess, value)
-                except (SimulationError, InputError):
-                    continue
-                if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
-                    return index
+            if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
+                return branch
         return None
+
+    def chords(self, cycles: int) -> _Chords:
+        """Return the chords of all branches of a period."""
+        key = cycles, len(self.branches)
+        if key not in self.drawn:
+            self.drawn = {k: known for k, known in self.drawn.items() if k[1] == key[1]}
+            self.drawn[key] = _Chords.of(self.branches, cycles, len(self.map.free) + 1)
+        return self.drawn[key]
 
     def met(self, shot: Shot) -> int | None:
         """Return the number of the branch on which an orbit lies."""
         cycles = round(shot.period / self.map.duration(shot.mechanism))
-        return self.known(cycles, shot.value, shot.y[None], SOLVED)
+        return self.known(cycles, shot.value, shot.y[None], SOLVED, walking=True)
 
     def follow(self, closed: int, value: float, point: Array) -> None:
         """Follow the branch of a settled motion, and those that leave it by doubling."""

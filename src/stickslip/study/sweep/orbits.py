@@ -331,7 +331,7 @@ class ReturnMap:
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
         # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        y = np.where(np.abs(y) <= np.finfo(float).eps * np.abs(y).max(initial=0.0), 0.0, y)
+        y = np.where(np.abs(y) <= _EPSILON * np.abs(y).max(initial=0.0), 0.0, y)
         if not np.isfinite(y).all():
             raise SimulationError("a step has left all finite states.")
         begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
@@ -363,7 +363,7 @@ class ReturnMap:
             rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
-        size = np.where(size > 0.0, size, np.maximum(size.max(), np.finfo(float).tiny))
+        size = np.where(size > 0.0, size, np.maximum(size.max(), _TINY))
         return Shot(
             y=y,
             value=value,
@@ -426,6 +426,7 @@ class ReturnMap:
         )
 
 
+_EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
@@ -562,11 +563,11 @@ def signature_of(shot: Shot) -> Signature:
 
     It does not depend on where in the cycle the orbit is cut.
     """
-    events = shot.run.events()
-    counts = Counter((event.contact, event.reason) for event in events)
-    idle = {
-        (name, f"mode {mode}"): 1
-        for name, mode in first_modes(shot, events).items()
-        if not any(e.contact == name and e.from_mode != e.to_mode for e in events)
-    }
-    return tuple(sorted((*key, count) for key, count in {**counts, **idle}.items()))
+    counts, changing = Counter[tuple[str, str]](), set[str]()
+    for (contact, what, changes), count in shot.run.counts().items():
+        counts[contact, what] += count
+        changing |= {contact} if changes else set()
+    if not {contact.name for contact in shot.mechanism.contacts()} <= changing:
+        modes = first_modes(shot, shot.run.events())
+        counts.update({(n, f"mode {mode}"): 1 for n, mode in modes.items() if n not in changing})
+    return tuple(sorted((*key, count) for key, count in counts.items()))
