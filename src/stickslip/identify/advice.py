@@ -14,8 +14,8 @@ import numpy as np
 
 from stickslip.identify.problem import Array
 
-HALF = 0.35
-"""Expected width over today's at which enough is measured: .4 is then measured in the median."""
+HALF = 0.3
+"""Expected width over today's at which enough is measured: less than half is then measured in most."""
 WORTH = 0.7
 """Expected width over today's from which no readings are proposed."""
 MOST = 4
