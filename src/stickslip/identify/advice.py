@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.identify.problem import Array
 
 HALF = 0.3
-"""Expected width over today's at which enough is measured: less than half is then measured in most."""
+"""Expected width over today's at which enough is measured: less than half is, mostly."""
 WORTH = 0.7
 """Expected width over today's from which no readings are proposed."""
 MOST = 4
