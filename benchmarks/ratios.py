@@ -16,6 +16,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from tools.site import order
+
 import stickslip
 from benchmarks.measuring import KERNEL, MANY, Missing
 from benchmarks.tables import ratio_of, table
@@ -66,7 +68,7 @@ def errors(path: Path) -> Iterator[Row]:
 
 def beside(folder: Path) -> list[str]:
     """Return the ratios of all files of a folder as a Markdown table, a column each."""
-    files = sorted(folder.glob("*.csv"))
+    files = sorted(folder.glob("*.csv"), key=lambda path: (order(path.stem), path.stem))
     found: dict[tuple[str, str, str], dict[str, str]] = {}
     for path in files:
         with path.open(encoding="utf-8", newline="") as file:
@@ -94,8 +96,10 @@ def main() -> None:
         return
     if asked.output is None:
         parser.error("give --output or --table")
+    if not asked.friction.is_file():
+        parser.error(f"{asked.friction} is missing: `stickslip benchmark` writes it")
     rows = [*times([one for one in asked.cases.split(",") if one], asked.repeats)]
-    rows += errors(asked.friction) if asked.friction.is_file() else []
+    rows += errors(asked.friction)
     asked.output.parent.mkdir(parents=True, exist_ok=True)
     with asked.output.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, FIELDS, lineterminator="\n")

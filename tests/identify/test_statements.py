@@ -144,7 +144,7 @@ def test_a_hold_is_refused_where_no_force_is_recorded(verb, measured):
     }[measured]
     rig = Axis(inertia=1.0, stiffness=36.0)
     judged = {"fit": partial(fit, rig, Coulomb), "select": partial(select, rig, None)}[verb]
-    with pytest.raises(InputError, match="applies to"):
+    with pytest.raises(InputError, match=r"of a force that drives the motion|has no effect"):
         judged(record, settings=HELD)
 
 
@@ -314,7 +314,7 @@ def test_a_body_that_rests_is_refused():
     t = np.arange(0.0, 10.0, 0.004)
     still = 1e-7 * np.random.default_rng(1).normal(size=len(t))
     record = Measurement(time=t, position=still, force=1.2 * np.sin(2.5 * t))
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="no motion was recorded"):
         select(Axis(inertia=1.0), None, record)
     creeping = replace(record, position=still + 1e-6 * np.sin(2.5 * t))
     with pytest.raises(InputError, match="rests throughout the record, or moves by no more"):

@@ -632,7 +632,8 @@ def _show(ran: Ran, options: SimulateOptions) -> None:
     for name, work in work_by_contact[:MOST_STATES]:
         held = run.contact(name).stick_time()
         console.print(
-            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction"
+            f"{f'{name}: sticks' if name else 'It sticks'} for {number(held, 4)} s,"
+            f" {number(work, 4)} J taken by friction"
         )
     if len(work_by_contact) > MOST_STATES:
         more = len(work_by_contact) - MOST_STATES

@@ -232,7 +232,7 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
         (unit,) = found.units.values()
-        console.print(f"The mean velocity changes sign at {quantity(turn, unit, 6)}.")
+        console.print(f"The mean velocity changes sign at about {quantity(turn, unit, 3)}.")
     for reason in found.early_ends():
         console.print(reason)
 

@@ -158,7 +158,8 @@ class Scaling:
                 f"{self.frame.file}: column {self.frame.names[name]!r} is called a voltage and"
                 f" taken for the {name} in {target}: give the factor of the amplifier in {target}/V"
                 f" as the gain of {name}; of the voltage at a motor, read the column as voltage and"
-                f" give the motor as the drive of the mechanism; if it is a {name}, give its unit."
+                " give the motor as the drive of the mechanism; if it is a"
+                f" {name.partition('.')[0]}, give its unit."
             )
         if name in RUBBING and unit is not None and is_of(unit, "1"):
             return self._by_load(name, raw, load, target)

@@ -693,8 +693,8 @@ def _root(name: str, evaluated: Body) -> Body:
                             miss * miss_at,
                             ZERO,
                             (Assign(("low", "miss_low"), (tried, miss_at)),),
-                            # Illinois: the end that stays twice is halved, so that the bracket
-                            # shrinks from both sides.
+                            # Illinois: halving the miss at the end that stays shrinks the
+                            # bracket from both sides.
                             (Assign(("miss_low",), (miss_low / 2,)),),
                         ),
                         Assign(("tried", "miss_tried"), (at, miss)),

@@ -257,12 +257,13 @@ def select_joints(
         contact = records.contacts[name]
         if laws is not None and not said:  # forces of another joint may follow none of them
             restrict(judged, laws)
+        findings = (one for one in checks.findings if one.kind != "volts" or name in one.sentence)
         joints[contact] = record_verdict(
             judged,
             refined(Judgement.of(judged)),
             _alone(rig, name, records.inertias[name]),
             joint_record(mechanism, measurement, name),
-            checks=checks,
+            checks=replace(checks, findings=tuple(findings)),
             route=JOINTS,
             second=validate and joint_record(mechanism, validate, name),
             others=others.get(name),

@@ -153,14 +153,15 @@ def laws_section(verdict: BandVerdict) -> Section:
     )
     # on dense records everything is significant: what more parameters say is no rival
     dense = not judgement.problem.worth
-    named = "with the most evidence is named"
+    named = "The law with the most evidence is named"
     if not dense:
-        named += ", less what it loses on average where another holds"
+        named = "Named is the law with the most evidence less its mean loss where another holds"
     rivals = " that have no more parameters" if dense else ""
     caption = (
-        f"The law {named}: it fits with few and usual parts. Laws within"
+        f"{named}: it fits with few and usual parts. Laws within"
         f" {math.log(THRESHOLDS.odds):.1f} of the most evidence{rivals} are not told apart. The"
-        " band is made of all laws, and of the curve as measured, by how well they predict."
+        " band is made of all laws, by how well they predict, and of the curve as measured, which"
+        f" always has {percent(judgement.problem.curve_share)} at least."
     )
     table = Table(columns=columns, rows=rows, caption=caption)
     count = len(verdict.set)

@@ -190,7 +190,7 @@ class Problem(ABC):
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is."""
 
-    def features(self, rows: Any) -> Mapping[str, Array]:  # kinds that offer some use it
+    def features(self, rows: Any) -> Mapping[str, Array]:
         """Return what rows may be told apart by: values (n,) or columns (n, d), by name.
 
         NaN where rows do not state it, such as the time of a steady motion. `SIDE` is among them.
@@ -201,7 +201,7 @@ class Problem(ABC):
         """Return rows (n,) that differ as another measurement does, if rows are dense."""
         return self.blocks
 
-    def beside(self, rows: Any) -> Array:  # kinds that filter what they read have some
+    def beside(self, rows: Any) -> Array:
         """Return what readings at asked rows show beside the response, at measured rows (n,)."""
         return np.zeros(len(self.response))
 
@@ -213,7 +213,7 @@ class Problem(ABC):
         """Return a structure with the shapes that the same fit may have between the readings."""
         return (structure,)
 
-    def price(self, size: float) -> float:  # kinds with dense rows use it
+    def price(self, size: float) -> float:
         """Return the share of the held-out error that a parameter must save to be believed.
 
         `size` is that of the response over its noise. On a dense record everything is significant,

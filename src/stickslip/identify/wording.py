@@ -24,6 +24,7 @@ from stickslip.identify.laws import RATIOS
 from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import (
+    at_worst,
     capital,
     interval,
     joined,
@@ -202,7 +203,7 @@ def band_sentence(
     said = f"{over}, {what} is known to ± {percent(float(np.median(relative)))}"
     if relative[worst] > 1.5 * float(np.median(relative)):
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
-        said += f", at {at} to ± {percent(float(relative[worst]))}"
+        said += at_worst(percent(float(relative[worst])), at)
     return f"{said} (95 % band, whichever law holds)."
 
 
@@ -251,7 +252,8 @@ def cause_sentence(cause: Cause, size: Estimate | None, words: Words, *, told: b
     if not cause.needed:
         return f"{said}; a law without it is not told apart."
     return (
-        f"{said}, which leaves {percent(math.sqrt(max(cause.left, 0.0)))} of the {words.response}."
+        f"{said}, which leaves {percent(math.sqrt(max(cause.left, 0.0)))} of what the"
+        f" {words.response} varies by."
     )
 
 
@@ -357,10 +359,10 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     most = sorted(counts, key=lambda place: -counts[place])[:MOST]
     named = [f"{place} ({counts[place]})" for place in counts if place in most]
     first, *_, last = counts
-    return (
-        f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}, most of"
-        f" them at {joined(named)}: {expected}."
-    )
+    said = f"Take {len(places)} readings at {len(counts)} velocities from {first} to {last}"
+    if len(places) > len(counts):
+        said += f", the most at {joined(named)}"
+    return f"{said} (all are in verdict.json): {expected}."
 
 
 def load_sentence(load: float) -> str:

@@ -465,6 +465,17 @@ def span(low: float, high: float, unit: str, digits: int = 3) -> str:
     return with_unit(most if least == most else f"{least} to {most}", scale.unit)
 
 
+def at_worst(size: str, place: str) -> str:
+    """Return what follows the half-width of a band that is wider somewhere.
+
+    Examples
+    --------
+    >>> "± 2 %" + at_worst("8 %", "10 mm/s")
+    '± 2 % in the median, and to ± 8 % at worst, at 10 mm/s'
+    """
+    return f" in the median, and to ± {size} at worst, at {place}"
+
+
 def unit_text(unit: str) -> str:
     """Return a unit as it is printed: exponents raised, nothing for a pure number.
 

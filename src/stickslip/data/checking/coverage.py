@@ -184,8 +184,9 @@ def volts(records: Sequence[Measurement]) -> Iterator[Finding]:
 
 def volts_sentence(name: str) -> str:
     """Return what a force that was recorded in volts is only of some amplifiers."""
+    force = name.replace(".", " of ", 1)
     return (
-        f"The {name} is made of volts. If they are those at a motor, what its speed induces counts"
+        f"The {force} is made of volts. If they are those at a motor, what its speed induces counts"
         " as viscous friction: give the motor as the drive of the mechanism, and the column as"
         " voltage. A sensor, or an amplifier that sets the current, has none."
     )

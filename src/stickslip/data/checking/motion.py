@@ -740,9 +740,9 @@ def swing_of(record: Measurement) -> Swing | None:
     if not record.turning:
         slope = -float(first)
         return Swing(stiffness=slope, rest=float(second) / slope) if slope > 0.0 else None
-    given = None if free else 1.0 / float(others[2])
-    if given is not None and given <= 0.0:
+    if not free and others[2] <= 0.0:  # of a torque that does not vary, or drives backward
         return None
+    given = None if free else 1.0 / float(others[2])
     rest = math.atan2(float(second), -float(first))
     return Swing(stiffness=math.hypot(first, second), rest=rest, inertia=given)
 

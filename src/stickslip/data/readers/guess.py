@@ -1304,9 +1304,12 @@ def trial_column(
         if name in taken:
             continue
         cells = frame.data[frame.names[name]]
-        if cells.isna().any() or not 1 < cells.nunique() <= MOST_TRIALS * len(cells):
+        values = cells.nunique()
+        named = "".join(parts_of(name)) in TRIALS
+        # where it is named, all that it must do is come again
+        if cells.isna().any() or not 1 < values <= (0.5 if named else MOST_TRIALS) * len(cells):
             continue
-        if "".join(parts_of(name)) in TRIALS:
+        if named:
             return name, "by its name"
         changes = np.flatnonzero((cells != cells.shift()).to_numpy())[1:].tolist()
         if begins and not apart and changes == begins and cells.nunique() == len(begins) + 1:

@@ -28,7 +28,6 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
-from typing_extensions import override
 
 from stickslip.data.readers.toml import paths_of
 from stickslip.data.units import check_uncertainty, read_number
@@ -63,7 +62,6 @@ class RigFile:
     called: Mapping[str, str] = dataclasses.field(default_factory=dict)
     """What the file calls the tables of laws, by their paths."""
 
-    @override
     def __str__(self) -> str:
         return self.name
 

@@ -161,10 +161,9 @@ def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
     # Scaled to a diagonal of 1, as units of coordinates would else decide what is small.
     left = mass[np.ix_(moving, moving)]
     left = left / np.sqrt(np.outer(left.diagonal(), left.diagonal()))
-    # Elimination in order: the first row without mass names the motion that has none.
-    for k, i in enumerate(
-        moving
-    ):  # elimination: what is left of each row once those before it move freely
+    # Elimination: what is left of each row once those before it move freely. The first row
+    # without mass names the motion that has none.
+    for k, i in enumerate(moving):
         if not left[k, k] > SINGULAR:
             return (
                 f"{owner}.mass_matrix must be positive definite, but at {at} some motion of"

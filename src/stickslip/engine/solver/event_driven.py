@@ -565,7 +565,7 @@ def _counts(
     """Count what `_events` translates: what happened follows from the numbers but t and margin."""
     whole = record.whole
     rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
-    alike = Counter(zip(*(rows[i::layout.EVENT_COLUMNS] for i in (1, 2, 3, 4, 6)), strict=True))
+    alike = Counter(zip(*(rows[i :: layout.EVENT_COLUMNS] for i in (1, 2, 3, 4, 6)), strict=True))
     found = Counter[tuple[str, str, bool]]()
     for (before, after, guard, flags, contact), count in alike.items():
         reason = names[happened([0.0, before, after, guard, flags, 0.0, contact], 0, whole)]

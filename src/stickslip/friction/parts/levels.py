@@ -220,7 +220,7 @@ class Simscape(SmoothLevel):
     def sliding(self, p: Values, s: Slip) -> Scalar:
         mu_k, mu_s = p.kinetic_coefficient, p.static_coefficient
         u = s.speed / (math.sqrt(2.0) * p.breakaway_velocity)
-        # The bump is 1 at its largest, at u = 1 / sqrt(2), which is v = v_b.
+        # The bump is mu_s - mu_k at its largest, at u = 1 / sqrt(2), which is v = v_b.
         bump = math.sqrt(2.0 * math.e) * (mu_s - mu_k) * exp(-u * u) * u
         return bump + mu_k * tanh(10.0 * s.speed / p.breakaway_velocity)
 

@@ -107,7 +107,9 @@ def before_rest(record: Record) -> Record:
     if record.located:
         x = record.position - np.median(record.position[-least:])
     assert x is not None
-    moving = np.flatnonzero(np.abs(x) > RESTED * noise_of(x))
+    # the quietest parts of a short record have less noise than it has
+    last = float(np.std(np.diff(x[-max(len(x) // 4, 8) :], 3))) / math.sqrt(20.0)
+    moving = np.flatnonzero(np.abs(x) > RESTED * max(noise_of(x), last))
     end = int(moving[-1]) + 1 if len(moving) else len(x)
     return record if len(x) - end < least else record.on(record.time[:end])
 

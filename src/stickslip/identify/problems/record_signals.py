@@ -298,7 +298,7 @@ def _began(
     for _ in range(THRESHOLDS.refinements):
         moved = (left(best + h) - left(best - h)) / (2.0 * h)
         best -= float(moved @ left(best)) / (float(moved @ moved) + 1e-300)
-    return best
+    return math.remainder(best, 2.0 * math.pi) if record.turning else best
 
 
 def _without_forces(

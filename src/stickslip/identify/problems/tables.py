@@ -178,6 +178,8 @@ class TableProblem(Problem):
         self.blocks = self.excluded = _blocks(logs, np.log(rows.load))
         self.stretches = np.argmax(np.array(self.blocks), axis=0)
         self.terms = _terms(rows, self.frame, loaded=self.loaded)
+        if not self.loaded:  # under one load they are the same column
+            self.instead = {"offset": TITLES["level_direction"]}
         # friction that changes with an input is as usual as one with a flow, or a sum of three
         # terms that only passes through the readings is searched before it
         changing = [(f"level*{x}", f"viscous*{x}") for x in rows.inputs]
@@ -620,11 +622,15 @@ def _shuffled(rows: Rows) -> bool:
 
 
 def _course(order: Array, settling: float) -> Array:
-    """Return a drift over the order from -1 to 1: a line, or what settles; 0 at its mean."""
+    """Return a drift over the order from -1 to 1: a line, or what settles; 0 at its mean.
+
+    From first to last it changes by 1.
+    """
     if settling == 0.0:
-        return order
+        return 0.5 * order
     decay = np.exp(-0.5 * (order + 1.0) / settling)
-    return np.asarray(decay - settling * (1.0 - math.exp(-1.0 / settling)))
+    mean, change = settling * (1.0 - math.exp(-1.0 / settling)), math.exp(-1.0 / settling) - 1.0
+    return np.asarray((decay - mean) / change)
 
 
 def _straight(rows: Rows, friction: Array) -> Array:

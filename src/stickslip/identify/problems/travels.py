@@ -786,7 +786,7 @@ def knob_of(mechanism: Mechanism, trials: Sequence[Trial]) -> tuple[str, float] 
     """Return what is set to get other travels, with its value; None without any.
 
     What the trials vary, if that is one parameter, can be set, and has the value of a trial where
-    it is 0 as the rig stands; else it is the one that is easiest to turn.
+    it is 0 as the rig stands and in no trial; else it is the one that is easiest to turn.
 
     Examples
     --------
@@ -801,7 +801,7 @@ def knob_of(mechanism: Mechanism, trials: Sequence[Trial]) -> tuple[str, float] 
     """
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     varied = [path for path in known if len({*_set(trials, path)}) > 1]
-    if len(varied) == 1 and not known[varied[0]]:
+    if len(varied) == 1 and not known[varied[0]] and all(_set(trials, varied[0])):
         return varied[0], max(_set(trials, varied[0]), key=abs)
     for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
         if known.get(path):

@@ -96,6 +96,7 @@ def overview_size(record: data.Measurement) -> Size:
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> overview_size(Measurement(time=[0, 1, 2], position=[0, 1, 2]))
     (880, 460)
     """
@@ -107,6 +108,7 @@ def draw_overview(record: data.Measurement) -> Draw:
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> time = np.arange(500) / 100
     >>> record = Measurement(time=time, position=np.sin(time), force=np.cos(time))
     >>> figure = Figure()
@@ -164,6 +166,7 @@ def plot_measurement(measurement: data.Measurement, ax: PanelTarget = None) -> P
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> time = np.arange(500) / 100
     >>> record = Measurement(time=time, position=np.sin(time), force=np.cos(time))
     >>> [axes.get_ylabel() for axes in plot_measurement(record, Figure())]

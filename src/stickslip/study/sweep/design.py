@@ -489,8 +489,8 @@ def first_order_of(
     _refuse_constant(output, values)
     names = list(draws)
     for one, other in itertools.combinations(range(many), 2):
-        # Of many pairs one may seem correlated by chance: the level is shared among all of them.
-        # ranges of the law may tie draws whose estimates are independent
+        # Ranges of the law may tie draws whose estimates are independent. Of many pairs one may
+        # seem correlated by chance: the level is shared among all of them.
         pairs = many * (many - 1) / 2
         limit = NormalDist().inv_cdf(1.0 - 0.5 * FALSE_ALARMS / pairs) / math.sqrt(count)
         with np.errstate(all="ignore"):

@@ -125,7 +125,7 @@ class ForceMap(RecordProblem):
     """Values of all these columns' parameters that friction was derived with."""
     mass: float = 0.0
     """What moves as the contact slips [kg], where friction was derived with it."""
-    untold: tuple[FreeParameter, ...] = ()
+    unidentified: tuple[FreeParameter, ...] = ()
     """What was to be looked for, and nothing in the record depends on; a start that is not a number
     stands for that of the parameter above which it is."""
     one_way: bool = False

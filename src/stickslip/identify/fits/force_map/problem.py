@@ -129,10 +129,12 @@ def map_along(
         one_way=bool(derived) and not (rough.two_sided or given),
     )
     coarse = replace(whole, stretches=tuple(few))
-    free_parameters, untold = _effective(coarse if isinstance(law, type) else whole)
+    free_parameters, unidentified = _effective(coarse if isinstance(law, type) else whole)
     if isinstance(law, type):
-        untold = tuple(replace(one, start=math.nan) if one.above else one for one in untold)
-    whole, coarse = (replace(one, untold=untold) for one in (whole, coarse))
+        unidentified = tuple(
+            replace(one, start=math.nan) if one.above else one for one in unidentified
+        )
+    whole, coarse = (replace(one, unidentified=unidentified) for one in (whole, coarse))
     if not len(free_parameters) and not linear:
         raise InputError(
             f"there is nothing to fit: all parameters of {start.title} are fixed or have no effect"
@@ -155,5 +157,5 @@ def _effective(problem: ForceMap) -> tuple[FreeParameters, tuple[FreeParameter, 
     dead = np.all(here.slopes == 0.0, axis=0) & here.finite
     items = problem.free_parameters.items
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
-    untold = tuple(item for item, gone in zip(items, dead, strict=True) if gone)
-    return replace(problem.free_parameters, items=left), untold
+    unidentified = tuple(item for item, gone in zip(items, dead, strict=True) if gone)
+    return replace(problem.free_parameters, items=left), unidentified

@@ -370,8 +370,8 @@ def finished(
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
-    untold = _untold(ready, law)
-    law |= {one.path: one.value for one in untold if one.path.startswith("friction.")}
+    unidentified = _unidentified(ready, law)
+    law |= {one.path: one.value for one in unidentified if one.path.startswith("friction.")}
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     doubted = any(one.parameter_uncertainties for one in (measurement, *measurement.records()))
@@ -399,7 +399,7 @@ def finished(
     )
     inference = inference.including(*_moved_by_filter(fit), *_moved_by_hold(fit))
     told_by = told(free_parameters, ready.mechanism, measurement)
-    estimates = (*estimates_of(told_by, best, inference, at_bounds), *untold)
+    estimates = (*estimates_of(told_by, best, inference, at_bounds), *unidentified)
     return replace(
         fit,
         estimates=estimates,
@@ -416,7 +416,7 @@ def finished(
     )
 
 
-def _untold(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]:
+def _unidentified(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]:
     """Return what was to be looked for and nothing in the record depends on.
 
     It keeps its start, or is what it must not fall below.
@@ -424,7 +424,7 @@ def _untold(ready: FitSetup, found: Mapping[str, float]) -> tuple[Estimate, ...]
     problem = ready.problem
     known = {path: x for path, _, x in parameters(ready.start, "friction")} | dict(found)
     made = []
-    for item in problem.untold if isinstance(problem, ForceMap) else ():
+    for item in problem.unidentified if isinstance(problem, ForceMap) else ():
         least = known.get(item.above, -math.inf)
         value = least if math.isnan(item.start) else max(item.start, least)
         made.append(

@@ -22,7 +22,7 @@ from stickslip.identify.fits import Estimate, durations
 from stickslip.identify.kinds.travels.settings import words_of
 from stickslip.identify.kinds.travels.verdict import TravelCandidate, estimate_text, what_of
 from stickslip.quantities import fields_of, parameters
-from stickslip.show.formatting import capital, count, joined, percent, quantity, scale_of
+from stickslip.show.formatting import at_worst, capital, count, joined, percent, quantity, scale_of
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -148,7 +148,7 @@ def _lede(judgement: TravelJudgement, settings: Array, band: PredictionBand | No
     said = f"{span}, the {what} is known to ± {quantity(typical, unit, 2)}"
     if half[widest] > 1.5 * typical:
         place = _setting(judgement, float(settings[widest]))
-        said += f", at {place} to ± {quantity(float(half[widest]), unit, 2)}"
+        said += at_worst(quantity(float(half[widest]), unit, 2), place)
 
     def range_at(k: int) -> str:
         pair = ends[:, k].tolist()
