@@ -81,6 +81,7 @@ TITLES: Mapping[str, str] = {
     "power": "power of the speed",
     "drag": "drag with the square of the speed",
     "offset": "constant offset",
+    "adhesion": "level that no load changes",
     "curve": "curve as measured",
     "jump": "jump at a speed",
 }
@@ -356,6 +357,7 @@ RIG_QUANTITIES: Mapping[str, Quantity] = {
     "offset": Quantity("F_0", "N"),
     "drift": Quantity("d", "N"),
     "load_exponent": Quantity("a", "1"),
+    "adhesion": Quantity("F_a", "N"),
     "offset_drift": Quantity("d_0", "N"),
     "viscous_drift": Quantity("d_2", "N s/m"),
     "spring": Quantity("k", "N/m"),

@@ -568,7 +568,7 @@ def verdict_on(
         doubts.append(outlier_sentence([*far], [*far.values()]))
     if second is not None:
         doubts.append(second_sentence(inside, readings))
-    if any(one.path == "load_exponent" for one in own):
+    if {"load_exponent", "adhesion"} & {one.path for one in own}:
         doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     doubts += [*remarks, UNMEASURED]
     advice = []
@@ -684,7 +684,7 @@ def fit_of(
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
-    if "load_exponent" in composed.rig:
+    if {"load_exponent", "adhesion"} & composed.rig.keys():
         remarks.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
     if composed.law() is None:
         remarks.append(

@@ -20,7 +20,7 @@ from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause, Judgement
-from stickslip.identify.laws import RATIOS
+from stickslip.identify.laws import RATIOS, TITLES
 from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.show.formatting import (
@@ -70,6 +70,8 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     exponent = composed.rig.get("load_exponent")
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
+    if "adhesion" in composed.rig:
+        title += f" with a {TITLES['adhesion']}"
     return title
 
 
@@ -366,10 +368,10 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
 
 
 def load_sentence(load: float) -> str:
-    """Return at which load [N] a law stands that friction follows by another power."""
+    """Return at which load [N] a law stands where friction is not in proportion to it."""
     return (
-        f"Friction follows another power of the load than the first: levels are those at"
-        f" {quantity(load, 'N')}, and what is simulated with this law holds there."
+        f"Friction is not in proportion to the load: levels are those at {quantity(load, 'N')}, and"
+        " what is simulated with this law holds there."
     )
 
 

@@ -317,7 +317,7 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
         terms.append(
             Term(name="adhesion", role="law", columns=on_state(lambda r, _: 1.0 / r.load),
                  shapes=of_memory(()), steps=step, nonnegative=True,
-                 title="level that no load changes", rank=3, **on_memory)
+                 title=TITLES["adhesion"], rank=3, **on_memory)
         )  # fmt: skip
     if TRANSMITTED in frame.inputs:
         terms.append(

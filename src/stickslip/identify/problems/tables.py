@@ -149,6 +149,9 @@ class TableProblem(Problem):
         ("tanh", "viscous"),
         ("hersey", "level", "viscous"),
         ("level", "viscous", "level_direction"),
+        ("adhesion", "level"),
+        ("adhesion", "level", "viscous"),
+        ("adhesion", "level", "stribeck", "viscous"),
         ("level", "offset", "viscous"),
         ("level", "offset", "stribeck", "viscous"),
         ("level", "offset", "viscous", "viscous_direction"),
@@ -321,7 +324,7 @@ class TableProblem(Problem):
     def composition(self, structure: Structure, coefficients: Array) -> Composition:
         """Return the law that a structure with coefficients (d, p) is.
 
-        Where friction follows another power of the load, it is the law at the mean load.
+        Where friction is not in proportion to the load, it is the law at the mean load.
         """
         load, at = self.frame.load, 0
         terms: dict[str, tuple[Shape, Array]] = {}
@@ -334,12 +337,17 @@ class TableProblem(Problem):
                 rig["load_exponent"] = np.full(len(own), shape[entries])
             if name in ("offset", "drift"):
                 rig[name] = own[:, 0]
+            elif name == "adhesion":
+                rig[name] = load * own[:, 0]
             elif name == "curve":
                 return Composition(text="", values={}, rig=rig)
             elif name == "hersey":  # the law at the mean load
                 terms["stribeck"] = shape, own
             elif name != "run":
                 terms[name] = shape[:entries], own * (load if name in FLOWS else 1.0)
+        if "adhesion" in rig:  # part of the level at the mean load
+            shape, own = terms["level"]
+            terms["level"] = shape, own + rig["adhesion"][:, None] / load
         found = compose(terms, self.frame.means, len(coefficients))
         return replace(found, rig=rig)
 
@@ -565,6 +573,10 @@ def _terms(rows: Rows, frame: Frame, *, loaded: bool) -> dict[str, Term]:
         if not loaded:  # under one load they are the same column
             terms = [one for one in terms if one.name != "level_direction"]
     if loaded:
+        terms.append(
+            Term(name="adhesion", role="law", needs=frozenset({"level"}), nonnegative=True,
+                 columns=lambda r, _: r.direction * frame.load, title=TITLES["adhesion"], rank=3)
+        )  # fmt: skip
         terms.append(
             Term(name="hersey", shapes=falls, steps=(ratio, 1.0), rank=6, **part,
                  columns=lambda r, s: weight(r, 1.0)
