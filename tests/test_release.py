@@ -89,6 +89,9 @@ def test_a_workflow_is_yaml_with_least_permissions(path: Path) -> None:
         assert found["permissions"] == {"contents": "read"}
         for job in found["jobs"].values():
             assert "uses" in job or job["timeout-minutes"] <= 350
+            run = " ".join(step.get("run", "") for step in job.get("steps", ()))
+            if job.get("permissions", {}).get("contents") == "write":  # what is installed runs code
+                assert not re.search(r"\b(pip|make|pytest)\b", run)
 
 
 def test_all_extras_are_tested_at_their_bounds_and_described() -> None:
