@@ -91,6 +91,17 @@ FIRST = ("coulomb", "viscous", "coulomb-viscous", "coulomb-viscous-static", "dir
          "power-viscous", "quadratic-drag", "stribeck", "dahl", "lugre")  # fmt: skip
 """Laws that quick tests draw many runs of; those of the others are slow."""
 
+BLOCK_RIG = """
+[mechanism]
+type = "spring-block"
+mass = 1.0
+stiffness = 100.0
+compression = 0.1
+[friction.coulomb]
+kinetic_coefficient = 0.25
+"""
+"""A rig file of the least that can be simulated."""
+
 
 def each_of(kinds: Iterable[type[FrictionLaw]]) -> list[Any]:
     """Return laws for `parametrize`, all but the first ones slow."""

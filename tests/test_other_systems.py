@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 from llvmlite import binding
-from tests.support import for_all
+from tests.support import BLOCK_RIG, for_all
 
 import stickslip
 from stickslip import LuGre, SpringBlock, Stribeck
@@ -173,15 +173,6 @@ for arguments in {arguments!r}:
         if leaving.code:
             raise
 """
-RIG = """
-[mechanism]
-type = "spring-block"
-mass = 1.0
-stiffness = 100.0
-compression = 0.1
-[friction.coulomb]
-kinetic_coefficient = 0.25
-"""
 CAMPAIGN = """
 rigs = "block.toml"
 t_end = "1 s"
@@ -196,7 +187,7 @@ travel = {final = "x"}
 
 @pytest.mark.slow
 def test_runs_reports_and_campaigns_need_no_posix(tmp_path):
-    (tmp_path / "block.toml").write_text(RIG)
+    (tmp_path / "block.toml").write_text(BLOCK_RIG)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     arguments = [
         ["simulate", "block.toml", "-o", "run.csv", "--report"],

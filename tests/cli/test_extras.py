@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from tests.commands import commands
+from tests.support import BLOCK_RIG
 
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.errors import InputError
@@ -24,15 +25,6 @@ FOR_CONTRIBUTORS = {"bench", "dev", "docs"}
 IMPORTED = {"pyyaml": "yaml", "mcap-ros2-support": "mcap_ros2"}
 """What a package is imported as, where that is not its name in small letters."""
 
-RIG = """
-[mechanism]
-type = "spring-block"
-mass = 1.0
-stiffness = 100.0
-compression = 0.1
-[friction.coulomb]
-kinetic_coefficient = 0.25
-"""
 CAMPAIGN = """
 rigs = "block.toml"
 t_end = "1 s"
@@ -135,7 +127,7 @@ def called(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("STICKSLIP_DATA", raising=False)
     monkeypatch.setattr(records, "cache_folder", lambda: tmp_path / "cache")
-    (tmp_path / "block.toml").write_text(RIG)
+    (tmp_path / "block.toml").write_text(BLOCK_RIG)
     (tmp_path / "arm.toml").write_text(ARM)
     (tmp_path / "arm.urdf").write_bytes(
         (files("stickslip.mechanisms") / "desk_arm.urdf").read_bytes()

@@ -9,17 +9,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.support import BLOCK_RIG
 
 EXTENSION = Path(__file__).parents[2] / "docs/_ext/commands.py"
-RIG = """
-[mechanism]
-type = "spring-block"
-mass = 1.0
-stiffness = 100.0
-compression = 0.1
-[friction.coulomb]
-kinetic_coefficient = 0.25
-"""
 Shell = Callable[[str], tuple[int, str, str]]
 
 
@@ -33,7 +25,7 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shell]:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     folder, own = tmp_path_factory.mktemp("bin"), tmp_path_factory.mktemp("example")
-    (own / "rig.toml").write_text(RIG)
+    (own / "rig.toml").write_text(BLOCK_RIG)
     environment = os.environ | {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
 
     def run(script: str) -> tuple[int, str, str]:

@@ -395,3 +395,41 @@ def test_only_laws_that_were_compared_explain_nothing(laws):
     table = Measurement(velocity=v, friction=2.0 + 3.0 * v + noise)
     verdict = select(Axis(inertia=1.0), laws, table)
     assert verdict.sentence.startswith("None of the laws compared explains" if laws else "Use ")
+
+
+def test_a_level_that_no_load_changes_is_stated_and_part_of_the_law():
+    load = np.repeat([20.0, 50.0, 100.0], 8)
+    v = np.tile(np.geomspace(0.005, 0.6, 8), 3)
+    noise = 0.05 * np.random.default_rng(3).normal(size=len(v))
+    table = Measurement(velocity=v, friction=2.0 + 0.1 * load + noise, load=load)
+    verdict = select(Axis(inertia=1.0), None, table)
+    found = {one.path: one for one in verdict.closest.fit.estimates}
+    assert found["adhesion"].low < 2.0 < found["adhesion"].high
+    assert "with a level that no load changes" in verdict.words.verdict
+    mean = verdict.judgement.problem.frame.load
+    assert found["friction.kinetic_coefficient"].value == pytest.approx(2.0 / mean + 0.1, rel=0.01)
+
+
+def test_a_drift_is_what_friction_changes_by_over_a_table_in_newtons():
+    order = np.random.default_rng(2).permutation(24)
+    v, load = np.linspace(0.05, 0.6, 24)[order], np.tile([20.0, 50.0, 80.0], 8)
+    rise = np.linspace(-0.05, 0.05, 24)
+    noise = 0.02 * np.random.default_rng(4).normal(size=24)
+    table = Measurement(velocity=v, friction=(0.2 + rise) * load + noise, load=load)
+    verdict = select(Axis(inertia=1.0), None, table)
+    (drift,) = [one for one in verdict.closest.fit.estimates if one.path == "drift"]
+    mean = verdict.judgement.problem.frame.load
+    assert drift.value == pytest.approx(0.1 * mean, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_block_that_stops_within_a_short_record_has_friction(seed):
+    t = np.arange(96) / 60.0
+    stop = 1.5 / 2.4
+    u = np.minimum(t, stop)
+    x = 1.5 * u - 0.5 * 2.4 * u**2
+    x = x + 3e-4 * np.random.default_rng(seed).normal(size=len(t))
+    verdict = select(SpringBlock(mass=1.0), None, Measurement(time=t, position=x))
+    level = verdict.band([0.75])
+    assert level.low[0] < 2.4 < level.high[0]
+    assert level.high[0] - level.low[0] < 0.5

@@ -16,7 +16,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at
+from stickslip.data import (
+    Checks,
+    Finding,
+    LawEstimates,
+    Measurement,
+    levels_at,
+    volts_sentence,
+)
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
 from stickslip.identify.candidates import Candidate, Verdict, Wording, checked, in_sentence
@@ -257,7 +264,8 @@ def select_joints(
         contact = records.contacts[name]
         if laws is not None and not said:  # forces of another joint may follow none of them
             restrict(judged, laws)
-        findings = (one for one in checks.findings if one.kind != "volts" or name in one.sentence)
+        volts = volts_sentence(f"force.{name}")
+        findings = (x for x in checks.findings if x.kind != "volts" or x.sentence == volts)
         joints[contact] = record_verdict(
             judged,
             refined(Judgement.of(judged)),

@@ -335,9 +335,9 @@ class TableProblem(Problem):
             entries = self.terms[name].same_shape
             if entries is not None and len(shape) > entries and self.loaded:
                 rig["load_exponent"] = np.full(len(own), shape[entries])
-            if name in ("offset", "drift"):
+            if name == "offset":
                 rig[name] = own[:, 0]
-            elif name == "adhesion":
+            elif name in ("adhesion", "drift"):  # columns are over the load
                 rig[name] = load * own[:, 0]
             elif name == "curve":
                 return Composition(text="", values={}, rig=rig)
