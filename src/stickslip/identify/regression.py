@@ -28,6 +28,12 @@ eigenvalues and vectors of :math:`T^{1/2} G T^{1/2}` and :math:`z = q^T T^{1/2} 
 
 averaged over the scale :math:`\sigma` of the noise, even in its logarithm (`SCALES`). What a
 structure could have fitted besides counts against it: no price of parameters is needed.
+
+The *noise of few rows* is that of a fit by Student's t (`_student_fit`): studentised residuals
+:math:`u_i = e_i / (\sigma \sqrt{1 - h_i})` give weights :math:`(\nu + 1) / (\nu + u_i^2)` and the
+scale :math:`\sigma`. Of the fits that begin with all rows and with all but one, as a single row may
+draw the others away from it, the likeliest counts. A median of residuals would be misled: five
+parameters pass through half of nine rows.
 """
 
 import math
@@ -36,8 +42,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
+from scipy.special import erfcx, softmax, stdtrit
 
+from stickslip.identify.candidates import DIGITS
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
 
@@ -53,6 +60,16 @@ FEW = 2.0
 """Degrees of freedom from which residuals of independent rows tell the noise."""
 FIXED = 1.0 / np.finfo(float).eps
 """Precision of what is not fitted, over that of all rows."""
+NORMAL = (THRESHOLDS.freedom + 1.0) * (
+    1.0
+    - math.sqrt(0.5 * math.pi * THRESHOLDS.freedom)
+    * float(erfcx(math.sqrt(THRESHOLDS.freedom / 2)))
+)
+"""Mean of (nu + 1) u^2 / (nu + u^2) over normal residuals u."""
+ROUNDS = 20
+"""Rounds of a fit by Student's t, which converge by a half and more each."""
+FEW_ROWS = 64
+"""Rows among which a single one may draw a fit away from the others."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -74,6 +91,7 @@ class BlockRegression:
         self._doubt = np.zeros(0)
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
+        self._lost = 0.0
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
 
     def add(self, columns: Iterable[Column]) -> None:
@@ -102,8 +120,14 @@ class BlockRegression:
         if self._weighed:
             self._extend()
 
-    def weigh(self, weights: Array) -> None:
-        """Set the weights of the rows (n,), which makes the Gram matrices."""
+    def weigh(self, weights: Array, z: Array | None = None) -> None:
+        """Set the weights of the rows (n,), which makes the Gram matrices.
+
+        With standardised residuals `z` (n,), rows that are outliers by these count less.
+        """
+        if z is not None:
+            counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
+            self._lost = float(np.sum(1.0 - counted))
         self.weights, self.losses_of, self._weighed = weights, {}, True
         self._marginals.clear()
         y = self.problem.response * weights
@@ -285,6 +309,11 @@ class BlockRegression:
         ridge = np.diag(gram) * RIDGE + self._precision[columns] / self._size[columns] ** 2
         return y - x @ np.linalg.solve(gram + np.diag(ridge + NOTHING), a.T @ (y * weights))
 
+    def design(self, structure: Structure) -> tuple[Array, Array]:
+        """Return columns of unit size (n, k) and the precisions of their coefficients (k,)."""
+        columns = self.index(structure)
+        return self._matrix[:, columns], self._precision[columns] / self._size[columns] ** 2
+
     def fit(self, structure: Structure, weights: Array | None = None) -> Fitted:
         """Fit a structure to all rows; covariance by residuals, or by stretches (sandwich)."""
         problem, w = self.problem, self.weights if weights is None else weights
@@ -311,7 +340,7 @@ class BlockRegression:
         )
         root, scatter = None, 1.0
         if problem.independent:
-            spare = len(y) - float(np.trace(inverse @ gram)) - shaped
+            spare = len(y) - self._lost - float(np.trace(inverse @ gram)) - shaped
             freedom = max(spare, FEW)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
             scatter = math.sqrt(variance)
@@ -369,33 +398,33 @@ def noise_weights(
 ) -> tuple[Array, Array]:
     """Return weights (n,) by the scatter of what a structure leaves, and standardised residuals.
 
-    The scatter is constant, or a power of what it may grow with where odds are that it does. Rows
-    beyond `Thresholds.outlier` standard deviations lose weight, single ones where rows are
-    independent. The mean square of weighted residuals is 1.
+    The scatter grows with each power of what it may grow with as far as that is likely; of `even`
+    rows it is constant. Rows beyond `Thresholds.outlier` standard deviations lose weight, single
+    ones between others where rows are independent. The mean square of weighted residuals is 1.
     """
     problem = regression.problem
-    held_out = regression.held_out(structure)
     fitted = regression.fit(structure).fitted
-    # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
-    residual = np.sqrt(np.abs(held_out * (problem.response - fitted)))
-    trend, best = np.zeros(len(residual)), math.log(THRESHOLDS.odds)
-    for scale in () if even else problem.scales(fitted):
-        z = np.log(scale) - np.mean(np.log(scale))
-        for slope in SLOPES:
-            # by the likelihood of Laplace's distribution, which outliers do not decide
-            now = len(z) * math.log(
-                (np.mean(residual) + NOTHING) / (np.mean(residual * np.exp(-slope * z)) + NOTHING)
-            )
-            if now > best:
-                trend, best = slope * z, now
-    deviation = np.exp(trend)
-    u = residual / deviation
-    typical = 1.4826 * float(np.median(u)) + 1e-12 * float(np.max(np.abs(problem.response)))
+    if problem.independent:
+        residual, _ = _student_fit(regression, structure, np.ones(len(fitted)))
+    else:
+        # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
+        left = problem.response - fitted
+        residual = np.sqrt(np.abs(regression.held_out(structure) * left))
+    scales = () if even else problem.scales(fitted)
+    deviation = np.exp(_growth(residual, scales, problem.parameters(structure)))
+    if problem.independent:
+        u, typical = _student_fit(regression, structure, deviation)
+    else:
+        u = residual / deviation
+        typical = 1.4826 * float(np.median(u))
+    typical += 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
-    if problem.independent:  # what lies off together is friction, and keeps its weight
+    if (
+        problem.independent
+    ):  # what lies off together, or at an end, is friction: it keeps its weight
         side = np.sign((problem.response - fitted) * problem.response)
-        together = _beside_another(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))
-        z[together] = THRESHOLDS.outlier
+        kept = _as_friction(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))
+        z[kept] = np.minimum(z[kept], THRESHOLDS.outlier)
     robust = np.minimum(1.0, (THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** problem.softness)
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
@@ -412,17 +441,76 @@ def noise_weights(
     return weights / math.sqrt(variance + least + NOTHING), z
 
 
-def _beside_another(side: Array, speeds: Array) -> NDArray[np.intp]:
-    """Return the outliers whose neighbour in speed is off to the same side: these are friction.
+def _growth(residual: Array, scales: Sequence[Array], parameters: int) -> Array:
+    """Return the logarithms (n,) of how noise grows: the mean over powers by their likelihood.
+
+    That is Laplace's, which outliers do not decide, of as many rows as parameters leave.
+    """
+    trends, gains = [np.zeros(len(residual))], [0.0]
+    for scale in scales:
+        z = np.log(scale) - np.mean(np.log(scale))
+        for slope in SLOPES:
+            less = np.mean(residual * np.exp(-slope * z))
+            gain = math.log((np.mean(residual) + NOTHING) / (less + NOTHING))
+            gains.append(max(len(z) - parameters, 1) * gain - THRESHOLDS.growth)
+            trends.append(slope * z)
+    return np.asarray(softmax(gains) @ np.array(trends))
+
+
+def _student_fit(
+    regression: BlockRegression, structure: Structure, deviation: Array
+) -> tuple[Array, float]:
+    """Return residuals (n,) over deviations and leverages of a fit by Student's t, and their scale.
+
+    Of many rows no single one draws the fit: then it begins with all of them only.
+    """
+    problem, nu = regression.problem, THRESHOLDS.freedom
+    a, penalty = regression.design(structure)
+    a, y, count = a / deviation[:, None], problem.response / deviation, len(deviation)
+    begun = np.ones((1, count))
+    if count <= FEW_ROWS:
+        begun = np.vstack([begun, 1.0 - np.eye(count)[_between(problem.speeds(problem.rows))]])
+    weights = begun + NOTHING
+    scale = np.full((len(weights), 1), float(np.sqrt(np.mean(y**2))) + NOTHING)
+    for _ in range(ROUNDS):
+        gram = (a.T * weights[:, None]) @ a
+        ridge = np.diagonal(gram, axis1=1, axis2=2) * 1e-9 + penalty + NOTHING
+        inverse = np.linalg.inv(gram + ridge[:, None] * np.eye(a.shape[1]))
+        c = np.einsum("mij,mj->mi", inverse, (weights * y) @ a)
+        leverage = weights * np.sum((a @ inverse) * a, axis=2)
+        e = np.abs(y - c @ a.T) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
+        for _ in range(ROUNDS):
+            z = (e / scale) ** 2
+            mean = np.mean((nu + 1.0) * z / (nu + z), axis=1, keepdims=True)
+            scale *= np.sqrt(mean / NORMAL) + NOTHING
+        weights = (nu + 1.0) / (nu + (e / scale) ** 2)
+    cost = np.sum(0.5 * (nu + 1.0) * np.log1p((e / scale) ** 2 / nu), axis=1)
+    best = int(np.argmin(np.round(cost + count * np.log(scale[:, 0]), DIGITS)))
+    return e[best], float(scale[best, 0])
+
+
+def _between(speeds: Array) -> NDArray[np.intp]:
+    """Return the rows that are not alone at an end of the speeds (n,)."""
+    ends = [np.flatnonzero(speeds == end) for end in (speeds.min(), speeds.max())]
+    alone = [one[0] for one in ends if len(one) == 1]
+    return np.setdiff1d(np.arange(len(speeds)), alone)
+
+
+def _as_friction(side: Array, speeds: Array) -> NDArray[np.intp]:
+    """Return the outliers that are friction: their neighbour in speed is off to the same side.
+
+    So may be what stands alone at an end.
 
     Examples
     --------
-    >>> _beside_another(np.array([1.0, 0.0, 1.0, -1.0]), np.array([1.0, 2.0, 1.1, 3.0])).tolist()
+    >>> _as_friction(np.array([1.0, 0, 1.0, -1, 0]), np.array([1.0, 2, 1.1, 3, 4])).tolist()
     [0, 2]
     """
     order = np.argsort(speeds, kind="stable")
     alike = np.flatnonzero((side[order][1:] == side[order][:-1]) & (side[order][1:] != 0.0))
-    return np.unique(np.concatenate([order[alike], order[alike + 1]]))
+    off = np.flatnonzero(side)
+    ends = np.setdiff1d(off, _between(speeds))
+    return np.unique(np.concatenate([order[alike], order[alike + 1], ends]))
 
 
 def noise_at(regression: BlockRegression, rows: Any) -> Array:

@@ -66,10 +66,10 @@ class Search:
         for k in range(THRESHOLDS.weighings):
             last = weights
             # errors of a curve between the readings are no scatter
-            weights, _ = noise_weights(regression if k else first, best, even=k == 0)
+            weights, z = noise_weights(regression if k else first, best, even=k == 0)
             if k and np.allclose(weights, last, rtol=THRESHOLDS.weighed):
                 break
-            regression.weigh(weights)
+            regression.weigh(weights, z)
             self._orders.clear()
             best = self._climb()
             self._add_usual(best)

@@ -45,6 +45,8 @@ class Thresholds:
     """Evidence that each place in the order of terms from usual to unusual costs (study: names)."""
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
+    growth: float = 3.0
+    """Evidence that noise which grows by a power costs beside one that does not (study: noise)."""
     odds: float = 100.0
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06

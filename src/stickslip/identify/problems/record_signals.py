@@ -644,6 +644,17 @@ class Along:
         return np.concatenate(self._energies)
 
     @cached_property
+    def swing(self) -> Array:
+        """Largest speeds within half a period of the rows, with which noise of the energy grows."""
+        found = []
+        for q, filt, rows in zip(self.ways, self.filters, self._kept, strict=True):
+            speed = np.abs(np.gradient(q, filt.step))
+            half = math.pi * float(np.std(q) / np.sqrt(np.mean(speed**2)))
+            largest = maximum_filter1d(speed, max(round(half / filt.step), 1))
+            found.append(largest[:: filt.every][rows])
+        return np.concatenate(found)
+
+    @cached_property
     def lost(self) -> Array:
         """What friction has done at the rows, less what depends on the start."""
         return self._centred(self._lost)

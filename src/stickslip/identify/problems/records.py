@@ -371,7 +371,9 @@ class RecordsProblem(Problem):
         return Steady(frame=self.frame, velocity=v, over=over, inputs=inputs or {})
 
     def speeds(self, rows: Any) -> Array:
-        """Return the speeds of rows (n,)."""
+        """Return the speeds of rows (n,), of swings the largest: noise of their energy grows so."""
+        if self.free == "work" and isinstance(rows, Along):
+            return np.asarray(np.maximum(rows.swing, 1e-3 * self.frame.low))
         speed = np.abs(rows.seen(rows.velocity))
         return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
