@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Checks, LawEstimates, Measurement, levels_at
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at, tells_load
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -28,12 +27,11 @@ from stickslip.identify.fits import (
     as_informed,
     as_loaded,
     estimates_for,
-    reads_as_forces,
 )
-from stickslip.identify.judge import Cause, Interval, Judgement
+from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
-from stickslip.identify.spans import same_span
+from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
     Words,
@@ -731,8 +729,8 @@ def _estimate(
     known = {path: q for path, q, _ in parameters(law, "friction")}
     known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
-    forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
-    unit = own.force_unit if forces else own.unit
+    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
+    unit = own.unit if per_load or not one.path.startswith("friction.") else own.force_unit
     if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
         unit = own.or_unit if measurement.turning and own.or_unit else own.unit
     else:

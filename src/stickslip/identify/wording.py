@@ -14,12 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.friction import law as law_class
-from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import MOST, friction_of, in_sentence
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.judge import Cause, Judgement, Proposal
 from stickslip.identify.laws import RATIOS, TITLES
 from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -224,7 +223,8 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     """Return an interval under the named law, and whichever law of the set has the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
-    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {phrase} holds"
+    own = interval(estimate.low, estimate.high)
+    said = f"${estimate.quantity.symbol}$ = {value}: {own} if {phrase} holds"
     if (other.low, other.high) != (estimate.low, estimate.high):
         said += f", {interval(other.low, other.high)} over all laws that have it"
     return f"{said}."

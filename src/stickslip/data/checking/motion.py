@@ -30,7 +30,7 @@ from stickslip.data.differentiation import (
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
-from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, load_stated, stops_of
+from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 from stickslip.show.formatting import count, number, percent, quantities, quantity
 
@@ -371,12 +371,6 @@ BOTH_WAYS: Final = 0.05
 """Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
 ONE_SINE: Final = 0.95
 """Correlation from which acceleration and displacement are one, as those of a single sine."""
-LARGEST: Final = 2.0
-"""Coefficients of friction hardly exceed this."""
-LEAST_LOAD: Final = 10.0
-"""Load [N] above which forces and coefficients are of different sizes."""
-SMALL: Final = 0.1
-"""Friction over load below which a coefficient is the likelier reading."""
 
 
 def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
@@ -418,30 +412,6 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
             f" {TURN}), and which quantity each column holds."
         ),
         numbers={"inertia": float(found[0]), "work": work, "explained": explained},
-    )
-
-
-def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Doubt friction that is a small share of its load and of the size of a coefficient."""
-    if record.friction is None:
-        return
-    if record.load is None:
-        load = load_stated(mechanism, record.overrides)
-    else:
-        load = float(np.median(np.atleast_1d(record.values("load"))))
-    largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
-    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
-        return
-    most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
-    yield Finding(
-        kind="units",
-        severity="warning",
-        sentence=(
-            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
-            " the values are friction coefficients, state their unit as 1: they are then"
-            " multiplied by the load."
-        ),
-        numbers={"friction": largest, "load": load},
     )
 
 

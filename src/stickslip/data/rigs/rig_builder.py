@@ -11,12 +11,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stickslip.data.estimates import LawEstimates, levels_at
+from stickslip.data.estimates import LawEstimates
 from stickslip.data.measurement import (
     QUANTITIES,
     TRAVELS,
     Measurement,
     as_turning,
+    levels_at,
     quantity_called,
     tells_load,
 )

@@ -183,12 +183,10 @@ class RecordKind(BandKind):
 
     routes = (BALANCE, *ROUTES)
     measured = "records of motion or friction"
+    content = "records"
     uses = frozenset({"route", "validate", "horizon"})
     settings = frozenset(field.name for field in fields(RecordSettings))
     compared = frozenset({"hold"})
-
-    def serves(self, measurement: Measurement) -> bool:
-        return not measurement.travelled
 
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(
@@ -266,10 +264,8 @@ class FrictionTableKind(BandKind):
 
     routes = ("table", FORCE_MAP)
     measured = "tables of friction"
+    content = "tables"
     settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
-
-    def serves(self, measurement: Measurement) -> bool:
-        return all(one.kind == "friction-map" for one in measurement.records())
 
     def why_unused(self, name: str, request: Request) -> str:
         if name == "route" and request.route and not self.serves(request.measurement):
