@@ -23,7 +23,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.data import guess_data, guessed_rig, read_data, swing_of
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits import Estimate
 from stickslip.identify.page import facts, laws_section
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -275,12 +275,27 @@ def test_a_body_that_swings_by_itself_is_proposed_as_a_pendulum(tmp_path, quanti
                comments="")  # fmt: skip
     guess = guess_data(file)
     swing = swing_of(read_data([file], replace(guess.reading, by="options")))
-    (tmp_path / "decay.toml").write_text(guessed_rig(guess, "decay.csv", swing=swing))
+    text = guessed_rig(guess, "decay.csv", swing=swing)
+    (tmp_path / "decay.toml").write_text(text)
+    with pytest.raises(ParameterError, match=r"mechanism.mass = '\? kg'"):
+        load_rig(tmp_path / "decay.toml")  # friction would be in proportion to an invented mass
+    (tmp_path / "decay.toml").write_text(text.replace("? kg", "0.5 kg"))
     rig = load_rig(tmp_path / "decay.toml").mechanism
     assert isinstance(rig, Pendulum)
-    assert rig.length == pytest.approx(0.4, rel=0.01)
+    assert rig.length == pytest.approx(0.4, rel=1e-3)
     hangs = 0.3 if quantity == "position" else -0.8
     assert rig.rest_angle == pytest.approx(hangs, abs=0.01)
+
+
+@pytest.mark.parametrize("step", [0.01, 1 / 30, 0.1])
+@pytest.mark.parametrize("amplitude", [0.3, 1.0])
+def test_the_length_of_a_pendulum_is_found_at_any_sampling(step, amplitude):
+    law = CoulombViscous(kinetic_coefficient=0.004, viscous_coefficient=0.002)
+    run = simulate(Pendulum(mass=0.5, length=0.4), law, t_end=20.0, y0={"theta": amplitude})
+    t = np.arange(0.0, 20.0, step)
+    noise = 1e-3 * np.random.default_rng(1).normal(size=t.size)
+    swing = swing_of(Measurement(time=t, position=run.at(t)["theta"] + noise, turning=True))
+    assert swing.stiffness == pytest.approx(9.81 / 0.4, rel=3e-3)  # 0.5 to 30 % before
 
 
 def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
@@ -291,8 +306,8 @@ def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
     guess = guess_data(file)
     text = guessed_rig(guess, "block.csv", swing=swing_of(read_data([file], guess.reading)))
     assert 'type = "axis"' in text
-    (tmp_path / "block.toml").write_text(text)
-    assert load_rig(tmp_path / "block.toml").mechanism.stiffness == pytest.approx(36.0, rel=0.02)
+    assert 'inertia = "? kg"' in text
+    assert "for each kg of mass\n# the stiffness is 36.01 N/m" in text
     # what is driven, or runs out in one direction, swings by nothing of its own
     driven = Measurement(time=t, position=x, force=np.sin(t))
     assert swing_of(driven) is None

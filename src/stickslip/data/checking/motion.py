@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
 from stickslip.data.differentiation import (
     CUTOFF,
+    PADDED,
     acceleration_of,
     are_steady_readings,
     between_gaps,
@@ -687,6 +688,8 @@ def swing_of(record: Measurement) -> Swing | None:
     >>> round(found.stiffness), round(found.rest, 2)
     (16, 0.2)
     """
+    from scipy.interpolate import make_interp_spline
+
     free = _undriven(record)
     driven = record.turning and "force" in record.quantities() and record.time is not None
     if record.trials or record.joints or not (free or driven):
@@ -696,15 +699,18 @@ def swing_of(record: Measurement) -> Swing | None:
         return None
     if free and _turned(moving) <= GAINED:
         return None
-    x, a = _positions(record), acceleration_of(record)
+    x, t = _positions(record), moving.time
+    # Both sides through one low pass, without the ends, beyond which it guesses the motion.
+    inner = slice(*np.array([1, -1]) * min(round(PADDED / CUTOFF), x.size // 4))
+    a = make_interp_spline(t, smooth(t, x), k=5).derivative(2)(t)[inner]
     pulls = [np.sin(x), np.cos(x)] if record.turning else [x, np.ones_like(x)]
     beside = [moving.velocity / moving.fastest, moving.directions]
     if not free:
         beside += [np.asarray(record.values("force")), np.ones_like(x)]
-    first, second, *others = np.linalg.lstsq(np.stack([*pulls, *beside], axis=1), a, rcond=None)[0]
-    left = a - np.stack([*pulls, *beside], axis=1) @ np.array([first, second, *others])
-    plain = np.stack(beside, axis=1)
-    without = a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
+    table = np.stack([smooth(t, one)[inner] for one in (*pulls, *beside)], axis=1)
+    found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
+    first, second, *others = found
+    left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
     if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(without @ without):
         return None
     if not record.turning:
