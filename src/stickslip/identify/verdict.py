@@ -2,14 +2,14 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Checks, LawEstimates, Measurement, levels_at, tells_load
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
 from stickslip.friction import PARTS, FrictionLaw, laws
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
@@ -27,7 +27,10 @@ from stickslip.identify.fits import (
     as_informed,
     as_loaded,
     estimates_for,
+    inputs_text,
+    measured_loads,
 )
+from stickslip.identify.fits.contact_inputs import VARIES, typical_inputs
 from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
@@ -50,12 +53,14 @@ from stickslip.identify.wording import (
     phrase_of,
     second_sentence,
     tells_friction,
+    third_load_sentence,
     title_of,
     untold_sentence,
+    usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale
+from stickslip.show.formatting import Scale, joined
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -548,6 +553,7 @@ def verdict_on(
         )
         for one in order
     )
+    candidates = _told_apart(judgement, candidates)
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
@@ -568,8 +574,12 @@ def verdict_on(
         doubts.append(second_sentence(inside, readings))
     if {"load_exponent", "adhesion"} & {one.path for one in own}:
         doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
-    doubts += [*remarks, UNMEASURED]
+    doubts += [*_at_usual_inputs(first.fit), *remarks, UNMEASURED]
     advice = []
+    loads = np.unique(measured_loads(measurement))
+    loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
+    if len(loads) == 2 and {"load_exponent", "adhesion"} & {x for one in shown for x, _ in one}:
+        advice.append(third_load_sentence(loads))
     if proposal.places:
         by_speed = np.argsort(places, kind="stable")
         advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
@@ -605,6 +615,37 @@ def verdict_on(
     )
 
 
+def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
+    """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
+    names = [one.path.rpartition(".")[2] for one in fit.estimates]
+    spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
+    covariance = fit.correlation * np.outer(spread, spread)
+    usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
+    for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
+        for of, size in usual.items():
+            if {name, f"{part}_{of}_slope"} <= {*names}:
+                i, k = names.index(name), names.index(f"{part}_{of}_slope")
+                base, slope = fit.estimates[i].value, fit.estimates[k].value
+                change = np.array([1.0 + slope * size, base * size])
+                variance = change @ covariance[np.ix_([i, k], [i, k])] @ change
+                at = inputs_text({of: size}, turning=fit.measurement.turning)
+                half = 1.96 * float(np.sqrt(max(variance, 0.0)))
+                yield usual_sentence(fit.estimates[i], base * change[0], half, at)
+
+
+def _told_apart(
+    judgement: Judgement, candidates: Sequence[LawCandidate]
+) -> tuple[LawCandidate, ...]:
+    """Return candidates with titles of their own: those of one name with what they alone have."""
+    found, terms = [], judgement.problem.terms
+    for one in candidates:
+        alike = [set(other.family) for other in candidates if other.title == one.title]
+        shared = set.intersection(*alike)
+        own = [terms[name].title for name in one.family if name not in shared and name in terms]
+        found.append(replace(one, title=f"{one.title} ({joined(own)})") if own else one)
+    return tuple(found)
+
+
 def name_of(judgement: Judgement, structure: Structure) -> str:
     """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
     problem, fit = judgement.problem, judgement.ensemble.fit(structure)
@@ -614,7 +655,8 @@ def name_of(judgement: Judgement, structure: Structure) -> str:
         if name not in problem.always:
             of_law = name not in problem.terms or problem.terms[name].role == "law"
             (parts if of_law else beside).append(name)
-    return " + ".join([*(parts if law is None else [law.name]), *beside])
+    named = [law.name] if law is not None and parts else parts
+    return " + ".join([*named, *beside]) or "none"
 
 
 def groups_of(judgement: Judgement) -> list[list[str]]:

@@ -84,6 +84,7 @@ INSIDE = {
     "laws_of": "validation",
     "load_along": "force_map.data",
     "load_of": "contact_inputs",
+    "measured_loads": "contact_inputs",
     "names_of": "validation",
     "outlying": "outliers",
     "quantile_of": "estimation.jackknife",

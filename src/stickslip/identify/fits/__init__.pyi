@@ -6,6 +6,7 @@ from stickslip.identify.fits.contact_inputs import inputs_text as inputs_text
 from stickslip.identify.fits.contact_inputs import joint_inputs as joint_inputs
 from stickslip.identify.fits.contact_inputs import known_inputs as known_inputs
 from stickslip.identify.fits.contact_inputs import load_of as load_of
+from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
 from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs

@@ -488,7 +488,7 @@ def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism
     >>> axis.load, said
     (5.0, '')
     """
-    loads = _measured(measurement)
+    loads = measured_loads(measurement)
     if not len(loads):
         return mechanism, ""
     low, middle, high = np.percentile(loads, [5.0, 50.0, 95.0])
@@ -507,8 +507,14 @@ def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism
     return vary(mechanism, "mechanism", {LOAD: usual}), said
 
 
-def _measured(measurement: Measurement) -> Array:
-    """Return the loads [N] of all records, measured or set, one for each sample of those."""
+def measured_loads(measurement: Measurement) -> Array:
+    """Return the loads [N] of all records, measured or set, one for each sample of those.
+
+    Examples
+    --------
+    >>> measured_loads(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.4], load=[4.9, 5.1]))
+    array([4.9, 5.1])
+    """
     found = [np.zeros(0)]
     for one in measurement.records():
         if "load" in one.quantities():

@@ -29,9 +29,10 @@ from stickslip.identify.fits import (
     route_of,
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.laws import TITLES
 from stickslip.quantities import turned
 from stickslip.show import formatting
-from stickslip.show.formatting import NO_VALUE, joined, percent
+from stickslip.show.formatting import NO_VALUE, capital, joined, percent
 from stickslip.show.report import Origin, SectionMaker
 
 WITHOUT_EFFECT = {
@@ -139,6 +140,9 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ]
             for one in verdict.candidates
         ]
+        curve = verdict.judgement.held_out_error(verdict.judgement.comparison.curve)
+        error = score_text(scale, curve).value
+        rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
         assert closest.fit is not None
         return Comparison(
             heads=[
