@@ -22,6 +22,7 @@ from stickslip.identify.candidates import (
 from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import (
+    VARIES,
     Estimate,
     Fit,
     as_informed,
@@ -29,8 +30,8 @@ from stickslip.identify.fits import (
     estimates_for,
     inputs_text,
     measured_loads,
+    typical_inputs,
 )
-from stickslip.identify.fits.contact_inputs import VARIES, typical_inputs
 from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of

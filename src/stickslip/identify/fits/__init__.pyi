@@ -1,4 +1,5 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify.fits.contact_inputs import VARIES as VARIES
 from stickslip.identify.fits.contact_inputs import as_informed as as_informed
 from stickslip.identify.fits.contact_inputs import as_loaded as as_loaded
 from stickslip.identify.fits.contact_inputs import check_inputs as check_inputs
@@ -8,6 +9,7 @@ from stickslip.identify.fits.contact_inputs import known_inputs as known_inputs
 from stickslip.identify.fits.contact_inputs import load_of as load_of
 from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
+from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
