@@ -618,10 +618,12 @@ def verdict_on(
 
 def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
     """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
+    usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
+    if not usual:
+        return
     names = [one.path.rpartition(".")[2] for one in fit.estimates]
     spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
     covariance = fit.correlation * np.outer(spread, spread)
-    usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
     for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
         for of, size in usual.items():
             if {name, f"{part}_{of}_slope"} <= {*names}:
