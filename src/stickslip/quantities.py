@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar, ca
 
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.show.described import Described, alternatives
-from stickslip.units import is_pint, number_in
+from stickslip.units import number_in
 
 __all__ = [
     "SCALES",
@@ -382,12 +382,12 @@ class Quantity:
         if type(value) is float and self.allows(value):  # nearly always, and the rest is slow
             return value
         label = f"{owner}.{name} ({self.symbol})"
-        number: Any = self._with_unit(label, value) if _has_unit(value) else value
+        number: Any = self._with_unit(label, value) if has_unit(value) else value
         if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
         found = float(number)
         if not self.allows(found):
-            got = repr(str(value)) if _has_unit(value) else f"{found:g}"
+            got = repr(str(value)) if has_unit(value) else f"{found:g}"
             raise ParameterError(f"{label} must be {self.wanted(found)}, got {got}.")
         return found
 
@@ -403,8 +403,17 @@ class Quantity:
             raise ParameterError(f"{label} {error}; allowed is {self.range}.") from None
 
 
-def _has_unit(value: object) -> bool:
-    return isinstance(value, str) or is_pint(value)
+def has_unit(value: object) -> bool:
+    """Whether something is a number with a unit: a text, or of the unit library, of any registry.
+
+    Examples
+    --------
+    >>> import pint
+    >>> has_unit(pint.UnitRegistry().Quantity(35, "mm")), has_unit("35 mm"), has_unit(35)
+    (True, True, False)
+    """
+    of_pint = hasattr(value, "magnitude") and hasattr(value, "to_base_units")
+    return of_pint or isinstance(value, str)
 
 
 def motion_kinds(cls: type, given: Mapping[str, object]) -> dict[bool, str]:
@@ -419,7 +428,7 @@ def motion_kinds(cls: type, given: Mapping[str, object]) -> dict[bool, str]:
     kinds: dict[bool, str] = {}
     for name, quantity in fields_of(cls).items():
         value = given.get(name)
-        if not quantity.or_unit or not _has_unit(value):
+        if not quantity.or_unit or not has_unit(value):
             continue
         for rotary, unit in ((True, quantity.or_unit), (False, quantity.unit)):
             with contextlib.suppress(ParameterError):
@@ -488,8 +497,8 @@ class Parametrised(metaclass=Described):
         owner = type(self).__name__
         for name, kinds in _members(type(self)).items():
             value = getattr(self, name)
-            cure = kinds[0].instead(value) if issubclass(kinds[0], Parametrised) else ""
-            if not isinstance(value, kinds) or (cure and value is not None):
+            moves = isinstance(value, Parametrised) and value.instead(value)
+            if moves or not isinstance(value, kinds):
                 raise ParameterError(_refusal(f"{owner}.{name}", kinds, value))
         for name, quantity in fields_of(type(self)).items():
             value = getattr(self, name)

@@ -136,18 +136,6 @@ def is_pixel(unit: str) -> bool:
     return unit in {"px", "pixel", "pixels"}
 
 
-def is_pint(value: object) -> bool:
-    """Whether something is a quantity of the unit library, of any registry.
-
-    Examples
-    --------
-    >>> import pint
-    >>> is_pint(pint.UnitRegistry().Quantity(35, "mm")), is_pint(35)
-    (True, False)
-    """
-    return hasattr(value, "magnitude") and hasattr(value, "to_base_units")
-
-
 def split_number(value: object) -> re.Match[str] | None:
     """Return the number and the unit of a text, in groups of these names; None of all else.
 

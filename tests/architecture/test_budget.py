@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from tools.budget import BUDGET, constants, room_of
+from tools.structure import TABLE, watched
 
 ROOT = Path(__file__).parents[2]
 
@@ -47,3 +48,7 @@ def test_the_room_of_a_module_is_that_of_its_folder():
     rooms = tomllib.loads(BUDGET.read_text(encoding="utf-8"))["rooms"]
     assert room_of("identify/laws.py", rooms) == "judge"
     assert room_of("units.py", rooms) == ""
+
+
+def test_a_table_of_friction_is_judged_by_at_most_forty_modules():
+    assert watched(TABLE)["modules"] <= 40

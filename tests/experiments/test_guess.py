@@ -11,7 +11,7 @@ from stickslip import Axis, check, load_measurement, load_rig
 from stickslip.data import Layout, guess_data, guessed_rig, read_data
 from stickslip.data.readers import guess as guessing
 from stickslip.data.readers.table_reader import read_frame as frame
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, ParameterError, StickslipError
 
 N = 1200
 LONG = 300_000
@@ -215,7 +215,8 @@ def test_an_axis_that_turns_is_known_by_its_units(tmp_path, names, units, driven
     guess = guess_data(file)
     assert guess.turning
     assert driven.items() <= guess.columns.items()
-    (tmp_path / "achse.toml").write_text(guessed_rig(guess, "achse.csv"), encoding="utf-8")
+    known = guessed_rig(guess, "achse.csv").replace("? N m/A", "1 N m/A")
+    (tmp_path / "achse.toml").write_text(known, encoding="utf-8")
     record = load_rig(tmp_path / "achse.toml").measurement
     assert record.turning
     np.testing.assert_allclose(record.position, X, atol=1e-8)
@@ -1011,7 +1012,7 @@ def test_a_motor_constant_that_is_given_is_not_doubted(tmp_path):
     assert guess.turning
     assert not any("motor constant" in doubt for doubt in guess.doubts)
     text = guessed_rig(guess, file)
-    assert 'motor_constant = "0.12 N m/A"\n' in text
+    assert 'motor_constant = "0.12 N m/A"' in text
     assert "same factor" not in text
     record = read_data([file], guess.reading)
     np.testing.assert_allclose(record.force, 0.12 * F, atol=1e-4)
@@ -1020,12 +1021,19 @@ def test_a_motor_constant_that_is_given_is_not_doubted(tmp_path):
         guess_data(file, motor_constant="0.12 N m/A")
 
 
-def test_a_mass_found_with_an_assumed_motor_constant_goes_with_it(tmp_path):
+def test_a_motor_constant_that_is_not_in_the_file_is_left_open(tmp_path):
     file = tmp_path / "a.csv"
     file.write_text("time (s),position (m),current (A)\n" + ENGLISH)
     guess = guess_data(file)
-    assert guess.reasons["motor constant"] == "1 N/A, assumed"
-    assert "change both by the same factor" in guessed_rig(guess, file, inertia=3.0)
+    assert guess.reasons["motor constant"] == "not in the file"
+    text = guessed_rig(guess, file, inertia=3.0)
+    assert 'motor_constant = "? N/A"' in text
+    assert "multiply it by the constant below" in text
+    (tmp_path / "a.toml").write_text(text)
+    with pytest.raises(ParameterError, match=r"data.motor_constant = '\? N/A'"):
+        load_rig(tmp_path / "a.toml")
+    stated = guessed_rig(guess_data(file, motor_constant="1 N/A"), file)
+    assert 'motor_constant = "1 N/A"' in stated
 
 
 @pytest.mark.parametrize(("head", "none"), [("Step Time (s)", {}), ("time [s]", {"time": ""})])
@@ -1191,8 +1199,9 @@ def test_steady_readings_of_what_drives_are_readings_of_friction(tmp_path, head,
     assert set(guess.columns) == {"velocity", "friction"}
     assert guess.turning
     assert read_data([path], guess.reading).friction == pytest.approx(scale * f, abs=1e-3)
-    assumed = any("motor constant of 1 N m/A is assumed" in doubt for doubt in guess.doubts)
-    assert assumed == (head == "current")
+    left = any("question mark for the motor constant" in doubt for doubt in guess.doubts)
+    assert left == (head == "current")
+    assert ('gain = { friction = "? N m/A" }' in guessed_rig(guess, path)) == left
 
 
 def test_a_rolling_speed_is_not_taken_for_a_sliding_speed_in_silence(tmp_path):

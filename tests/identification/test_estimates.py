@@ -30,7 +30,7 @@ def estimate(value, low, high, quantity=MASS):
         (-2.26e-5, -3.33e-4, 2.88e-4, "J = −0.00002 kg (−0.00033 to 0.00029)"),
         (24841.3, 24800.0, 24900.0, "J = 24,840 kg (24,800 to 24,900)"),
         (2.5e9, 2.4e9, 2.6e9, "J = 2.50 × 10⁹ kg (2.40 × 10⁹ to 2.60 × 10⁹)"),
-        (2.0, -math.inf, math.inf, "J = 2.00 kg (not bounded)"),
+        (2.0, -math.inf, math.inf, "J = not identified (not bounded)"),
         (2.0, 1.0, math.inf, "J = 2.00 kg (at least 1.00)"),
         (-2.0, -math.inf, -1.0, "J = −2.00 kg (at most −1.00)"),
     ],

@@ -16,7 +16,7 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.identify.fits.series.measured_load import as_loaded
+from stickslip.identify.fits.contact_inputs import as_loaded
 from stickslip.mechanisms.drives import Pulse, Sampled
 
 SPEED = np.concatenate([np.linspace(-0.1, -0.01, 40), np.linspace(0.01, 0.1, 40)])

@@ -22,8 +22,8 @@ from stickslip.identify.problems.record_signals import (
     records_of,
 )
 from stickslip.identify.problems.records import RecordsProblem, unseen_length
+from stickslip.identify.regression import same_span
 from stickslip.identify.search import Search
-from stickslip.identify.spans import same_span
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
 

@@ -1,5 +1,6 @@
 """What verdicts state is what was measured: ranges, sizes in words, laws that are counted."""
 
+import re
 from dataclasses import replace
 from functools import partial
 
@@ -15,6 +16,8 @@ from stickslip import (
     Pendulum,
     RecordSettings,
     SpringBlock,
+    Stribeck,
+    Viscous,
     check,
     fit,
     load_measurement,
@@ -23,7 +26,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.data import guess_data, guessed_rig, read_data, swing_of
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.identify.fits import Estimate
 from stickslip.identify.page import facts, laws_section
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -275,12 +278,27 @@ def test_a_body_that_swings_by_itself_is_proposed_as_a_pendulum(tmp_path, quanti
                comments="")  # fmt: skip
     guess = guess_data(file)
     swing = swing_of(read_data([file], replace(guess.reading, by="options")))
-    (tmp_path / "decay.toml").write_text(guessed_rig(guess, "decay.csv", swing=swing))
+    text = guessed_rig(guess, "decay.csv", swing=swing)
+    (tmp_path / "decay.toml").write_text(text)
+    with pytest.raises(ParameterError, match=r"mechanism.mass = '\? kg'"):
+        load_rig(tmp_path / "decay.toml")  # friction would be in proportion to an invented mass
+    (tmp_path / "decay.toml").write_text(text.replace("? kg", "0.5 kg"))
     rig = load_rig(tmp_path / "decay.toml").mechanism
     assert isinstance(rig, Pendulum)
-    assert rig.length == pytest.approx(0.4, rel=0.01)
+    assert rig.length == pytest.approx(0.4, rel=1e-3)
     hangs = 0.3 if quantity == "position" else -0.8
     assert rig.rest_angle == pytest.approx(hangs, abs=0.01)
+
+
+@pytest.mark.parametrize("step", [0.01, 1 / 30, 0.1])
+@pytest.mark.parametrize("amplitude", [0.3, 1.0])
+def test_the_length_of_a_pendulum_is_found_at_any_sampling(step, amplitude):
+    law = CoulombViscous(kinetic_coefficient=0.004, viscous_coefficient=0.002)
+    run = simulate(Pendulum(mass=0.5, length=0.4), law, t_end=20.0, y0={"theta": amplitude})
+    t = np.arange(0.0, 20.0, step)
+    noise = 1e-3 * np.random.default_rng(1).normal(size=t.size)
+    swing = swing_of(Measurement(time=t, position=run.at(t)["theta"] + noise, turning=True))
+    assert swing.stiffness == pytest.approx(9.81 / 0.4, rel=3e-3)  # 0.5 to 30 % before
 
 
 def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
@@ -291,8 +309,8 @@ def test_a_mass_that_swings_along_a_line_is_proposed_on_a_spring(tmp_path):
     guess = guess_data(file)
     text = guessed_rig(guess, "block.csv", swing=swing_of(read_data([file], guess.reading)))
     assert 'type = "axis"' in text
-    (tmp_path / "block.toml").write_text(text)
-    assert load_rig(tmp_path / "block.toml").mechanism.stiffness == pytest.approx(36.0, rel=0.02)
+    assert 'inertia = "? kg"' in text
+    assert "for each kg of mass\n# the stiffness is 36.01 N/m" in text
     # what is driven, or runs out in one direction, swings by nothing of its own
     driven = Measurement(time=t, position=x, force=np.sin(t))
     assert swing_of(driven) is None
@@ -433,3 +451,52 @@ def test_a_block_that_stops_within_a_short_record_has_friction(seed):
     level = verdict.band([0.75])
     assert level.low[0] < 2.4 < level.high[0]
     assert level.high[0] - level.low[0] < 0.5
+
+
+def test_a_level_that_depends_on_a_temperature_is_stated_where_it_was_measured():
+    v, warm = np.tile(np.geomspace(0.01, 1.0, 8), 4), np.repeat([20.0, 35.0, 50.0, 65.0], 8)
+    noise = 0.05 * np.random.default_rng(3).normal(size=v.size)
+    friction = 10.0 - 0.05 * (warm - 20.0) + 3.0 * v + noise
+    table = Measurement(velocity=v, friction=friction, inputs={"temperature": warm})
+    verdict = select(Axis(inertia=1.0), ["level * linear[temperature] + viscous"], table)
+    (said,) = (one for one in verdict.words.cannot_tell if "the median" in one)
+    assert "temperature 42.5 °C" in said
+    low, high = map(float, re.search(r"\((\S+) to (\S+)\)", said).groups())
+    assert low < 10.0 - 0.05 * 22.5 < high < low + 0.3
+
+
+def test_two_loads_are_answered_by_a_third_one():
+    v, load = np.tile(np.geomspace(0.01, 1.0, 10), 2), np.repeat([20.0, 80.0], 10)
+    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=v.size)
+    friction = (0.5 * load**0.8 + v) * noise
+    two = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction, load=load))
+    assert two.words.measure_next[0].startswith("Measure at a third load, such as 40 N")
+    load = np.where(np.arange(20) % 3 == 0, 40.0, load)
+    friction = (0.5 * load**0.8 + v) * noise
+    three = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction, load=load))
+    assert not any("third load" in one for one in three.words.measure_next)
+
+
+def test_a_body_without_friction_has_no_law_of_that_name():
+    t = np.arange(0.0, 6.0, 0.002)
+    force = 3.0 * np.sin(2.1 * t) + 2.0 * np.sin(5.3 * t)
+    time, position, force = moved(
+        Axis(inertia=2.0), Viscous(viscous_coefficient=0.0), force, rate=500.0
+    )
+    record = Measurement(time=time, position=position, force=force)
+    verdict = select(Axis(inertia=2.0), None, record, settings=HELD)
+    assert verdict.closest.title.startswith("No friction")
+    assert not verdict.closest.name.startswith("coulomb")
+
+
+def test_a_parameter_that_is_not_identified_has_no_number():
+    v = np.linspace(0.3, 1.0, 8)
+    noise = 1.0 + 0.01 * np.random.default_rng(3).normal(size=(3, v.size))[2]
+    found = fit(
+        Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
+    )
+    left = [one for one in found.estimates if not one.bounded]
+    assert left
+    assert all("not identified" in str(one) and "N" not in str(one) for one in left)
+    said = " ".join(found.sentences)
+    assert not re.search(r"correlated \(.?\d{2,}", said)  # a correlation is at most 1

@@ -24,7 +24,7 @@ from stickslip.errors import InputError
 from stickslip.identify.judge import Judgement
 from stickslip.identify.laws import MeasuredCurve, compose, curve_law, drawn_curve
 from stickslip.identify.problems.tables import TableProblem
-from stickslip.identify.requests import families_of
+from stickslip.identify.selection import families_of
 
 AXIS = Axis(inertia=1.0)
 SPEEDS = np.geomspace(0.01, 1.0, 20)

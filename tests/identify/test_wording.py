@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
-from stickslip.identify.advice import Proposal
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Cause
+from stickslip.identify.judge import Cause, Proposal
 from stickslip.identify.laws import TITLES, Composition
 from stickslip.identify.page import laws_section, remarks_section, verdict_sections
 from stickslip.identify.thresholds import THRESHOLDS

@@ -15,7 +15,6 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import step_of
 from stickslip.identify.kinds import fit_rate_state, simulate_velocity_steps
 from stickslip.identify.kinds.velocity_steps import slider
 from stickslip.identify.kinds.velocity_steps.load_point import path_of
-from stickslip.identify.kinds.velocity_steps.problem import serves
 from stickslip.mechanisms.drives import Sine
 
 KNOTS = np.array([0.0, 20.0, 60.0, 100.0, 120.0])
@@ -614,10 +613,11 @@ def test_a_rate_and_state_fit_is_no_rig_file(tmp_path):
 
 def test_records_of_a_load_point_are_served_unless_the_slider_itself_was_measured():
     one = record(law(), noise=3e-4)
-    assert serves(one)
+    assert one.content == "velocity steps"
     values = {"time": one.time, "pull": one.pull, "friction": one.friction}
-    assert not serves(Measurement(**values, velocity=np.gradient(one.pull, one.time)))
-    assert not serves(Measurement(time=one.time, friction=one.friction))
+    measured = Measurement(**values, velocity=np.gradient(one.pull, one.time))
+    assert measured.content == "records"
+    assert Measurement(time=one.time, friction=one.friction).content == measured.content
 
 
 SINGLE = {"knots": KNOTS[:3], "places": PULL[:3]}

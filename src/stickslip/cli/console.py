@@ -51,6 +51,12 @@ def stderr() -> Console:
     return _Printable(stderr=True, markup=False, highlight=False, emoji=False)
 
 
+def say(text: str) -> None:
+    """Say what a file that was written holds."""
+    if not QUIET.get():
+        stdout().print(text)
+
+
 def note(text: str) -> None:
     """Say something beside the result, in whole lines, as the result itself is."""
     if not QUIET.get():

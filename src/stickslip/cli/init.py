@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import check_rig_file, columns_of, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import check_rig_file, columns_of, print_json, refuse_overwriting, say
 from stickslip.cli.options import InitOptions
 from stickslip.data import (
     Guess,
@@ -47,12 +47,11 @@ def run(options: InitOptions) -> None:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None
     if not options.as_json:  # all of the file is read once more below
-        stdout().print(str(guess))
+        say(str(guess))
     name = _relative(data_file(file), target)
     if urdf is None:
         record = read_data([file], replace(guess.reading, by="options"))
-        inertia, swing = inertia_of(record) or 1.0, swing_of(record)
-        text = guessed_rig(guess, name, inertia=inertia, swing=swing)
+        text = guessed_rig(guess, name, inertia=inertia_of(record) or 1.0, swing=swing_of(record))
     else:
         text = guessed_rig(guess, name, robot=_relative(urdf, target))
     write_file(target, text)
@@ -66,33 +65,31 @@ def run(options: InitOptions) -> None:
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))
         return
-    typed = shlex.quote(str(target))
-    stdout().print(
-        f"\nThe rig file is {target}. Next: stickslip check {typed}; stickslip select {typed}"
+    typed, left = shlex.quote(str(target)), " Replace each question mark in it." * ('"? ' in text)
+    say(
+        f"\nThe rig file is {target}.{left} Next: stickslip check {typed}; stickslip select {typed}"
     )
 
 
 def _films(options: InitOptions, reading: Reading) -> None:
     """Find out what films of one body show, write its rig file, and print what was found."""
-    files = options.files
-    target = options.output or files[0].with_name("capsule.toml")
+    target = options.output or options.files[0].with_name("capsule.toml")
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=options.force)
-    found = guess_films(files, reading)
-    write_file(target, filmed_rig(found, {file: _relative(file, target) for file in files}))
+    found = guess_films(options.files, reading)
+    write_file(target, filmed_rig(found, {file: _relative(file, target) for file in options.files}))
     if options.as_json:
         runs = [
             {"file": str(run.file), "frequency": run.frequency, "travel": run.travel}
             for run in found.runs
         ]
-        print_json(
-            document("init", {"rig": str(target), "films": runs, "doubts": list(found.doubts)})
-        )
+        told = {"rig": str(target), "films": runs, "doubts": list(found.doubts)}
+        print_json(document("init", told))
         return
     typed = shlex.quote(str(target))
     low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency
-    stdout().print(str(found))
-    stdout().print(
+    say(str(found))
+    say(
         f"\nThe rig file is {target}. Films do not show masses, springs and forces: replace each"
         f" question mark in it. Next: stickslip check {typed}; stickslip select {typed} --route"
         f" travel; stickslip sweep {typed} --law stickslip-report/law.toml --vary"

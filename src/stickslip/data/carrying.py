@@ -6,14 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.data.estimates import (
-    LOAD,
-    LawEstimates,
-    Levels,
-    equated,
-    levels_at,
-    unit_on,
-)
+from stickslip.data.estimates import LOAD, LawEstimates, equated, unit_on
+from stickslip.data.measurement import Levels, levels_at
 from stickslip.data.rig import Rig
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError

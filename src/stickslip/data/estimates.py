@@ -4,11 +4,12 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal, TypeAlias, TypeVar, get_args
+from typing import Final, TypeAlias, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.data.measurement import Levels, levels_at
 from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slips_by_angle
@@ -17,8 +18,6 @@ from stickslip.show.formatting import number
 
 T = TypeVar("T")
 Array: TypeAlias = NDArray[np.float64]
-Levels: TypeAlias = Literal["per load", "forces", "torques"]
-"""What a law's levels are: over the normal force, or forces or torques where no load is known."""
 
 LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
@@ -35,42 +34,6 @@ EVEN = 0.9
 LEAST_SIDE = 1e-300
 VALID_SHARE: Final = 0.01
 """Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
-
-
-def levels_at(mechanism: Mechanism) -> Levels:
-    """Return what levels of a law on this mechanism are.
-
-    A load that was left at 1 says that no normal force is known.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Pendulum, SpringBlock
-    >>> [
-    ...     levels_at(one)
-    ...     for one in (
-    ...         SpringBlock(mass=1.0),
-    ...         Axis(inertia=1.0),
-    ...         Axis(inertia=1.0, load=20.0),
-    ...         Pendulum(mass=1.0, length=0.5),
-    ...     )
-    ... ]
-    ['per load', 'forces', 'per load', 'torques']
-    """
-    contacts = mechanism.contacts()
-    if len(contacts) > 1:
-        # Levels are forces only where the load of each contact is left at 1.
-        if any(one.load != 1.0 for one in contacts):
-            return "per load"
-        units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-        turning = all(units.get(name) == "rad" for one in contacts for name in one.slips)
-        return "torques" if turning else "forces"
-    unit = any(
-        one.name == "load" and one.default == 1.0 == getattr(mechanism, "load")  # noqa: B009  # not every mechanism has one
-        for one in dataclasses.fields(mechanism)
-    )
-    if not unit:
-        return "per load"
-    return "torques" if slips_by_angle(mechanism) else "forces"
 
 
 def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:

@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 
 from stickslip.data.units import LARGEST, size_wanted
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning
+from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
-from stickslip.quantities import Converted, Given, Numbers, Quantity, turned
+from stickslip.quantities import Converted, Given, Numbers, Quantity, has_unit, turned
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import number, span
 from stickslip.show.formatting import quantity as with_unit
-from stickslip.units import converted, is_pint, number_in, pint_magnitude
+from stickslip.units import converted, number_in, pint_magnitude
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -186,6 +187,8 @@ def condition_unit(full: str) -> str:
 
 Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]
+Levels: TypeAlias = Literal["per load", "forces", "torques"]
+"""What a law's levels are: over the normal force, or forces or torques where no load is known."""
 Uncertainty = Literal["rounding", "standard", "interval"]
 Series: TypeAlias = Converted[Numbers | None, Array | None]
 Values: TypeAlias = Converted[Given | Numbers | None, Array | float | None]
@@ -551,16 +554,33 @@ class Measurement(Tabular, InPanels):
         return next((name for name in self.quantities() if name in TRAVELS), "")
 
     @property
-    def only_spring_force(self) -> bool:
-        """Whether the force of a spring is all that a law can be compared with.
+    def content(self) -> str:
+        """What laws are compared with; each is a kind of measurement.
+
+        That is the friction of a load point that is pulled only where the motion of the slider was
+        not measured: friction is a function of that motion.
 
         Examples
         --------
-        >>> Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3]).only_spring_force
-        True
+        >>> Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3]).content
+        'spring force'
+        >>> pulled = {"time": [0.0, 1.0], "pull": [0.0, 1e-6], "friction": [0.6, 0.6]}
+        >>> Measurement(**pulled).content, Measurement(**pulled, velocity=[1e-6, 1e-6]).content
+        ('velocity steps', 'records')
         """
-        known = set(self.quantities())
-        return "spring_force" in known and not known & COMPARED_THEMSELVES
+        known, records = {*self.quantities()}, self.records()
+        if "spring_force" in known and not known & COMPARED_THEMSELVES:
+            return "spring force"
+        if self.travelled:
+            return "travels"
+        if self.joint_names():
+            return "joints"
+        pulled = all({"pull", "friction"} <= {*one.quantities()} for one in records)
+        timed = all(one.time is not None for one in records)
+        if pulled and timed and not known & {"position", "velocity"}:
+            return "velocity steps"
+        tables = all(one.kind == "friction-map" for one in records)
+        return "tables" if tables else "records"
 
     @property
     def kind(self) -> Kind:
@@ -873,6 +893,32 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
     return dict(record.joints)
 
 
+def levels_at(mechanism: Mechanism) -> Levels:
+    """Return what levels of a law on this mechanism are.
+
+    A load that was left at 1 says that no normal force is known.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum, SpringBlock
+    >>> [
+    ...     levels_at(one)
+    ...     for one in (
+    ...         SpringBlock(mass=1.0),
+    ...         Axis(inertia=1.0),
+    ...         Axis(inertia=1.0, load=20.0),
+    ...         Pendulum(mass=1.0, length=0.5),
+    ...     )
+    ... ]
+    ['per load', 'forces', 'per load', 'torques']
+    """
+    contacts, load = mechanism.contacts(), mechanism.__dataclass_fields__.get("load")
+    left = load is not None and load.default == 1.0 == vars(mechanism)["load"]
+    if not (all(one.load == 1.0 for one in contacts) if len(contacts) > 1 else left):
+        return "per load"
+    return "torques" if slips_by_angle(mechanism) else "forces"
+
+
 def tells_load(measurement: Measurement) -> bool:
     """Whether the normal force was measured, or is set by trial: levels are over it.
 
@@ -904,7 +950,7 @@ def as_turning(measurement: Measurement, units: Collection[str]) -> Measurement:
 def _numbers(name: str, quantity: Quantity, value: Any, turning: bool) -> Array | float:
     """Return a float, or a read-only copy of an array (n,), all finite."""
     label = f"Measurement.{name} ({quantity.symbol}) [{quantity.unit}]"
-    if isinstance(value, str) or is_pint(value):
+    if has_unit(value):
         value = _without_unit(name, quantity, value, turning)
     if isinstance(value, numbers.Real):
         return quantity.check("Measurement", name, value)

@@ -15,8 +15,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.data.estimates import LawEstimates, levels_at
-from stickslip.data.measurement import ELECTRIC, Measurement
+from stickslip.data.estimates import LawEstimates
+from stickslip.data.measurement import ELECTRIC, Measurement, levels_at
 from stickslip.data.readers.columns import Reading
 from stickslip.data.travels import scale_of
 from stickslip.errors import InputError, UnknownNameError, check_size, concerning
@@ -540,10 +540,8 @@ def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
         quantity_at(mechanism, path)
     with concerning(f"{label}:"):
         vary(mechanism, PREFIX, record.overrides)
-    known = state_units(mechanism) if record.initial else {}
-    for name in record.initial:
-        if name not in known:
-            raise UnknownNameError(f"state in initial of {label}:", name, known)
+    if record.initial:
+        _check_names(f"state in initial of {label}:", record.initial, state_units(mechanism))
 
 
 # The mechanism of a record: with what was different in it, and driven by what was recorded.

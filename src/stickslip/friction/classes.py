@@ -15,6 +15,7 @@ from stickslip.friction.base import (
     ALWAYS,
     BOUND,
     BristleLaw,
+    Containment,
     FrictionLaw,
     Passivity,
     SetValuedLaw,
@@ -23,7 +24,7 @@ from stickslip.friction.base import (
     is_bound,
 )
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf, formula_of
-from stickslip.friction.containment import Contained
+from stickslip.friction.containment import nearest_contained
 from stickslip.friction.parts.base import (
     Extra,
     Factor,
@@ -555,6 +556,18 @@ def _by_parts() -> Mapping[str, Entry]:
         for form in (term, notation.without_optional(term)):
             found.setdefault(notation.canonical(form), entry)
     return MappingProxyType(found)
+
+
+class Contained:
+    """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
+
+    def __init__(self, composition: Composition, known: Callable[[], Mapping[str, Any]]) -> None:
+        self._found = functools.cache(
+            lambda kind: tuple(nearest_contained(composition, kind, known()))
+        )
+
+    def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
+        return self._found(kind)
 
 
 def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionLaw]:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
 from stickslip.friction.base import Containment, FrictionLaw
@@ -28,19 +28,6 @@ Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
 Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 """A simpler term, what leads there, and what goes to infinity for it."""
-
-
-class Contained:
-    """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
-
-    def __init__(self, composition: Composition, known: Callable[[], Mapping[str, Any]]) -> None:
-        self._composition, self._known = composition, known
-        self._found: tuple[Containment, ...] | None = None
-
-    def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
-        if self._found is None:
-            self._found = tuple(_nearest(self._composition, kind, self._known()))
-        return self._found
 
 
 def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Containment | None:
@@ -111,7 +98,7 @@ def _forms(term: Term, kind: type[FrictionLaw]) -> Iterator[str]:
             yield from _forms(simpler, kind)
 
 
-def _nearest(
+def nearest_contained(
     c: Composition, kind: type[FrictionLaw], known: Mapping[str, Any]
 ) -> Iterator[Containment]:
     """Yield the laws with a name that are reached first; what these contain is theirs.

@@ -166,7 +166,8 @@ def forces_along(
             raise InputError(_refusal([path], changes=changes))
         moved[path] = values[path] + step
         expected += first
-        slope, low, high = first / step, ranges[path].low, ranges[path].high
+        slope, own = first / step, ranges[path]
+        low, high = own.low if own.above is None else max(own.low, own.above), own.high
         drives = bool(np.any(np.abs(first[:count]) > _rounding(first)[:count]))
         given = values[path] if drives else 0.0
         found[path] = Unknown(

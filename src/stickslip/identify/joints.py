@@ -16,17 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from stickslip.data import (
-    Checks,
-    Finding,
-    LawEstimates,
-    Measurement,
-    levels_at,
-    volts_sentence,
-)
+from stickslip.data import Checks, Finding, LawEstimates, Measurement, levels_at, volts_sentence
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, assigned
-from stickslip.identify.candidates import Candidate, Verdict, Wording, checked, in_sentence
+from stickslip.identify.candidates import Candidate, Verdict, Wording, in_sentence
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.fits import (
     JOINTS,
@@ -43,7 +36,7 @@ from stickslip.identify.problem import Array
 from stickslip.identify.problems.joints import JointRecords, Links, links_of
 from stickslip.identify.problems.record_signals import Record
 from stickslip.identify.problems.records import RecordsProblem, with_hold
-from stickslip.identify.selection import record_verdict, refined, restrict
+from stickslip.identify.selection import checked, record_verdict, refined, restrict
 from stickslip.identify.verdict import BandVerdict
 from stickslip.mechanisms import Axis, Mechanism, as_rotary
 from stickslip.quantities import parameters, vary

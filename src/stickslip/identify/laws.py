@@ -251,7 +251,7 @@ class _Composer:
         positive = [x for name, x in self.values.items() if name.endswith("_coefficient")]
         if lacks or any(np.any(x < 0.0) for x in positive):
             text = ""
-        text = text if _is_law(text) else ""
+        text = text if text and _is_law(text) else ""
         flow = next((name for name in ("power", "saturating", "viscous") if name in self.terms), "")
         return Composition(text=text, values=self.values, fixed=frozenset(self.fixed), flow=flow)
 
@@ -259,7 +259,7 @@ class _Composer:
 def _is_law(text: str) -> bool:
     """Return whether parts can stand together in a law."""
     try:
-        law_class(text or "nothing")
+        law_class(text)
     except InputError:
         return False
     return True

@@ -158,7 +158,8 @@ def laws_section(verdict: BandVerdict) -> Section:
         named = "Named is the law with the most evidence less its mean loss where another holds"
     rivals = " that have no more parameters" if dense else ""
     caption = (
-        f"{named}: it fits with few and usual parts. Laws within"
+        "Evidence: logarithm of how probable the measurement is if the law holds, less that of the"
+        f" best one. {named}: it fits with few and usual parts. Laws within"
         f" {math.log(THRESHOLDS.odds):.1f} of the most evidence{rivals} are not told apart. The"
         " band is made of all laws, by how well they predict, and of the curve as measured, which"
         f" always has {percent(judgement.problem.curve_share)} at least."

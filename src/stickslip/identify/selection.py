@@ -1,20 +1,29 @@
 """Selection: a measurement of each kind judged, with the verdict in words."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from stickslip.data import Checks, Measurement, speeds_in_order
-from stickslip.identify.advice import Proposal, propose
-from stickslip.identify.candidates import checked
+from stickslip.data import (
+    Checks,
+    Measurement,
+    check,
+    findings_text,
+    refuse_lack,
+    refuse_same,
+    refuse_unused,
+    speeds_in_order,
+)
+from stickslip.errors import InputError
+from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.ensemble import PredictionBand, band_of
-from stickslip.identify.fits import goes_straight, load_of, outlying, without_outliers
+from stickslip.identify.fits import goes_straight, inside, load_of, outlying, without_outliers
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
-from stickslip.identify.judge import Judgement
+from stickslip.identify.judge import Judgement, Proposal, propose
 from stickslip.identify.observer import Observer
 from stickslip.identify.problem import MEMORY, Array, Family
 from stickslip.identify.problems.record_signals import Record, records_of
@@ -25,7 +34,6 @@ from stickslip.identify.problems.records import (
     with_hold,
 )
 from stickslip.identify.problems.tables import TableProblem
-from stickslip.identify.requests import REMEMBERED, families_of
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.verdict import BandVerdict, verdict_on
 from stickslip.identify.wording import (
@@ -43,7 +51,38 @@ from stickslip.identify.wording import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 from stickslip.quantities import vary as with_values
-from stickslip.show.formatting import quantity
+from stickslip.show.formatting import joined, quantity
+
+
+def checked(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    validate: Measurement | None = None,
+    which: str = "This record",
+    *,
+    unknown: Sequence[str] = (),
+    conditions: Collection[str] = (),
+) -> Checks:
+    """Return what the record can tell; refuse one that cannot decide.
+
+    Parameters of the mechanism that are fitted are named, and conditions of trials that are used.
+    """
+    if validate is not None:
+        refuse_lack(measurement, validate, which="the second record")
+        refuse_unused(validate, inside(mechanism, validate))
+        refuse_same(measurement, validate)
+        checked(
+            mechanism,
+            validate,
+            which="The second record",
+            unknown=unknown,
+            conditions=conditions,
+        )
+    checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
+    if checks.worst == "error":
+        wrong = [one for one in checks.findings if one.severity == "error"]
+        raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
+    return checks
 
 
 def select_table(
@@ -328,3 +367,88 @@ def record_verdict(
         readings=count,
         remarks=(*remarks, *said, *of_volts(checks), *_remarks(problem, judgement, second, unit)),
     )
+
+
+# Laws that a user asks to compare, as families of terms.
+
+IGNORED = ("peak", "step")
+"""Optional parts: without a value for them, a law lacks them."""
+NAMES: Mapping[str, str] = {"weight[transmitted]": "gear"}
+"""Terms that are not called as the part is."""
+REMEMBERED = ("dahl", "lugre")
+"""Memories that records tell: they mark a family. The balance does not tell them apart, as the
+damping of bristles is hardly a part of it."""
+BOTH_WAYS: Mapping[str, str] = {
+    "level": "level_direction",
+    "stribeck": "stribeck_sides",
+    "viscous": "viscous_direction",
+}
+"""Terms that make a part differ by direction."""
+
+
+def family_of_law(law: FrictionLaw | type[FrictionLaw] | str, known: Collection[str]) -> Family:
+    """Return the terms of a law among those that a measurement can tell.
+
+    Examples
+    --------
+    >>> terms = ["level", "viscous", "stribeck"]
+    >>> family_of_law("stribeck", terms)
+    ('level', 'stribeck', 'viscous')
+    >>> family_of_law("dahl", terms)
+    Traceback (most recent call last):
+    stickslip.errors.InputError: Dahl friction cannot be compared on this measurement, ...
+    """
+    kind = law_type(law) if isinstance(law, str) else law
+    if kind.composition is None:
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, as it is no sum of"
+            f" parts: use stickslip.fit for its parameters. Compared can be {', '.join(known)} and"
+            " sums of these."
+        )
+    found: set[str] = set()
+    parts = [str(one) for one in kind.composition.parts()]
+    both = any(part.startswith("both_ways") for part in parts)
+    smooth = "tanh" in parts
+    unknown = []
+    inputs = [name.partition("[")[2].rstrip("]") for name in parts if name.startswith("linear[")]
+    for part in parts:
+        if part.startswith(("both_ways", "linear[")) or part in IGNORED:
+            continue
+        name = "tanh" if smooth and part == "level" else NAMES.get(part, part)
+        if name not in known:
+            unknown.append(part)
+            continue
+        found.add(name)
+        other = BOTH_WAYS.get(name) if both else None
+        if other == "level_direction" and other not in known:
+            other = "offset"  # under one load they are the same
+        if other is not None and other in known:
+            found.add(other)
+            found -= {"stribeck"} if other == "stribeck_sides" else set()
+    text = str(kind.composition)
+    for name in inputs:
+        for part in ("level", "viscous"):
+            if f"{part} * linear[{name}]" in text and f"{part}*{name}" in known:
+                found.add(f"{part}*{name}")
+    if unknown:
+        memory = [one for one in unknown if one in PARTS and PARTS[one].role == "memory"]
+        why = (
+            "tells the memories of Dahl and LuGre, and only in time: use stickslip.fit for its"
+            " parameters"
+            if memory
+            else f"is not explained by {joined(unknown)} here: use stickslip.fit for its parameters"
+        )
+        raise InputError(
+            f"{kind.title} friction cannot be compared on this measurement, which {why}. Compared"
+            f" can be {', '.join(known)} and sums of these."
+        )
+    return tuple(sorted(found))
+
+
+def families_of(
+    laws: Mapping[str, FrictionLaw] | Iterable[FrictionLaw | type[FrictionLaw] | str],
+    known: Collection[str],
+) -> tuple[Family, ...]:
+    """Return the families of laws, each once."""
+    given = laws.values() if isinstance(laws, Mapping) else laws
+    return tuple(dict.fromkeys(family_of_law(law, known) for law in given))

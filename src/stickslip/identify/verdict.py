@@ -2,16 +2,15 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.data import Checks, LawEstimates, Measurement, levels_at
+from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
 from stickslip.friction import PARTS, FrictionLaw, laws
-from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -23,17 +22,20 @@ from stickslip.identify.candidates import (
 from stickslip.identify.ensemble import PredictionBand, band_of
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import (
+    VARIES,
     Estimate,
     Fit,
     as_informed,
     as_loaded,
     estimates_for,
-    reads_as_forces,
+    inputs_text,
+    measured_loads,
+    typical_inputs,
 )
-from stickslip.identify.judge import Cause, Interval, Judgement
+from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
 from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
-from stickslip.identify.spans import same_span
+from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
     Words,
@@ -52,12 +54,14 @@ from stickslip.identify.wording import (
     phrase_of,
     second_sentence,
     tells_friction,
+    third_load_sentence,
     title_of,
     untold_sentence,
+    usual_sentence,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale
+from stickslip.show.formatting import Scale, joined
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -550,6 +554,7 @@ def verdict_on(
         )
         for one in order
     )
+    candidates = _told_apart(judgement, candidates)
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
@@ -570,8 +575,12 @@ def verdict_on(
         doubts.append(second_sentence(inside, readings))
     if {"load_exponent", "adhesion"} & {one.path for one in own}:
         doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
-    doubts += [*remarks, UNMEASURED]
+    doubts += [*_at_usual_inputs(first.fit), *remarks, UNMEASURED]
     advice = []
+    loads = np.unique(measured_loads(measurement))
+    loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
+    if len(loads) == 2 and {"load_exponent", "adhesion"} & {x for one in shown for x, _ in one}:
+        advice.append(third_load_sentence(loads))
     if proposal.places:
         by_speed = np.argsort(places, kind="stable")
         advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
@@ -607,6 +616,39 @@ def verdict_on(
     )
 
 
+def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
+    """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
+    usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
+    if not usual:
+        return
+    names = [one.path.rpartition(".")[2] for one in fit.estimates]
+    spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
+    covariance = fit.correlation * np.outer(spread, spread)
+    for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
+        for of, size in usual.items():
+            if {name, f"{part}_{of}_slope"} <= {*names}:
+                i, k = names.index(name), names.index(f"{part}_{of}_slope")
+                base, slope = fit.estimates[i].value, fit.estimates[k].value
+                change = np.array([1.0 + slope * size, base * size])
+                variance = change @ covariance[np.ix_([i, k], [i, k])] @ change
+                at = inputs_text({of: size}, turning=fit.measurement.turning)
+                half = 1.96 * float(np.sqrt(max(variance, 0.0)))
+                yield usual_sentence(fit.estimates[i], base * change[0], half, at)
+
+
+def _told_apart(
+    judgement: Judgement, candidates: Sequence[LawCandidate]
+) -> tuple[LawCandidate, ...]:
+    """Return candidates with titles of their own: those of one name with what they alone have."""
+    found, terms = [], judgement.problem.terms
+    for one in candidates:
+        alike = [set(other.family) for other in candidates if other.title == one.title]
+        shared = set.intersection(*alike)
+        own = [terms[name].title for name in one.family if name not in shared and name in terms]
+        found.append(replace(one, title=f"{one.title} ({joined(own)})") if own else one)
+    return tuple(found)
+
+
 def name_of(judgement: Judgement, structure: Structure) -> str:
     """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
     problem, fit = judgement.problem, judgement.ensemble.fit(structure)
@@ -616,7 +658,8 @@ def name_of(judgement: Judgement, structure: Structure) -> str:
         if name not in problem.always:
             of_law = name not in problem.terms or problem.terms[name].role == "law"
             (parts if of_law else beside).append(name)
-    return " + ".join([*(parts if law is None else [law.name]), *beside])
+    named = [law.name] if law is not None and parts else parts
+    return " + ".join([*named, *beside]) or "none"
 
 
 def groups_of(judgement: Judgement) -> list[list[str]]:
@@ -731,8 +774,8 @@ def _estimate(
     known = {path: q for path, q, _ in parameters(law, "friction")}
     known |= {path: q for path, q, _ in parameters(mechanism, "mechanism")}
     own = known.get(one.path) or RIG_QUANTITIES.get(name) or _usual_quantity(name)
-    forces = one.path.startswith("friction.") and reads_as_forces(mechanism, measurement)
-    unit = own.force_unit if forces else own.unit
+    per_load = levels_at(mechanism) == "per load" or tells_load(measurement)
+    unit = own.unit if per_load or not one.path.startswith("friction.") else own.force_unit
     if one.path.startswith("mechanism."):  # these say which other unit they have about an axis
         unit = own.or_unit if measurement.turning and own.or_unit else own.unit
     else:

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.friction import law as law_class
-from stickslip.identify.advice import Proposal
 from stickslip.identify.candidates import MOST, friction_of, in_sentence
 from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
-from stickslip.identify.judge import Cause, Judgement
+from stickslip.identify.judge import Cause, Judgement, Proposal
 from stickslip.identify.laws import RATIOS, TITLES
 from stickslip.identify.problem import ALIKE, Array, Structure, family_of
 from stickslip.identify.thresholds import THRESHOLDS
@@ -54,6 +53,10 @@ class Words:
     speed_unit: str
 
 
+NO_FRICTION = "No friction"
+"""Title of what holds no term of a law."""
+
+
 def title_of(judgement: Judgement, structure: Structure) -> str:
     """Return what the law of a structure is called.
 
@@ -61,12 +64,12 @@ def title_of(judgement: Judgement, structure: Structure) -> str:
     """
     fit = judgement.ensemble.fit(structure)
     composed = judgement.problem.composition(structure, fit.coefficients[None])
-    if composed.text:
+    terms = judgement.problem.terms
+    parts = [terms[name].title for name in family_of(structure) if terms[name].role == "law"]
+    # a law without parts is written as a level of 0, and has none
+    title = capital(" + ".join(parts)) or NO_FRICTION
+    if composed.text and parts:
         title = str(law_class(composed.text).title)
-    else:
-        terms = judgement.problem.terms
-        parts = [terms[name].title for name in family_of(structure) if terms[name].role == "law"]
-        title = capital(" + ".join(parts)) or "No friction"
     exponent = composed.rig.get("load_exponent")
     if exponent is not None and abs(float(exponent[0]) - 1.0) > 1e-9:
         title += f" with the load to the power {number(float(exponent[0]), 2)}"
@@ -80,7 +83,7 @@ def phrase_of(judgement: Judgement, structure: Structure) -> str:
     title = title_of(judgement, structure)
     fit = judgement.ensemble.fit(structure)
     composed = judgement.problem.composition(structure, fit.coefficients[None])
-    return friction_of(title) if composed.text else in_sentence(title)
+    return friction_of(title) if composed.text and title != NO_FRICTION else in_sentence(title)
 
 
 def beside_of(
@@ -224,7 +227,8 @@ def parameter_sentence(estimate: Estimate, other: Estimate, phrase: str) -> str:
     """Return an interval under the named law, and whichever law of the set has the parameter."""
     unit = estimate.quantity.unit
     value = with_unit(within(estimate.value, estimate.low, estimate.high), unit)
-    said = f"${estimate.quantity.symbol}$ = {value}: {estimate.range} if {phrase} holds"
+    own = interval(estimate.low, estimate.high)
+    said = f"${estimate.quantity.symbol}$ = {value}: {own} if {phrase} holds"
     if (other.low, other.high) != (estimate.low, estimate.high):
         said += f", {interval(other.low, other.high)} over all laws that have it"
     return f"{said}."
@@ -365,6 +369,23 @@ def advice_sentence(proposal: Proposal, places: Sequence[str]) -> str:
     if len(places) > len(counts):
         said += f", the most at {joined(named)}"
     return f"{said} (all are in verdict.json): {expected}."
+
+
+def third_load_sentence(loads: Array) -> str:
+    """Return which load to measure at where two (2,) [N] leave open how friction depends on it."""
+    between = quantity(float(np.sqrt(loads[0] * loads[1])), "N", 2)
+    return (
+        f"Measure at a third load, such as {between} or beyond both: two do not tell a power of the"
+        " load from a part of friction that no load changes."
+    )
+
+
+def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> str:
+    """Return what a parameter is at the usual value of an input, within half, and not at 0."""
+    value = with_unit(within(level, level - half, level + half), estimate.quantity.unit)
+    own = interval(level - half, level + half)
+    symbol = estimate.quantity.symbol
+    return f"In the law ${symbol}$ is that at 0; at {at}, the median, it is {value} ({own})."
 
 
 def load_sentence(load: float) -> str:

@@ -211,9 +211,11 @@ def within(value: float, low: float, high: float) -> str:
     ('0.255', '4.99997')
     >>> within(-2.26e-5, -3.33e-4, 2.88e-4), within(5.7312, 5.7312, math.inf)
     ('−0.00002', '5.73')
+    >>> within(759.0, -math.inf, math.inf)
+    'not identified'
     """
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        return significant(value)
+        return significant(value) if math.isfinite(max(low, -high)) else "not identified"
     place, digits = _shared(low, high)
     if digits:
         return significant(value, max(digits, 3))

@@ -22,6 +22,7 @@ from stickslip.data.measurement import (
     Measurement,
     condition_name,
 )
+from stickslip.mechanisms import Mechanism, load_stated
 from stickslip.show.formatting import count, lower_first, number, percent, quantities, quantity
 
 # Friction maps and single numbers: what they cover, how often, how surely.
@@ -162,6 +163,38 @@ def resting(record: Measurement) -> Iterator[Finding]:
         ),
         measure="Measure at speeds below the slowest, for long enough to slide" if slow else "",
         numbers={"readings": float(resting)},
+    )
+
+
+LARGEST: Final = 2.0
+"""Coefficients of friction hardly exceed this."""
+LEAST_LOAD: Final = 10.0
+"""Load [N] above which forces and coefficients are of different sizes."""
+SMALL: Final = 0.1
+"""Friction over load below which a coefficient is the likelier reading."""
+
+
+def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Doubt friction that is a small share of its load and of the size of a coefficient."""
+    if record.friction is None:
+        return
+    if record.load is None:
+        load = load_stated(mechanism, record.overrides)
+    else:
+        load = float(np.median(np.atleast_1d(record.values("load"))))
+    largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
+    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
+        return
+    most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
+    yield Finding(
+        kind="units",
+        severity="warning",
+        sentence=(
+            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
+            " the values are friction coefficients, state their unit as 1: they are then"
+            " multiplied by the load."
+        ),
+        numbers={"friction": largest, "load": load},
     )
 
 

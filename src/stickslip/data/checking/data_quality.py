@@ -346,7 +346,7 @@ def _record(
             yield from coverage.speeds(record)
             yield from signal_quality.plausible(record, None)
     if not grave:
-        yield from motion.coefficient(record, mechanism)
+        yield from coverage.coefficient(record, mechanism)
     if record.time is None:
         return
     yield from signal_quality.length(record.time)
@@ -421,15 +421,16 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     if mechanism is None:
         return
     try:
-        check_record(mechanism, record, record.name or "the record")
+        if record.overrides or record.initial:
+            check_record(mechanism, record, record.name or "the record")
     except InputError as error:
         yield Finding(kind="mechanism", severity="error", sentence=str(error))
+        return
+    if record.position is None:
         return
     if is_filmed(record) and cycle_or_none(vary(mechanism, PREFIX, record.overrides)) is not None:
         for sentence in other_drives(mechanism, record):
             yield Finding(kind="drive frequency", severity="error", sentence=sentence)
-    if record.position is None:
-        return
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
     # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.

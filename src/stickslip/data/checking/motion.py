@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from stickslip.data.checking.finding import OTHER_WAY, TURN, Finding, Severity
 from stickslip.data.differentiation import (
     CUTOFF,
+    PADDED,
     acceleration_of,
     are_steady_readings,
     between_gaps,
@@ -30,7 +31,7 @@ from stickslip.data.differentiation import (
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
-from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, load_stated, stops_of
+from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 from stickslip.show.formatting import count, number, percent, quantities, quantity
 
@@ -371,12 +372,6 @@ BOTH_WAYS: Final = 0.05
 """Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
 ONE_SINE: Final = 0.95
 """Correlation from which acceleration and displacement are one, as those of a single sine."""
-LARGEST: Final = 2.0
-"""Coefficients of friction hardly exceed this."""
-LEAST_LOAD: Final = 10.0
-"""Load [N] above which forces and coefficients are of different sizes."""
-SMALL: Final = 0.1
-"""Friction over load below which a coefficient is the likelier reading."""
 
 
 def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
@@ -418,30 +413,6 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
             f" {TURN}), and which quantity each column holds."
         ),
         numbers={"inertia": float(found[0]), "work": work, "explained": explained},
-    )
-
-
-def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Doubt friction that is a small share of its load and of the size of a coefficient."""
-    if record.friction is None:
-        return
-    if record.load is None:
-        load = load_stated(mechanism, record.overrides)
-    else:
-        load = float(np.median(np.atleast_1d(record.values("load"))))
-    largest = float(np.abs(np.atleast_1d(record.values("friction"))).max())
-    if load is None or load <= LEAST_LOAD or not 0.0 < largest < min(LARGEST, SMALL * load):
-        return
-    most, pressed = quantity(largest, record.unit("friction")), quantity(load, "N")
-    yield Finding(
-        kind="units",
-        severity="warning",
-        sentence=(
-            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
-            " the values are friction coefficients, state their unit as 1: they are then"
-            " multiplied by the load."
-        ),
-        numbers={"friction": largest, "load": load},
     )
 
 
@@ -717,6 +688,8 @@ def swing_of(record: Measurement) -> Swing | None:
     >>> round(found.stiffness), round(found.rest, 2)
     (16, 0.2)
     """
+    from scipy.interpolate import make_interp_spline
+
     free = _undriven(record)
     driven = record.turning and "force" in record.quantities() and record.time is not None
     if record.trials or record.joints or not (free or driven):
@@ -726,15 +699,18 @@ def swing_of(record: Measurement) -> Swing | None:
         return None
     if free and _turned(moving) <= GAINED:
         return None
-    x, a = _positions(record), acceleration_of(record)
+    x, t = _positions(record), moving.time
+    # Both sides through one low pass, without the ends, beyond which it guesses the motion.
+    inner = slice(*np.array([1, -1]) * min(round(PADDED / CUTOFF), x.size // 4))
+    a = make_interp_spline(t, smooth(t, x), k=5).derivative(2)(t)[inner]
     pulls = [np.sin(x), np.cos(x)] if record.turning else [x, np.ones_like(x)]
     beside = [moving.velocity / moving.fastest, moving.directions]
     if not free:
         beside += [np.asarray(record.values("force")), np.ones_like(x)]
-    first, second, *others = np.linalg.lstsq(np.stack([*pulls, *beside], axis=1), a, rcond=None)[0]
-    left = a - np.stack([*pulls, *beside], axis=1) @ np.array([first, second, *others])
-    plain = np.stack(beside, axis=1)
-    without = a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
+    table = np.stack([smooth(t, one)[inner] for one in (*pulls, *beside)], axis=1)
+    found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
+    first, second, *others = found
+    left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
     if float(left @ left) > (1.0 - EXPLAINED_FOR_FACTOR) * float(without @ without):
         return None
     if not record.turning:

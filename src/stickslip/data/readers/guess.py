@@ -389,11 +389,12 @@ def guess_data(
     gains: dict[str, float | str] = {
         q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
     }
-    assumed_gains = {*gains, *(["friction"] if by_current and motor_constant is None else [])}
+    assumed_gains = {*gains}
+    scale = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
     if by_current:
         known["friction"] = found["friction"].unit or "A"
         found["friction"] = replace(found["friction"], unit=known["friction"])
-        gains["friction"] = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
+        gains["friction"] = scale
     registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
     if servo is not None:
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
@@ -402,16 +403,10 @@ def guess_data(
     if pressed:
         gains.setdefault("load", -1.0)
     reasons |= {q: column_text(one, given.get(q, one.name)) for q, one in found.items()}
-    reasons |= {"motor constant": f"{gains['friction']}, of the friction"} if by_current else {}
     if times is not None:
         reasons["time"] += rate_text(times)
-    constant = ""
-    if "current" in found:
-        unit = "N m/A" if turning else "N/A"
-        constant = f"1 {unit}" if motor_constant is None else _with_unit(motor_constant, unit)
-        reasons["motor constant"] = (
-            f"{constant}, {'assumed' if motor_constant is None else 'as given'}"
-        )
+    if by_current or "current" in found:
+        reasons["motor constant"] = f"{scale}, as given" if motor_constant else "not in the file"
     reasons["motion"] = "about an axis" if turning else "along a line"
     repair = repairs_of(frame, found, times, trial)
     if repair:
@@ -431,7 +426,7 @@ def guess_data(
         gain=gains | dict(gain or {}),
         assumed=tuple(q for q in gains if q in assumed_gains - {*registers, *(gain or {})}),
         conditions=conditions,
-        motor_constant=constant,
+        motor_constant=scale if "current" in found else "",
         repair=repair,
         turning=turning,
         reasons=reasons,
@@ -1500,9 +1495,9 @@ def _scale_doubt(turning: bool) -> str:
     """Return that a motor constant is assumed."""
     unit = "N m/A" if turning else "N/A"
     return (
-        f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
-        f" 1 {unit} is assumed, so that forces and the mass are in a scale of their own. Give"
-        f" that of the data sheet times the gear ratio, as --motor-constant '0.12 {unit}'."
+        f"The file has a current and no {'torque' if turning else 'force'}: the rig file has a"
+        " question mark for the motor constant. Give that of the data sheet times the gear ratio,"
+        f" as --motor-constant '0.12 {unit}'."
     )
 
 

@@ -448,6 +448,6 @@ def _doubts(
         )
     if current:
         yield (
-            f"{joined(current)}: a motor constant of 1 N m/A is assumed. Replace it by that of the"
-            " data sheet, times the gear ratio."
+            f"{joined(current)}: the rig file has a question mark for the motor constant. Give that"
+            " of the data sheet, times the gear ratio."
         )

@@ -118,7 +118,7 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
         yield f"# The {what} is not in the file. It is fitted; the search begins at this value."
         yield f'# If it is known, write it without vary: inertia = "{example}"'
         if guess.motor_constant and not _is_stated(guess):
-            yield "# It goes with the motor constant below: change both by the same factor."
+            yield "# With a motor constant of 1 it is this: multiply it by the constant below."
         yield f'inertia = {{ value = "{inertia:.2g} {unit}", vary = true }}'
     else:
         yield f"# assumed: the file cannot tell the {what}."
@@ -138,14 +138,15 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
     yield "[mechanism]"
     if not guess.turning:
         yield 'type = "axis"  # a mass on a spring, as it swings by itself'
-        yield "# assumed: the file cannot tell the mass; the stiffness goes with it."
-        yield 'inertia = "1 kg"'
-        yield f'stiffness = "{swing.stiffness:.4g} N/m"  # it swings at {frequency}'
+        yield f"# The file cannot tell the mass. It swings at {frequency}: for each kg of mass"
+        yield f"# the stiffness is {swing.stiffness:.4g} N/m, and friction is found in proportion."
+        yield 'inertia = "? kg"'
+        yield 'stiffness = "? N/m"'
     elif swing.inertia is None:
         length = GRAVITY / swing.stiffness
         yield 'type = "pendulum"  # assumed, as it swings by itself; on a spring it is an "axis"'
         yield f'# with stiffness = "{swing.stiffness:.3g} N m/rad" for each kg m^2 of its inertia.'
-        yield 'mass = "1 kg"  # assumed: a free motion tells friction over the mass only'
+        yield 'mass = "? kg"  # a free motion tells friction over the mass only'
         yield f"# From the axis to the centre of mass, if all of it is there: {frequency} in small"
         yield "# swings. Else give the true length, and as inertia that about the centre of mass,"
         yield f"# mass * length * ({length:.3g} m - length)."
@@ -213,15 +214,14 @@ def data_options(guess: Guess) -> Iterator[str]:
         yield f"conditions = {_toml(list(guess.conditions))}"
     yield from _entries("units", guess.units)
     if guess.motor_constant:
-        cure = "assumed: replace it by that of the data sheet, times the gear ratio"
         given = guess.motor_constant
-        text = _toml(given) if isinstance(given, str) else _inline(given)
-        yield f"motor_constant = {text}" + ("" if _is_stated(guess) else f"  # {cure}")
+        text = _left_open(guess, _toml(given) if isinstance(given, str) else _inline(given))
+        yield f"motor_constant = {text}  # that of the data sheet, times the gear ratio"
     if guess.gain:
         assumed = [name for name in guess.gain if name in guess.assumed]
         which = f"{joined(assumed)} " if len(assumed) < len(guess.gain) else ""
         cure = f"  # {which}assumed: replace it by the sensitivity of the sensor, or of the encoder"
-        yield f"gain = {_inline(guess.gain)}{cure if assumed else ''}"
+        yield f"gain = {_left_open(guess, _inline(guess.gain))}{cure if assumed else ''}"
     if guess.layout is not None and guess.layout != Layout():
         yield ""
         yield "[data.layout]"
@@ -229,6 +229,11 @@ def data_options(guess: Guess) -> Iterator[str]:
             value = getattr(guess.layout, one.name)
             if value != one.default:
                 yield f"{one.name} = {_toml(value)}"
+
+
+def _left_open(guess: Guess, text: str) -> str:
+    """Return a text with question marks for motor constants that were 1 to look at the file."""
+    return text if _is_stated(guess) else re.sub(r'"1 (N( m)?/A)"', r'"? \1"', text)
 
 
 def _is_stated(guess: Guess) -> bool:

@@ -11,12 +11,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stickslip.data.estimates import LawEstimates, levels_at
+from stickslip.data.estimates import LawEstimates
 from stickslip.data.measurement import (
     QUANTITIES,
     TRAVELS,
     Measurement,
     as_turning,
+    levels_at,
     quantity_called,
     tells_load,
 )
@@ -189,7 +190,7 @@ def _refuse_open(raw: Mapping[str, Any], file: str) -> None:
     if left:
         raise ParameterError(
             f"{file} has a question mark in place of {len(left)} value{'s' * (len(left) > 1)}:"
-            f" {', '.join(left)}. Replace each by a number, or give it with --set."
+            f" {', '.join(left)}. Replace each by a number; --set gives those of the mechanism."
         )
 
 

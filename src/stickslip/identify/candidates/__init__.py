@@ -26,7 +26,6 @@ INSIDE = {
     "as_good": "choice",
     "check_any": "candidates",
     "check_apart": "candidates",
-    "checked": "candidates",
     "choose": "choice",
     "corrections": "verdict",
     "effective_aic": "choice",

@@ -3,7 +3,6 @@ from stickslip.identify.candidates.candidates import LEFT_OUT as LEFT_OUT
 from stickslip.identify.candidates.candidates import Watch as Watch
 from stickslip.identify.candidates.candidates import check_any as check_any
 from stickslip.identify.candidates.candidates import check_apart as check_apart
-from stickslip.identify.candidates.candidates import checked as checked
 from stickslip.identify.candidates.candidates import fitted_side_by_side as fitted_side_by_side
 from stickslip.identify.candidates.candidates import specifications as specifications
 from stickslip.identify.candidates.candidates import watched as watched

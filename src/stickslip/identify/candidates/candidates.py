@@ -10,15 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
-from stickslip.data import (
-    Checks,
-    Measurement,
-    check,
-    findings_text,
-    refuse_lack,
-    refuse_same,
-    refuse_unused,
-)
 from stickslip.errors import InputError
 from stickslip.friction import (
     CandidateSpec,
@@ -26,8 +17,6 @@ from stickslip.friction import (
     specification,
     usual_specifications,
 )
-from stickslip.identify.fits import inside
-from stickslip.mechanisms import Mechanism
 
 LEFT_OUT = "skipped: the search was stopped"
 """Why a candidate has no fit whose turn did not come."""
@@ -40,37 +29,6 @@ was compared on other blocks than the rest could not be ranked.
 """
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
-
-
-def checked(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    validate: Measurement | None = None,
-    which: str = "This record",
-    *,
-    unknown: Sequence[str] = (),
-    conditions: Collection[str] = (),
-) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide.
-
-    Parameters of the mechanism that are fitted are named, and conditions of trials that are used.
-    """
-    if validate is not None:
-        refuse_lack(measurement, validate, which="the second record")
-        refuse_unused(validate, inside(mechanism, validate))
-        refuse_same(measurement, validate)
-        checked(
-            mechanism,
-            validate,
-            which="The second record",
-            unknown=unknown,
-            conditions=conditions,
-        )
-    checks = check(measurement, mechanism=mechanism, vary=unknown, conditions=conditions)
-    if checks.worst == "error":
-        wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
-    return checks
 
 
 def specifications(

@@ -1,10 +1,15 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identify.fits.contact_inputs import VARIES as VARIES
 from stickslip.identify.fits.contact_inputs import as_informed as as_informed
+from stickslip.identify.fits.contact_inputs import as_loaded as as_loaded
 from stickslip.identify.fits.contact_inputs import check_inputs as check_inputs
 from stickslip.identify.fits.contact_inputs import inputs_text as inputs_text
 from stickslip.identify.fits.contact_inputs import joint_inputs as joint_inputs
 from stickslip.identify.fits.contact_inputs import known_inputs as known_inputs
+from stickslip.identify.fits.contact_inputs import load_of as load_of
+from stickslip.identify.fits.contact_inputs import measured_loads as measured_loads
 from stickslip.identify.fits.contact_inputs import recorded_inputs as recorded_inputs
+from stickslip.identify.fits.contact_inputs import typical_inputs as typical_inputs
 from stickslip.identify.fits.contact_inputs import usual_values as usual_values
 from stickslip.identify.fits.contact_inputs import with_inputs as with_inputs
 from stickslip.identify.fits.estimation.estimates import bounds_met as bounds_met
@@ -23,7 +28,6 @@ from stickslip.identify.fits.estimation.levenberg_marquardt import improve as im
 from stickslip.identify.fits.estimation.levenberg_marquardt import search as search
 from stickslip.identify.fits.estimation.parameters import FreeParameter as FreeParameter
 from stickslip.identify.fits.estimation.parameters import FreeParameters as FreeParameters
-from stickslip.identify.fits.estimation.parameters import reads_as_forces as reads_as_forces
 from stickslip.identify.fits.estimation.parameters import required_of as required_of
 from stickslip.identify.fits.estimation.parameters import starting_law as starting_law
 from stickslip.identify.fits.estimation.parameters import told as told
@@ -71,8 +75,6 @@ from stickslip.identify.fits.series.applied_force import inside as inside
 from stickslip.identify.fits.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identify.fits.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identify.fits.series.inverse_dynamics import known_forces as known_forces
-from stickslip.identify.fits.series.measured_load import as_loaded as as_loaded
-from stickslip.identify.fits.series.start_values import load_of as load_of
 from stickslip.identify.fits.settings import ROUNDING as ROUNDING
 from stickslip.identify.fits.settings import RecordSettings as RecordSettings
 from stickslip.identify.fits.shooting.segments import segments_of as segments_of
@@ -114,6 +116,7 @@ __all__ = [
     "Score",
     "TrialComparison",
     "compare_trials",
+    "drives_itself",
     "durations",
     "fit_joints",
     "fit_records",

@@ -1,8 +1,9 @@
-"""Contact inputs of records: told by the mechanism, a column, or a condition of the trial."""
+"""Load and contact inputs of records: of the mechanism, a column, or a condition of the trial."""
 
 import math
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from stickslip.mechanisms import (
     given_inputs,
     given_names,
     input_names,
+    normal_of,
     of_contact,
     only_contact,
     slip_of,
@@ -27,12 +29,15 @@ from stickslip.mechanisms import (
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, DRIVES
 from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import parameters, vary
-from stickslip.show.formatting import joined, quantity, span
+from stickslip.show.formatting import joined, number, quantity, span
 
 Array = NDArray[np.float64]
 
 WEIGHTS = ("external", "gravity")
 """Inputs that fall where a joint takes more force; what a gear transmits grows."""
+LOAD = "mechanism.load"
+VARIES = 0.05
+"""Range of a load, its outer twentieths left out, over its median, beyond which it varies."""
 
 
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
@@ -451,3 +456,123 @@ def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
             for name, value in inputs.items()
         ]
     )
+
+
+def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
+    """Return a measurement with each measured load as an override of the mechanism's.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], load=5.0)
+    >>> loaded(Axis(inertia=1.0), record).overrides
+    {'mechanism.load': 5.0}
+    """
+    if "load" not in measurement.quantities():
+        return measurement
+    records = tuple(_with_load(mechanism, record) for record in measurement.records())
+    return replace(measurement, trials=records) if measurement.trials else records[0]
+
+
+def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism, str]:
+    """Return a mechanism under the load that was measured, and what is to be said of it.
+
+    It is that of simulations to come: coefficients that were found under one load are those of
+    another friction under another.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.4], load=[4.9, 5.1])
+    >>> axis, said = as_loaded(Axis(inertia=1.0), table)
+    >>> axis.load, said
+    (5.0, '')
+    """
+    loads = measured_loads(measurement)
+    if not len(loads):
+        return mechanism, ""
+    low, middle, high = np.percentile(loads, [5.0, 50.0, 95.0])
+    varies = high - low > VARIES * middle
+    usual = float(middle if varies else np.mean(loads))
+    span = f"{number(float(loads.min()))} to {number(float(loads.max()))} N"
+    if "load" not in mechanism.__dataclass_fields__:
+        own = load_of(mechanism)
+        if not varies and abs(own - usual) <= VARIES * usual:
+            return mechanism, ""
+        return mechanism, (
+            f"The load was measured, {span if varies else f'{number(usual)} N'}; here it follows"
+            f" from the parameters of {type(mechanism).__name__}, {number(own)} N."
+        )
+    said = f"The load was measured and varies, {span}: here it is the median." if varies else ""
+    return vary(mechanism, "mechanism", {LOAD: usual}), said
+
+
+def measured_loads(measurement: Measurement) -> Array:
+    """Return the loads [N] of all records, measured or set, one for each sample of those.
+
+    Examples
+    --------
+    >>> measured_loads(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.4], load=[4.9, 5.1]))
+    array([4.9, 5.1])
+    """
+    found = [np.zeros(0)]
+    for one in measurement.records():
+        if "load" in one.quantities():
+            found.append(np.atleast_1d(np.asarray(one.values("load"), dtype=float)))
+        elif LOAD in one.overrides:
+            found.append(np.array([one.overrides[LOAD]]))
+    return np.concatenate(found)
+
+
+def _with_load(mechanism: Mechanism, record: Measurement) -> Measurement:
+    if "load" not in record.quantities():
+        return record
+    label = f"record {record.name!r}" if record.name else "the record"
+    values = np.atleast_1d(np.asarray(record.values("load")))
+    low, high = float(values.min()), float(values.max())
+    if low != high:
+        raise InputError(
+            f"the load of {label} changes from {quantity(low, 'N', 4)} to"
+            f" {quantity(high, 'N', 4)}, and simulated segments"
+            ' take one load: fit with route="inverse-dynamics", or "force-map" where friction was'
+            " measured, or leave the load out."
+        )
+    if low <= 0.0:
+        raise InputError(f"the load of {label} must be above 0 N, got {quantity(low, 'N', 4)}.")
+    kind = type(mechanism).__name__
+    if "load" not in mechanism.__dataclass_fields__:
+        raise InputError(
+            f"the load of {label} was measured, {quantity(low, 'N', 4)}, and that of {kind}"
+            " follows from its"
+            " own parameters: leave the load out, or use a mechanism with a load, such as Axis."
+        )
+    if record.overrides.get(LOAD, low) != low:
+        raise InputError(
+            f"the load of {label} is given twice: {quantity(low, 'N', 4)} measured, and"
+            f" {quantity(record.overrides[LOAD], 'N', 4)} in overrides. Leave one out."
+        )
+    return replace(
+        record,
+        load=None,
+        offset={name: value for name, value in record.offset.items() if name != "load"},
+        overrides={**record.overrides, LOAD: low},
+    )
+
+
+def load_of(mechanism: Mechanism) -> float:
+    """Return the normal force at the contact [N] where that is a constant."""
+    normal = normal_of(mechanism)
+    load: float | None = only_contact(mechanism).load
+    if normal is not None:  # what its coordinate is pressed down with at rest
+        h = 1e-6
+        up, down = (
+            mechanism.potential_energy(0.0, defaultdict(float, {normal: side * h}))
+            for side in (1.0, -1.0)
+        )
+        load = (up - down) / (2.0 * h)
+    if load is None or load <= 0.0:
+        raise InputError(
+            f"start values need a constant normal force above 0 N, and"
+            f" {type(mechanism).__name__} has {load!r}."
+        )
+    return float(load)

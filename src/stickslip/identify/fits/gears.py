@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
-from stickslip.identify.fits.contact_inputs import inputs_along
+from stickslip.identify.fits.contact_inputs import VARIES, inputs_along
 from stickslip.identify.fits.force_map.data import smoothed
 from stickslip.identify.fits.force_map.force_balance import (
     PATH,
@@ -25,7 +25,6 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     known_forces,
     positions_of,
 )
-from stickslip.identify.fits.series.measured_load import VARIES
 from stickslip.identify.fits.settings import ROUNDS, SETTLED
 from stickslip.mechanisms import Mechanism, input_names
 from stickslip.quantities import vary

@@ -149,7 +149,7 @@ class Estimate(metaclass=Described):
             return EstimateText(within(self.value, self.low, self.high), f"({self.range})")
         if self.bounded:
             return estimate_text(self.value, self.half_width)
-        return EstimateText(number(self.value), "not bounded")
+        return EstimateText(within(self.value, self.low, self.high), "not bounded")
 
     @property
     def plus_minus(self) -> str:

@@ -713,7 +713,7 @@ def compare_trials(
 
 
 def _refuse(measurement: Measurement) -> None:
-    if measurement.travelled or measurement.only_spring_force:
+    if measurement.content in ("travels", "spring force"):
         raise InputError(NOT_ALONE)
     records = measurement.records()
     if len(records) < 2:

@@ -19,12 +19,10 @@ class JointKind(Kind[RecordFit[Any], JointVerdict]):
 
     routes = (JOINTS,)
     measured = "records of several joints"
+    content = "joints"
     uses = frozenset({"validate"})
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
-
-    def serves(self, measurement: Measurement) -> bool:
-        return bool(measurement.joint_names())
 
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
         return [*measurement.joint_names()]

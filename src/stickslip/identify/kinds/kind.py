@@ -311,6 +311,8 @@ class Kind(ABC, Generic[F, V]):
     """Ways to fit, which ``route=`` may ask for; each fit and verdict says one of these."""
     measured: ClassVar[str]
     """What was measured, in the plural, such as ``"travels"``."""
+    content: ClassVar[str] = ""
+    """What `Measurement.content` says of one of this kind, where `serves` is the usual one."""
     uses: ClassVar[frozenset[str]]
     """Names of the `OPTIONS` that are used."""
     settings: ClassVar[frozenset[str]] = frozenset()
@@ -351,9 +353,9 @@ class Kind(ABC, Generic[F, V]):
         if cls.settings:
             cls.uses |= {"settings"}
 
-    @abstractmethod
     def serves(self, measurement: Measurement) -> bool:
         """Whether a measurement is of this kind, where nobody asks for a route."""
+        return measurement.content == self.content
 
     def reads(self, measurement: Measurement) -> bool:
         """Whether another measurement is read as one of this kind where its route is asked for."""

@@ -29,9 +29,10 @@ from stickslip.identify.fits import (
     route_of,
 )
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
+from stickslip.identify.laws import TITLES
 from stickslip.quantities import turned
 from stickslip.show import formatting
-from stickslip.show.formatting import NO_VALUE, joined, percent
+from stickslip.show.formatting import NO_VALUE, capital, joined, percent
 from stickslip.show.report import Origin, SectionMaker
 
 WITHOUT_EFFECT = {
@@ -139,6 +140,9 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ]
             for one in verdict.candidates
         ]
+        curve = verdict.judgement.held_out_error(verdict.judgement.comparison.curve)
+        error = score_text(scale, curve).value
+        rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
         assert closest.fit is not None
         return Comparison(
             heads=[
@@ -183,12 +187,10 @@ class RecordKind(BandKind):
 
     routes = (BALANCE, *ROUTES)
     measured = "records of motion or friction"
+    content = "records"
     uses = frozenset({"route", "validate", "horizon"})
     settings = frozenset(field.name for field in fields(RecordSettings))
     compared = frozenset({"hold"})
-
-    def serves(self, measurement: Measurement) -> bool:
-        return not measurement.travelled
 
     def select(self, request: Request) -> BandVerdict:
         chosen = Parameters.of(
@@ -266,10 +268,8 @@ class FrictionTableKind(BandKind):
 
     routes = ("table", FORCE_MAP)
     measured = "tables of friction"
+    content = "tables"
     settings = frozenset(field.name for field in fields(RecordSettings)) - WITHOUT_EFFECT[FORCE_MAP]
-
-    def serves(self, measurement: Measurement) -> bool:
-        return all(one.kind == "friction-map" for one in measurement.records())
 
     def why_unused(self, name: str, request: Request) -> str:
         if name == "route" and request.route and not self.serves(request.measurement):

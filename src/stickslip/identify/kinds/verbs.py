@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
 
 from stickslip.data import Measurement, as_turning
-from stickslip.engine.executors import threads
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import (
@@ -285,7 +284,6 @@ def select(
 
 def _one_thread() -> AbstractContextManager[object]:
     """Keep linear algebra to one thread: of thin matrices, others would wait for each other."""
-    threads()  # refuses what the environment says before the work begins
     limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
     return limits
 

@@ -15,7 +15,6 @@ from stickslip.identify.candidates import (
     CrossValidation,
     Wording,
     as_good,
-    checked,
     choose,
     errs_more,
     friction_of,
@@ -27,6 +26,7 @@ from stickslip.identify.candidates import (
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds import Kind, Request
 from stickslip.identify.kinds.kind import SeveralLaws
+from stickslip.identify.selection import checked
 from stickslip.show.formatting import joined, quantity, with_unit
 
 from .fit import DURATION, SlideFit, fit_slides, problem_of

@@ -1,7 +1,7 @@
 """Estimates with their doubt, and what a record cannot tell, in words."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,16 +151,14 @@ def sentences_of(
         if estimate.reason and not estimate.quantity.nuisance
     ]
     for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
-        if path not in at_bounds and low <= 0.0:
+        if path not in at_bounds and low <= 0.0 and math.isfinite(high - low):
             item = free_parameters.items[free_parameters.paths.index(path)]
-            bounds = (
-                f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
-            )
             lines.append(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
-                f" from 0: {with_unit(step, item)}{bounds}."
+                f" from 0: {with_unit(step, item)}, interval {number(low)} to {number(high)}."
             )
-    lines += _together(free_parameters, inference, at_bounds)
+    known = {one.path for one in estimates if one.bounded and one.path not in at_bounds}
+    lines += _together(free_parameters, inference, known)
     if inference.condition > SEPARABLE:
         symbols = ", ".join(_inseparable(free_parameters, jacobian))
         lines.append(
@@ -203,16 +201,14 @@ def offset_left_out(
     )
 
 
-def _together(
-    free_parameters: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
-) -> list[str]:
-    """Return sentences on pairs of estimates that move together."""
+def _together(free_parameters: FreeParameters, inference: Inference, known: Set[str]) -> list[str]:
+    """Return sentences on pairs of estimates that move together, of those that are identified."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
     table = inference.of_record.correlation
     for i, one in enumerate(free_parameters.items):
         for j, other in enumerate(free_parameters.items[:i]):
-            free = one.path not in at_bounds and other.path not in at_bounds
+            free = one.path in known and other.path in known
             told = not (one.quantity.nuisance or other.quantity.nuisance)
             if free and told and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(

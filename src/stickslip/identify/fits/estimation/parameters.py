@@ -331,23 +331,6 @@ class FreeParameters:
         return (self.known or {})[item.above]
 
 
-def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
-    """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
-    >>> (
-    ...     reads_as_forces(Axis(inertia=1.0), table),
-    ...     reads_as_forces(Axis(inertia=1.0, load=5.0), table),
-    ... )
-    (True, False)
-    """
-    unit_load = levels_at(mechanism) != "per load"
-    return unit_load and not tells_load(measurement)
-
-
 def in_forces(
     free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
@@ -368,7 +351,7 @@ def in_forces(
     >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
     'N'
     """
-    if not reads_as_forces(mechanism, measurement):
+    if levels_at(mechanism) == "per load" or tells_load(measurement):
         return free_parameters
     return replace(free_parameters, items=tuple(_in_forces(free_parameters.items)))
 

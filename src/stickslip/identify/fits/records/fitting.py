@@ -21,6 +21,7 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identify.fits.contact_inputs import (
     as_informed,
+    as_loaded,
     check_inputs,
     recorded_inputs,
     unvaried,
@@ -59,7 +60,6 @@ from stickslip.identify.fits.records.problems import (
 from stickslip.identify.fits.results import Estimate
 from stickslip.identify.fits.rig_uncertainties import span_of, uncertainties_of
 from stickslip.identify.fits.series.applied_force import driven, drives_itself, inside
-from stickslip.identify.fits.series.measured_load import as_loaded
 from stickslip.identify.fits.settings import SEGMENT, RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import Shooting
 from stickslip.identify.fits.validation import LAW, Parameters

@@ -13,7 +13,7 @@ from typing_extensions import TypeVar
 from stickslip.data import Measurement
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits.contact_inputs import check_inputs
+from stickslip.identify.fits.contact_inputs import as_loaded, check_inputs, loaded
 from stickslip.identify.fits.estimation.levenberg_marquardt import improve
 from stickslip.identify.fits.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identify.fits.estimation.problem import RecordProblem
@@ -43,7 +43,6 @@ from stickslip.identify.fits.records.scanning import (
 )
 from stickslip.identify.fits.series.applied_force import drives_itself
 from stickslip.identify.fits.series.inverse_dynamics import is_mass, mass_of, positions_of
-from stickslip.identify.fits.series.measured_load import as_loaded, loaded
 from stickslip.identify.fits.series.start_values import (
     inertia_of,
     mechanism_unknown,

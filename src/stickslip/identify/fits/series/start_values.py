@@ -1,6 +1,5 @@
 """Where fits to records begin: values and bounds of every unknown, from the record itself."""
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +14,7 @@ from stickslip.identify.fits.series.inverse_dynamics import (
     inverse_dynamics,
     mass_of,
 )
-from stickslip.mechanisms import Mechanism, normal_of, only_contact
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.show.formatting import number
 
@@ -101,25 +100,6 @@ def _says_little(found: InverseDynamics) -> bool:
         return False
     level = min(found[name] for name in found.names if name.startswith("level"))
     return level > MOST * float(np.std(found.friction))
-
-
-def load_of(mechanism: Mechanism) -> float:
-    """Return the normal force at the contact [N] where that is a constant."""
-    normal = normal_of(mechanism)
-    load: float | None = only_contact(mechanism).load
-    if normal is not None:  # what its coordinate is pressed down with at rest
-        h = 1e-6
-        up, down = (
-            mechanism.potential_energy(0.0, defaultdict(float, {normal: side * h}))
-            for side in (1.0, -1.0)
-        )
-        load = (up - down) / (2.0 * h)
-    if load is None or load <= 0.0:
-        raise InputError(
-            f"start values need a constant normal force above 0 N, and"
-            f" {type(mechanism).__name__} has {load!r}."
-        )
-    return float(load)
 
 
 def mechanism_unknown(path: str, quantity: Quantity, start: float, level: float) -> FreeParameter:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip.data import LoopSamples, Measurement, as_recorded, interval_of, loop_samples
 from stickslip.errors import InputError, ParameterError
-from stickslip.identify.fits.contact_inputs import with_inputs
+from stickslip.identify.fits.contact_inputs import loaded, with_inputs
 from stickslip.identify.fits.series.applied_force import (
     applied_force,
     driven,
@@ -16,7 +16,6 @@ from stickslip.identify.fits.series.applied_force import (
     goes_straight,
     inside,
 )
-from stickslip.identify.fits.series.measured_load import loaded
 from stickslip.identify.fits.settings import LEAST, RESOLUTION, SEGMENT, Hold, RecordSettings
 from stickslip.identify.fits.shooting.multiple_shooting import FIRST, Segment
 from stickslip.identify.fits.shooting.sampled_loops import LoopInSegment

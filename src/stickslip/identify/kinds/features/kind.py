@@ -24,11 +24,9 @@ class FeatureKind(Kind[FeatureFit, FeatureVerdict]):
 
     routes = (FEATURES,)
     measured = "the force of a spring"
+    content = "spring force"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"seed"})
-
-    def serves(self, measurement: Measurement) -> bool:
-        return measurement.only_spring_force
 
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return [one.name for one in feature_laws(laws)]

@@ -11,14 +11,7 @@ import numpy as np
 from stickslip.data import Checks, Measurement
 from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.friction import CandidateSpec, Coulomb, FrictionLaw, LuGre, Stribeck
-from stickslip.identify.candidates import (
-    LEFT_OUT,
-    MOST,
-    Watch,
-    checked,
-    fitted_side_by_side,
-    specifications,
-)
+from stickslip.identify.candidates import LEFT_OUT, MOST, Watch, fitted_side_by_side, specifications
 from stickslip.identify.fits import LAW, Estimate, Parameters, RecordSettings
 from stickslip.identify.kinds.features.features import (
     COMPARED,
@@ -38,6 +31,7 @@ from stickslip.identify.kinds.features.result import (
 )
 from stickslip.identify.kinds.features.verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
 from stickslip.identify.kinds.features.wording import feature_wording, outcomes
+from stickslip.identify.selection import checked
 from stickslip.mechanisms import Mechanism
 from stickslip.show.formatting import joined, ratio, signed_percent
 

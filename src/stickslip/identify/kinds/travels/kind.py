@@ -22,12 +22,10 @@ class TravelKind(Kind[TravelFit, TravelVerdict]):
 
     routes = ("travel",)
     measured = "travels"
+    content = "travels"
     uses = frozenset({"assumed", "t_end"})
     has_criteria = True
     counts_runs = True
-
-    def serves(self, measurement: Measurement) -> bool:
-        return bool(measurement.travelled)
 
     def reads(self, measurement: Measurement) -> bool:
         return is_filmed(measurement)

@@ -8,7 +8,6 @@ from stickslip.identify.candidates import on_second_record
 from stickslip.identify.fits import RecordSettings
 from stickslip.identify.kinds.kind import Comparison, FitSummary, Kind, Request, restarts_text
 from stickslip.identify.kinds.velocity_steps.fit import STARTS, fit_rate_state
-from stickslip.identify.kinds.velocity_steps.problem import serves
 from stickslip.identify.kinds.velocity_steps.result import VELOCITY_STEPS, RateStateFit
 from stickslip.identify.kinds.velocity_steps.selection import (
     RateStateLaws,
@@ -25,6 +24,7 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
 
     routes = (VELOCITY_STEPS,)
     measured = "velocity steps"
+    content = "velocity steps"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"starts", "seed"})
     longest_first = True
@@ -32,9 +32,6 @@ class VelocityStepKind(Kind[RateStateFit, RateStateVerdict]):
     usual_law = "rate-and-state"
     simulated = False
     columns = COLUMNS
-
-    def serves(self, measurement: Measurement) -> bool:
-        return serves(measurement)
 
     def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
         return [one.name for one in rate_state_laws(laws)]

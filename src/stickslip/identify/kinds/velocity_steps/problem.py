@@ -40,10 +40,6 @@ DRIFT = "drift"
 EFFECTS = ("direct_effect", "evolution_effect", "stress_effect", "second_evolution_effect")
 DIRECT, EVOLVED, STRESS, SECOND = (PATHS.index(f"friction.{effect}") for effect in EFFECTS)
 """Places in `PATHS` of effects on friction; the distance of a state is next to its effect."""
-MEASURED = ("pull", "friction")
-"""What a load point and a load cell measure."""
-MOTION = ("position", "velocity")
-"""Where the motion of the slider itself was measured, friction is a function of that motion."""
 PLAIN = 4000
 """Up to so many samples are taken as they are: means over time are poor where records with samples
 at uneven times have most of these at steps."""
@@ -103,26 +99,6 @@ class Record:
             path=Path(time=knots - time[0], position=position - position[0]),
             begins=self.begins + float(time[0]),
         )
-
-
-def serves(measurement: Measurement) -> bool:
-    """Whether a measurement is one of friction while a load point is pulled.
-
-    It has time, ``pull`` and ``friction``, but neither position nor velocity of the slider: where
-    these were measured, friction is compared along the measured motion, without a stiffness.
-
-    Examples
-    --------
-    >>> pulled = {"time": [0.0, 1.0], "pull": [0.0, 1e-6], "friction": [0.6, 0.6]}
-    >>> serves(Measurement(**pulled)), serves(Measurement(**pulled, velocity=[1e-6, 1e-6]))
-    (True, False)
-    """
-    return all(
-        one.time is not None
-        and all(name in one.quantities() for name in MEASURED)
-        and not any(name in one.quantities() for name in MOTION)
-        for one in measurement.records()
-    )
 
 
 def record_of(measurement: Measurement, load: float = 1.0) -> Record:

@@ -20,7 +20,6 @@ from stickslip.identify.candidates import (
     Watch,
     as_good,
     check_apart,
-    checked,
     choose,
     effective_aic,
     held_out,
@@ -43,6 +42,7 @@ from stickslip.identify.kinds.velocity_steps.verdict import (
     RateStateVerdict,
 )
 from stickslip.identify.kinds.velocity_steps.wording import outcomes, rate_state_wording
+from stickslip.identify.selection import checked
 from stickslip.mechanisms import Mechanism
 
 Array: TypeAlias = NDArray[np.float64]
