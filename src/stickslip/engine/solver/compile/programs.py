@@ -23,7 +23,7 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FunctionType, SimpleNamespace
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -241,10 +241,19 @@ def _reached() -> list[FunctionType]:
 
 def _callees(function: FunctionType) -> Iterator[FunctionType]:
     for node in ast.walk(_definition(function)):
-        if isinstance(node, ast.Name):
-            other = function.__globals__.get(node.id)
+        if isinstance(node, ast.Name | ast.Attribute):
+            other = _outside(function, ast.unparse(node))
             if isinstance(other, FunctionType):
                 yield other
+
+
+def _outside(function: FunctionType, name: str) -> object:
+    """Return what a name outside a function stands for, which may be one in a module."""
+    module, _, last = name.rpartition(".")
+    if not module:
+        return function.__globals__.get(last)
+    found = function.__globals__.get(module)
+    return getattr(found, last, None) if isinstance(found, ModuleType) else None
 
 
 @functools.cache
@@ -289,7 +298,7 @@ def function_of(function: FunctionType) -> Function:
     """Return a kernel as it is translated, with what the names in it stand for."""
 
     def meaning(name: str) -> Meaning | None:
-        found = function.__globals__.get(name)
+        found = _outside(function, name)
         if isinstance(found, FunctionType):
             return signature_of(found)
         return found if isinstance(found, bool | int | float | tuple) else None
