@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any
 
+from stickslip import exports
 from stickslip.cli.console import (
     pair_of,
     print_json,
@@ -18,17 +19,6 @@ from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_a
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
 from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
 from stickslip.errors import InputError, ParameterError
-from stickslip.exports import (
-    TARGETS,
-    Applied,
-    AppliedJoint,
-    apply,
-    check_output,
-    compiler_here,
-    export,
-    export_fmu,
-    identifier,
-)
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, named, turned
 from stickslip.show.documents import document, regular_bytes
@@ -40,7 +30,7 @@ from stickslip.show.formatting import NO_VALUE, quantity
 def linker() -> str:
     """Return the C compiler that links FMUs, or why there is none."""
     try:
-        return compiler_here()
+        return exports.compiler_here()
     except InputError as error:
         return str(error)
 
@@ -58,7 +48,7 @@ RESULT_FILES = (".json", ".html", ".csv")
 def run_export(options: ExportOptions) -> None:
     """Export the law of a file, and write what its target takes."""
     path, to, output = options.file, options.to, options.output
-    known = named({**TARGETS, FMU: None}, to, "target")
+    known = named({**exports.TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in RESULT_FILES:
         raise InputError(
             f"export takes a TOML file with a law, got {path}: give the law.toml that `stickslip"
@@ -77,7 +67,7 @@ def run_export(options: ExportOptions) -> None:
         rig = load_rig(options.rig, allow_import=options.allow_import)
     load, law_load = loads(options)
     with by_option():
-        found = export(
+        found = exports.export(
             source,
             to,
             name=options.name,
@@ -146,7 +136,7 @@ def _export_fmu(options: ExportOptions) -> None:
         of = options.rig
         law_named = f"{options.file}" + (f":{options.law}" if options.law is not None else "")
     name = options.name if options.name is not None else of.stem
-    file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
+    file = output if output.suffix == ".fmu" else output / f"{exports.identifier(name)}.fmu"
     refuse_overwriting(output, file.parent, force=options.force)
     rig, chosen = rig_and_friction(
         LawOptions(
@@ -154,7 +144,7 @@ def _export_fmu(options: ExportOptions) -> None:
         )
     )
     law = friction_of(chosen)
-    export_fmu(
+    exports.export_fmu(
         rig.mechanism,
         law,
         file,
@@ -213,11 +203,11 @@ def run_apply(options: ApplyOptions) -> None:
     """Write the laws of a file into a model, and print what that leaves of them."""
     path, model, output = _law_file(options.file), options.model, options.output
     check_named(path)
-    check_output(model, output, force=options.force)
+    exports.check_output(model, output, force=options.force)
     source = law_source(options, path)
     load, law_load = loads(options)
     with by_option():
-        found = apply(
+        found = exports.apply(
             source,
             model,
             joints=_paired(options.joints),
@@ -294,7 +284,7 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
     return pairs
 
 
-def _show(found: Applied, output: Path) -> None:
+def _show(found: exports.Applied, output: Path) -> None:
     console = stdout()
     names = ", ".join(one.joint for one in found.joints)
     console.print(f"{output}: {found.path.name} with friction in {names}")
@@ -317,7 +307,7 @@ def _show(found: Applied, output: Path) -> None:
         console.print(remark)
 
 
-def _rows(joint: AppliedJoint) -> list[Sequence[str]]:
+def _rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     length = turned("m", joint.rotary)
     return [
         (
@@ -330,7 +320,7 @@ def _rows(joint: AppliedJoint) -> list[Sequence[str]]:
     ]
 
 
-def _replay_rows(joint: AppliedJoint) -> list[Sequence[str]]:
+def _replay_rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     if joint.replay is None:
         return []
     force, length = turned("N", joint.rotary), turned("m", joint.rotary)

@@ -54,18 +54,8 @@ from stickslip.friction import (
     listed,
     specification,
 )
+from stickslip.identify import fits
 from stickslip.identify.candidates import Wording
-from stickslip.identify.fits import (
-    LAW,
-    AnyLaw,
-    Estimate,
-    RecordSettings,
-    TrialComparison,
-    covers,
-    law_quantities,
-    refuse_of_laws,
-    starting_law,
-)
 from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
 from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
@@ -476,7 +466,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
             f"{error.kind}, of the package or of {rig.path}:", name, {*error.known, *rig.tables}
         ) from None
     try:
-        law = dataclasses.replace(starting_law(kind), **given)
+        law = dataclasses.replace(fits.starting_law(kind), **given)
     except ParameterError as error:
         raise ParameterError(
             f"{rig.path} gives only some parameters of {name}, and they are inconsistent with the"
@@ -563,7 +553,7 @@ def measured(
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
     varied, held = _parameters(rig, options.vary, options.fixed, owner)
-    numerics = RecordSettings(**{"hold": rig.hold, **said})
+    numerics = fits.RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
         measurement=measurement,
@@ -571,7 +561,7 @@ def measured(
         vary=varied,
         fixed=held,
         route=route,
-        settings=None if numerics == RecordSettings() else numerics,
+        settings=None if numerics == fits.RecordSettings() else numerics,
         horizon=horizon,
         validate=second,
         assumed=rig.assumed or None,
@@ -602,7 +592,7 @@ def _hashed(given: Sequence[Path]) -> list[Path]:
 
 
 def _parameters(
-    rig: Rig, vary: Sequence[str], fixes: Sequence[str], law: AnyLaw
+    rig: Rig, vary: Sequence[str], fixes: Sequence[str], law: fits.AnyLaw
 ) -> tuple[tuple[str, ...], dict[str, float]]:
     """Return what is varied and what fixed, with what the rig file says of both.
 
@@ -613,7 +603,7 @@ def _parameters(
     given: Mapping[str, float] = {}
     if isinstance(law, type) and issubclass(law, FrictionLaw):
         given = rig.given.get(law.name, {})
-    if given and (not names or LAW in names):
+    if given and (not names or fits.LAW in names):
         said = ", ".join(f"{name} = {number(value, 6)}" for name, value in given.items())
         note(
             f"All parameters of {law.name if law else 'the law'} are fitted, including {said} of"
@@ -621,20 +611,20 @@ def _parameters(
         )
     elif given:
         paths = {f"friction.{name}": value for name, value in given.items()}
-        held = {p: v for p, v in paths.items() if not any(covers(name, p) for name in names)}
+        held = {p: v for p, v in paths.items() if not any(fits.covers(name, p) for name in names)}
         fixed = held | fixed
     marked = (path for path in rig.vary if path not in fixed)
-    return (*(names or (LAW,)), *marked), fixed
+    return (*(names or (fits.LAW,)), *marked), fixed
 
 
-def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
+def _fixed(rig: Rig, texts: Sequence[str], law: fits.AnyLaw) -> dict[str, float]:
     """Return fixed values by path, read with their units."""
     known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
         name, value = pair_of(part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4")
         if law is None:
-            refuse_of_laws([name], known)
+            fits.refuse_of_laws([name], known)
         path = full_path(name, known, "parameter in --fixed")
         with concerning(f"--fixed {path}"):
             found[path] = number_of(value, known[path])
@@ -644,11 +634,11 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
 def _law_quantities(law: Any) -> Mapping[str, Quantity]:
     """Return the parameters of a law by path, or those of laws by contact."""
     if not isinstance(law, Mapping):
-        return law_quantities(law)
+        return fits.law_quantities(law)
     return {
         path.replace("friction.", f"friction.{contact}.", 1): quantity
         for contact, one in law.items()
-        for path, quantity in law_quantities(
+        for path, quantity in fits.law_quantities(
             specification(one).law if isinstance(one, str) else one
         ).items()
     }
@@ -686,7 +676,7 @@ def show_warnings(checks: Checks) -> None:
         stdout().print(f"! {finding}", style="yellow")
 
 
-def show_estimates(estimates: Sequence[Estimate]) -> None:
+def show_estimates(estimates: Sequence[fits.Estimate]) -> None:
     """Print parameters with their intervals, and why one is not bounded."""
     rows = [
         [
@@ -716,12 +706,12 @@ def show_open(words: Wording) -> None:
             console.print(f"  {plain(line)}")
 
 
-def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+def content_of(comparison: fits.TrialComparison | None) -> Mapping[str, Any]:
     """Return the comparison as a part of what a command writes as JSON."""
     return {} if comparison is None else {"trials": comparison.to_dict()}
 
 
-def show_trials(comparison: TrialComparison | None) -> None:
+def show_trials(comparison: fits.TrialComparison | None) -> None:
     """Print whether the trials share one law, and by trial what was fitted where they do not."""
     if comparison is None:
         return

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 import typer
 
+from stickslip.cli import inputs
 from stickslip.cli.console import (
     check_rig_file,
     command_line,
@@ -28,17 +29,6 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-)
-from stickslip.cli.inputs import (
-    content_of,
-    law_to_fit,
-    measured,
-    rig_with,
-    show_estimates,
-    show_open,
-    show_trials,
-    show_warnings,
-    watching,
 )
 from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.cli.progress import workers
@@ -70,14 +60,7 @@ from stickslip.identify.kinds import (
     write_verdict,
 )
 from stickslip.quantities import Quantity, parameters
-from stickslip.show.documents import (
-    document,
-    of_files,
-    regular_bytes,
-    with_files,
-    write_file,
-    write_files,
-)
+from stickslip.show import documents
 from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
@@ -98,9 +81,9 @@ def run_select(options: SelectOptions) -> None:
     folder = folder_of(options.output, "stickslip-report", as_json=options.as_json)
     if folder is not None:
         refuse_overwriting(folder, folder, force=options.force, files=VERDICT_FILES)
-    rig = rig_with(options, overrides(options.changes))
-    kind, request, files = measured(rig, options)
-    rig = replace(rig, digest=with_files(rig.digest, files))
+    rig = inputs.rig_with(options, overrides(options.changes))
+    kind, request, files = inputs.measured(rig, options)
+    rig = replace(rig, digest=documents.with_files(rig.digest, files))
     for option, value in (("--workers", options.count), ("--executor", options.executor)):
         if value is not None:
             refuse_unused(kind, {"executor": option}, request)
@@ -109,7 +92,9 @@ def run_select(options: SelectOptions) -> None:
         raise InputError(f"--enforce {unused_text(kind, users)}")
     request = replace(request, laws=laws_of(rig, options.laws))
     verdict = _selected(kind, request, options.count or 1, options.executor)
-    content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
+    content = documents.document(
+        "select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()}
+    )
     page_code = 0
     # an earlier report stays until all of this is there
     if folder is not None and not (folder / DOCUMENT).exists():
@@ -164,7 +149,7 @@ def _selected(kind: AnyKind, request: Request, count: int, address: str | None) 
             refuse_uninformed(kind, given, request.mechanism, measurement)
     names = kind.candidates(laws, request.measurement)
     with (
-        watching(names, kind, request) as watch,
+        inputs.watching(names, kind, request) as watch,
         workers(min(count, len(names)), address) as executor,
     ):
         verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
@@ -176,7 +161,7 @@ def show_verdict(verdict: Verdict) -> None:
     words, console = verdict.words, stdout()
     table = kind_of_route(verdict.route).comparison(verdict)
     if table.checks:
-        show_warnings(table.checks)
+        inputs.show_warnings(table.checks)
     console.print(f"\n{plain(words.verdict)}", style="bold")
     console.print(plain(words.lede))
     if words.no_score:
@@ -191,9 +176,9 @@ def show_verdict(verdict: Verdict) -> None:
     if table.fitted:
         title, estimates = table.fitted
         console.print(f"\n{title}", style="bold")
-        show_estimates(estimates)
-    show_trials(table.trials)
-    show_open(words)
+        inputs.show_estimates(estimates)
+    inputs.show_trials(table.trials)
+    inputs.show_open(words)
 
 
 def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) -> Page:
@@ -203,7 +188,7 @@ def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) 
         data=rig.subject,
         file=Path(rig.path).name,
         digest=rig.digest,
-        files=of_files(files),
+        files=documents.of_files(files),
         commands=(command_line(),),
     )
     if of_paper:
@@ -229,10 +214,12 @@ def run_fit(options: FitOptions) -> None:
     if output is not None:
         check_rig_file(output)
         refuse_overwriting(output, output.parent, force=options.force)
-    rig = rig_with(options, overrides(options.changes), law=options.law)
+    rig = inputs.rig_with(options, overrides(options.changes), law=options.law)
     if output is not None:
         refuse_inputs(output, [rig.path, *rig.files])
-    kind, request, files = measured(rig, options, law=partial(law_to_fit, rig, options.law))
+    kind, request, files = inputs.measured(
+        rig, options, law=partial(inputs.law_to_fit, rig, options.law)
+    )
     if output is not None and not kind.simulated:
         raise InputError(
             f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
@@ -242,21 +229,21 @@ def run_fit(options: FitOptions) -> None:
     result = _fitted(kind, request)
     shown = kind.summary(result, request.validate, request.horizon)
     if output is not None:
-        write_file(output, result.to_toml())
+        documents.write_file(output, result.to_toml())
     if options.as_json:
         content = {
             "rig": rig.heading,
-            "digest": with_files(rig.digest, files),
+            "digest": documents.with_files(rig.digest, files),
             **result.to_dict(),
             "checks": checks.to_dict(),
             "second_record": shown.second,
-            **content_of(shown.trials),
+            **inputs.content_of(shown.trials),
         }
-        print_json(document("fit", content))
+        print_json(documents.document("fit", content))
         return
-    show_warnings(checks)
+    inputs.show_warnings(checks)
     _show_fit(result, shown)
-    show_trials(shown.trials)
+    inputs.show_trials(shown.trials)
     if output is not None:
         stdout().print(f"\nRig file of the fitted law: {output}")
 
@@ -290,7 +277,7 @@ def _fitted(kind: AnyKind, request: Request) -> Fit:
     laws = [one for one in law.values() if one is not None] if several else [law]
     refuse_uninformed(kind, laws, request.mechanism, request.measurement)
     law, vary = kind.law_and_parameters(law, request.vary, request.fixed or ())
-    with watching([name], kind, request) as watch:
+    with inputs.watching([name], kind, request) as watch:
         report = partial(watch, name)
         if not kind.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
@@ -309,7 +296,7 @@ def _name(law: Law) -> str:
 def _show_fit(result: Fit, shown: FitSummary) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", style="bold")
-    show_estimates(result.shown)
+    inputs.show_estimates(result.shown)
     for line in shown.limits:
         console.print(f"  {plain(line)}")
     console.print()
@@ -339,7 +326,7 @@ def run_plan(options: PlanOptions) -> None:
     for file in files:
         refuse_overwriting(file, file.parent, force=options.force)
     _refuse_filled_in(files[1:])
-    rig = rig_with(options, overrides(options.changes))
+    rig = inputs.rig_with(options, overrides(options.changes))
     travels = rig.measurement
     if travels is not None and not travels.travelled:
         travels = None
@@ -361,7 +348,9 @@ def run_plan(options: PlanOptions) -> None:
         _write(found, rig, options.rig, files)
     if options.as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
-        print_json(document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]}))
+        print_json(
+            documents.document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]})
+        )
         return
     _show_plan(found)
     if files:
@@ -384,7 +373,7 @@ def _refuse_filled_in(tables: Sequence[Path]) -> None:
     """Refuse to replace a table with measured travels, or another one."""
     for table in filter(Path.exists, tables):
         try:
-            text = regular_bytes(table).decode("utf-8", "replace")
+            text = documents.regular_bytes(table).decode("utf-8", "replace")
             head, *rows = list(csv.reader(text.splitlines())) or [[]]
         except OSError as error:
             raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
@@ -427,7 +416,7 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
         versions=versions(),
         digest=rig.digest,
     )
-    write_files({sheet: render(page), table: found.csv()})
+    documents.write_files({sheet: render(page), table: found.csv()})
 
 
 def _show_plan(found: Plan) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
+from stickslip import mechanisms
 from stickslip.cli.console import (
     command_line,
     draw_page,
@@ -46,14 +47,6 @@ from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.candidates import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
-from stickslip.mechanisms import (
-    Mechanism,
-    cycle_or_none,
-    has_one_slip,
-    input_names,
-    slip_of,
-    slipping,
-)
 from stickslip.quantities import fields_of, named
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
@@ -66,17 +59,7 @@ from stickslip.show.formatting import (
     scale_of,
     within,
 )
-from stickslip.study.sweep import (
-    Band,
-    DrivenCycle,
-    Refit,
-    Spread,
-    Validation,
-    band_of,
-    compare_estimates,
-    cycles_in,
-    validate,
-)
+from stickslip.study import sweep
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,13 +97,13 @@ class Ran:
     """The law, with its estimates; laws by contact where contacts have their own."""
     run: Trajectory
     """The trajectory."""
-    band: Band | None
+    band: sweep.Band | None
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
-    validation: Validation | None = None
+    validation: sweep.Validation | None = None
     """What was measured on the rig beside the prediction; None if that cannot be compared."""
-    refit: Refit | None = None
+    refit: sweep.Refit | None = None
     """The law fitted to that, on request."""
     twin: "Twin | None" = None
     """The run as that of another program, with what it makes of the friction."""
@@ -181,14 +164,14 @@ def _ran(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simulat
         return _ran_as(rig, chosen, options)
     if isinstance(chosen, ChosenForm):
         return _ran_form(rig, chosen, options)
-    if has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
+    if mechanisms.has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
         return _ran_law(rig, chosen, options)
     return _ran_by_contact(rig, chosen, options)
 
 
 def _has_criteria(ran: Ran) -> bool:
     """Whether one contact slips along a coordinate, so that the criteria of the paper apply."""
-    return has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
+    return mechanisms.has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
 
 
 def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
@@ -228,12 +211,12 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     names = tuple(one.name for one in rig.mechanism.contacts())
     laws = assigned(names, friction)
 
-    def lacking(mechanism: Mechanism) -> set[str]:
+    def lacking(mechanism: mechanisms.Mechanism) -> set[str]:
         return {
             name
             for contact in names
             for name in getattr(law_of(contact, laws), "inputs", ())
-            if name not in input_names(mechanism, contact)
+            if name not in mechanisms.input_names(mechanism, contact)
         }
 
     missing = lacking(rig.mechanism)
@@ -319,14 +302,14 @@ def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: Simula
         )
 
 
-def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Validation | None:
+def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> sweep.Validation | None:
     """Return what was measured beside the prediction; None, with a note, if that cannot be."""
     if rig.measurement is None:
         return None
     try:
         if options.fixed_step is not None:
             raise InputError("that requires exact events, and --fixed-step locates none.")
-        return validate(
+        return sweep.validate(
             rig.mechanism,
             chosen.law,
             rig.measurement,
@@ -340,7 +323,7 @@ def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Validat
         return None
 
 
-def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
+def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
     """Fit what is known of the law with an interval, or all of it, to what was measured."""
     assert rig.measurement is not None
     known = chosen.estimates
@@ -356,7 +339,7 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
             settings=RecordSettings(hold=rig.hold) if records else None,
             t_end=None if records else rig.t_end,
         )
-    return Refit(fit=found, parameters=compare_estimates(chosen.law, known, found))
+    return sweep.Refit(fit=found, parameters=sweep.compare_estimates(chosen.law, known, found))
 
 
 def _band(
@@ -366,7 +349,7 @@ def _band(
     run: Trajectory,
     *,
     t_end: float,
-) -> Band | None:
+) -> sweep.Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
     if options.ensemble is None:
@@ -376,7 +359,7 @@ def _band(
         return None
     friction = friction_of(chosen)
     with Drawing("Running") as progress:
-        return band_of(
+        return sweep.band_of(
             rig.mechanism,
             friction,
             known,
@@ -433,7 +416,7 @@ def _without_fitted_start(rig: Rig) -> Measurement:
     return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
-def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
+def _lengths(mechanism: mechanisms.Mechanism, run: Trajectory) -> dict[str, float]:
     """Return what the headline and the tiles of a run say of its motion, by what it is called."""
     if cycles := _cycles(mechanism, run):
         return {
@@ -444,10 +427,10 @@ def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
     return {"travel": seen.travel, "largest back-slip": seen.largest_return}
 
 
-def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
+def _cycles(mechanism: mechanisms.Mechanism, run: Trajectory) -> tuple[sweep.DrivenCycle, ...]:
     """Return the whole cycles of a run, none where the drives do not repeat themselves."""
-    period = None if not has_one_slip(mechanism) else cycle_or_none(mechanism)
-    return () if period is None else cycles_in(run, mechanism, period)
+    period = None if not mechanisms.has_one_slip(mechanism) else mechanisms.cycle_or_none(mechanism)
+    return () if period is None else sweep.cycles_in(run, mechanism, period)
 
 
 def _table(ran: Ran, samples: int) -> "pd.DataFrame":
@@ -469,7 +452,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}
     digests |= {} if source is None else {"the law": source.digest}
-    if isinstance(ran.chosen, ChosenLaws) or not has_one_slip(ran.rig.mechanism):
+    if isinstance(ran.chosen, ChosenLaws) or not mechanisms.has_one_slip(ran.rig.mechanism):
         return contacts_page(
             ContactsReport(
                 rig=ran.rig,
@@ -665,7 +648,7 @@ def _still_moving(ran: Ran) -> str:
     run, mechanism = ran.run, ran.rig.mechanism
     if not isinstance(ran.chosen, ChosenForm) or run.status is not Status.END_TIME:
         return ""
-    rate = mechanism.rates[mechanism.coordinates.index(slip_of(mechanism))]
+    rate = mechanism.rates[mechanism.coordinates.index(mechanisms.slip_of(mechanism))]
     speed = float(run[rate][-1])
     if speed == 0.0:
         return ""
@@ -675,16 +658,16 @@ def _still_moving(ran: Ran) -> str:
 def _cycles_lines(ran: Ran) -> str:
     """Return what moves in a cycle of the drives, and how fast on average, a line each."""
     mechanism = ran.rig.mechanism
-    period = cycle_or_none(mechanism)
+    period = mechanisms.cycle_or_none(mechanism)
     if period is None:
         return ""
-    names = [name for name in slipping(mechanism) if name not in mechanism.guided()]
+    names = [name for name in mechanisms.slipping(mechanism) if name not in mechanism.guided()]
     names = names[:MOST_STATES]
     return "".join(_cycles_line(ran, period, name, alone=len(names) == 1) for name in names)
 
 
 def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
-    cycles = cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
+    cycles = sweep.cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
     if not cycles:
         return ""
     one, unit = cycles[-1], ran.run.units[name]
@@ -712,7 +695,7 @@ def _show_twin(found: "Twin") -> None:
             console.print(line)
 
 
-def _show_validation(seen: Validation) -> None:
+def _show_validation(seen: sweep.Validation) -> None:
     """Print what was measured beside the prediction, and what to think of it."""
     console = stdout()
     console.print("\nPrediction and measurement", style="bold")
@@ -742,7 +725,7 @@ def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
 
 
-def _show_band(band: Band) -> None:
+def _show_band(band: sweep.Band) -> None:
     """Print the spread of the motion over draws of the parameters of the law, or of the laws."""
     rows = []
     for name, travel in list(band.travels.items())[:MOST_STATES]:
@@ -762,7 +745,7 @@ def _show_band(band: Band) -> None:
         stdout().print(reason)
 
 
-def _cells(spread: Spread, unit: str) -> list[str]:
+def _cells(spread: sweep.Spread, unit: str) -> list[str]:
     factor, unit = scale_of([spread.median, spread.low, spread.high], unit)
     median, low, high = (factor * one for one in (spread.median, spread.low, spread.high))
     return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]

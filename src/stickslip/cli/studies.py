@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.cli import inputs
 from stickslip.cli.console import (
     command_line,
     folder_of,
@@ -20,14 +21,6 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-)
-from stickslip.cli.inputs import (
-    friction_of,
-    friction_title,
-    laws_drawn,
-    rig_and_friction,
-    rig_content,
-    show_heading,
 )
 from stickslip.cli.options import (
     CharacterizeOptions,
@@ -97,16 +90,18 @@ def run_sweep(options: SweepOptions) -> None:
         raise InputError("--ensemble takes one --vary, and no --coordinate.")
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
-    rig, chosen = rig_and_friction(options)
+    rig, chosen = inputs.rig_and_friction(options)
     refuse_inputs(output, rig.files)
-    law = friction_of(chosen)
+    law = inputs.friction_of(chosen)
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
     turns: Sequence[float] = []
     measured: list[tuple[float, float]] = []
     found: VelocityMap | VelocityBand
     if draws is not None:
-        laws, settings["error"] = laws_drawn(rig, chosen, options.law_load, draws, options.seed)
+        laws, settings["error"] = inputs.laws_drawn(
+            rig, chosen, options.law_load, draws, options.seed
+        )
         ((name, values),) = axes.items()
         measured = _filmed(rig, name, values)
         values = np.union1d(
@@ -133,14 +128,14 @@ def run_sweep(options: SweepOptions) -> None:
     _write_map(found, measured, output, figure)
     if options.as_json:
         files = [str(output), str(figure)]
-        print_json(document("sweep", rig_content(rig, chosen) | content | {"files": files}))
+        print_json(document("sweep", inputs.rig_content(rig, chosen) | content | {"files": files}))
         return
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        show_heading(rig, f"laws drawn: {joined(counts)}")
+        inputs.show_heading(rig, f"laws drawn: {joined(counts)}")
         _show_band(found, measured)
     else:
-        show_heading(rig, f"{friction_title(chosen)} friction")
+        inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
         _show_map(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}")
 
@@ -271,9 +266,9 @@ def run_orbits(options: OrbitOptions) -> None:
     output = options.output
     figure = _figure_beside(output, force=options.force)
     name, between = _range(options.vary)
-    rig, chosen = rig_and_friction(options)
+    rig, chosen = inputs.rig_and_friction(options)
     refuse_inputs(output, rig.files)
-    law = friction_of(chosen)
+    law = inputs.friction_of(chosen)
     with Drawing("Running", "values") as progress:
         found = orbit_diagram(
             rig.mechanism,
@@ -288,10 +283,10 @@ def run_orbits(options: OrbitOptions) -> None:
         )
     _write_diagram(found, output, figure)
     if options.as_json:
-        content = rig_content(rig, chosen) | _diagram_content(found)
+        content = inputs.rig_content(rig, chosen) | _diagram_content(found)
         print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
-    show_heading(rig, f"{friction_title(chosen)} friction")
+    inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
     _show_diagram(found)
     stdout().print(f"\nWritten: {output}, {figure}")
 
@@ -389,7 +384,7 @@ def run_profile(options: ProfileOptions) -> None:
     folder = folder_of(options.output, "stickslip-profile", as_json=options.as_json)
     if folder is not None:
         refuse_overwriting(folder, folder, force=options.force, files=FILES)
-    rig, chosen = rig_and_friction(
+    rig, chosen = inputs.rig_and_friction(
         LawOptions(
             rig=options.rig,
             changes=options.changes,
@@ -399,9 +394,9 @@ def run_profile(options: ProfileOptions) -> None:
     )
     laws = None
     if options.draws is not None:
-        laws, _ = laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
-    found = _found(rig, friction_of(chosen), laws, options)
-    content = document("profile", rig_content(rig, chosen) | found.to_dict())
+        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
+    found = _found(rig, inputs.friction_of(chosen), laws, options)
+    content = document("profile", inputs.rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:

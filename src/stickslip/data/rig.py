@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import mechanisms
 from stickslip.data.estimates import LawEstimates, levels_at
 from stickslip.data.measurement import ELECTRIC, Measurement
 from stickslip.data.readers.columns import Reading
@@ -28,19 +29,6 @@ from stickslip.friction import (
     law_type,
     laws,
     listed,
-)
-from stickslip.mechanisms import (
-    LINKS,
-    PREFIX,
-    CurrentLoop,
-    DCMotor,
-    LoopMemory,
-    Mechanism,
-    PositionLoop,
-    SampledLoop,
-    canonical_path,
-    motor_of,
-    quantity_at,
 )
 from stickslip.quantities import Quantity, vary
 from stickslip.show.described import Described
@@ -259,7 +247,7 @@ class Rig(metaclass=Described):
     title: str = ""
     subject: str = ""
     source: str = ""
-    mechanism: Mechanism
+    mechanism: mechanisms.Mechanism
     laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -289,7 +277,7 @@ class Rig(metaclass=Described):
 
     def __post_init__(self) -> None:
         """Check that laws, trials and mechanism fit each other."""
-        if not isinstance(self.mechanism, Mechanism):
+        if not isinstance(self.mechanism, mechanisms.Mechanism):
             raise InputError(f"Rig.mechanism must be a Mechanism, got {self.mechanism!r}.")
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
@@ -310,11 +298,14 @@ class Rig(metaclass=Described):
             if name in self.laws:
                 self.estimates_of(name)
         paths = tuple(
-            name if name == LINKS else canonical_path(self.mechanism, name) for name in self.vary
+            name if name == mechanisms.LINKS else mechanisms.canonical_path(self.mechanism, name)
+            for name in self.vary
         )
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
-        uncertainties = {canonical_path(self.mechanism, name): one for name, one in stated}
+        uncertainties = {
+            mechanisms.canonical_path(self.mechanism, name): one for name, one in stated
+        }
         object.__setattr__(self, "parameter_uncertainties", uncertainties)
         if self.measurement is not None and uncertainties:
             object.__setattr__(self, "measurement", self.with_uncertainties(self.measurement))
@@ -515,7 +506,7 @@ def _is_called(law: object, name: str) -> bool:
     return isinstance(law, FrictionLaw) and law.name == name
 
 
-def state_units(mechanism: Mechanism) -> dict[str, str]:
+def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
     """Return the units of all states a trial may start from, bristles of all laws included.
 
     Examples
@@ -534,12 +525,12 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
     }
 
 
-def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
+def check_record(mechanism: mechanisms.Mechanism, record: Measurement, label: str) -> None:
     """Check that what a record overrides and starts from exists in the mechanism."""
     for path in record.overrides:
-        quantity_at(mechanism, path)
+        mechanisms.quantity_at(mechanism, path)
     with concerning(f"{label}:"):
-        vary(mechanism, PREFIX, record.overrides)
+        vary(mechanism, mechanisms.PREFIX, record.overrides)
     known = state_units(mechanism) if record.initial else {}
     for name in record.initial:
         if name not in known:
@@ -569,7 +560,7 @@ def command_of(record: Measurement) -> str:
     return next((name for name in COMMANDS if name in known), "")
 
 
-def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
+def as_recorded(mechanism: mechanisms.Mechanism, record: Measurement) -> mechanisms.Mechanism:
     """Return a mechanism as it was in a record; its motor takes what was recorded as its command.
 
     Examples
@@ -587,7 +578,7 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     what = command_of(record)
     if record.overrides:
         mechanism = vary(mechanism, "mechanism", record.overrides)
-    motor: Any = motor_of(mechanism)
+    motor: Any = mechanisms.motor_of(mechanism)
     if motor is None:
         if what in ELECTRIC:
             raise InputError(
@@ -605,14 +596,16 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     return replace(mechanism, drive=_taking(motor, what))  # type: ignore[call-arg]  # it has one
 
 
-def _taking(motor: DCMotor, what: str) -> DCMotor:
+def _taking(motor: mechanisms.DCMotor, what: str) -> mechanisms.DCMotor:
     """Return a motor whose command is what was recorded."""
     if what == "current":
-        return replace(motor, loop=CurrentLoop(), supply=None, supply_resistance=None)
+        return replace(motor, loop=mechanisms.CurrentLoop(), supply=None, supply_resistance=None)
     if what == "voltage":  # limited already, but by no droop
         limited = motor.supply_resistance is not None
         return replace(motor, loop=None, supply=motor.supply if limited else None)
-    if what == "reference" and not isinstance(motor.loop, PositionLoop | SampledLoop):
+    if what == "reference" and not isinstance(
+        motor.loop, mechanisms.PositionLoop | mechanisms.SampledLoop
+    ):
         raise InputError(
             "a record with a reference, and neither voltage nor current, is one of a position loop:"
             " give the DCMotor this loop, PositionLoop(gain=...) in V/rad or SampledLoop(...)."
@@ -632,9 +625,11 @@ class LoopSamples:
     """Measured positions (n,)."""
 
     @lru_cache(maxsize=8)  # noqa: B019  # a few values of few records, which fits ask for again
-    def commands(self, loop: SampledLoop, limit: float) -> tuple[Array, tuple[LoopMemory, ...]]:
+    def commands(
+        self, loop: mechanisms.SampledLoop, limit: float
+    ) -> tuple[Array, tuple[mechanisms.LoopMemory, ...]]:
         """Return the voltages (n,) [V] of a loop and what it remembers before each sample."""
-        memory: LoopMemory = None
+        memory: mechanisms.LoopMemory = None
         found, memories = [], [memory]
         for goal, position in zip(self.goal.tolist(), self.position.tolist(), strict=True):
             voltage, memory = loop.sampled(goal, position, memory, limit=limit)
@@ -643,15 +638,17 @@ class LoopSamples:
         return np.array(found), tuple(memories)
 
 
-def loop_samples(mechanism: Mechanism, record: Measurement, hold: str) -> LoopSamples | None:
+def loop_samples(
+    mechanism: mechanisms.Mechanism, record: Measurement, hold: str
+) -> LoopSamples | None:
     """Return what the loop of a motor saw in a record that it drives; None if none that samples.
 
     It samples from the first time of the record on. Goals are held between rows unless `hold` says
     ``"first"``, and positions go straight.
     """
-    motor = motor_of(mechanism)
+    motor = mechanisms.motor_of(mechanism)
     loop = None if motor is None else motor.loop
-    if not isinstance(loop, SampledLoop) or command_of(record) != "reference":
+    if not isinstance(loop, mechanisms.SampledLoop) or command_of(record) != "reference":
         return None
     if "position" not in record.quantities() or len(mechanism.coordinates) != 1:
         raise InputError(
@@ -669,7 +666,7 @@ def loop_samples(mechanism: Mechanism, record: Measurement, hold: str) -> LoopSa
     )
 
 
-def with_voltage(mechanism: Mechanism, record: Measurement, hold: str) -> Measurement:
+def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str) -> Measurement:
     """Return a record with the voltage that a loop which samples made of what it measured.
 
     Examples
@@ -686,7 +683,7 @@ def with_voltage(mechanism: Mechanism, record: Measurement, hold: str) -> Measur
     seen = loop_samples(set_up, record, hold)
     if seen is None:
         return record
-    motor: Any = motor_of(set_up)
+    motor: Any = mechanisms.motor_of(set_up)
     told, _ = seen.commands(motor.loop, motor.largest_voltage)
     acts = seen.time + motor.loop.delay
     last = np.searchsorted(acts, np.asarray(record.time) + SAME * motor.loop.period, side="right")

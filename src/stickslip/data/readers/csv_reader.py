@@ -21,20 +21,7 @@ from typing import Any, Final
 
 import pandas as pd
 
-from stickslip.data.readers.instruments import (
-    LABVIEW,
-    SCOPE,
-    SERIAL,
-    TRIBOMETER,
-    is_labview,
-    is_scope,
-    is_serial,
-    is_tribometer,
-    read_labview,
-    read_scope,
-    read_serial,
-    read_tribometer,
-)
+from stickslip.data.readers import instruments, tracks
 from stickslip.data.readers.layout import (
     ALIKE,
     BRACKETS,
@@ -55,15 +42,6 @@ from stickslip.data.readers.table import (
     unequal_rows,
 )
 from stickslip.data.readers.toml import decode
-from stickslip.data.readers.tracks import (
-    MOTION_CAPTURE,
-    header_of,
-    is_blocks,
-    is_capture,
-    is_named,
-    read_blocks,
-    read_capture,
-)
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.display import require_library
 from stickslip.show.formatting import joined
@@ -127,12 +105,18 @@ class Dialect:
 
 
 DIALECTS: Final = (
-    Dialect(title="tracks of a video", is_text=is_blocks, read=read_blocks),
-    Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
-    Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
-    Dialect(title=TRIBOMETER, is_text=is_tribometer, read=read_tribometer),
-    Dialect(title=MOTION_CAPTURE, is_text=is_capture, read=read_capture),
-    Dialect(title=SERIAL, is_text=is_serial, read=read_serial),
+    Dialect(title="tracks of a video", is_text=tracks.is_blocks, read=tracks.read_blocks),
+    Dialect(title=instruments.SCOPE, is_text=instruments.is_scope, read=instruments.read_scope),
+    Dialect(
+        title=instruments.LABVIEW, is_text=instruments.is_labview, read=instruments.read_labview
+    ),
+    Dialect(
+        title=instruments.TRIBOMETER,
+        is_text=instruments.is_tribometer,
+        read=instruments.read_tribometer,
+    ),
+    Dialect(title=tracks.MOTION_CAPTURE, is_text=tracks.is_capture, read=tracks.read_capture),
+    Dialect(title=instruments.SERIAL, is_text=instruments.is_serial, read=instruments.read_serial),
     Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
 )
 
@@ -348,7 +332,9 @@ def _tracks(lines: list[str]) -> list[str]:
         return []
     separator = max(SEPARATORS, key=lines[1].count)
     above, below = bare_cells(lines[0], separator), bare_cells(lines[1], separator)
-    return header_of(above, below) if above and below and is_named(above, below) else []
+    return (
+        tracks.header_of(above, below) if above and below and tracks.is_named(above, below) else []
+    )
 
 
 def _has_decimal_comma(rows: list[str], separator: str) -> bool:

@@ -18,6 +18,7 @@ from stickslip.data.measurement import (
     Array,
     is_beside,
 )
+from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
     LONGEST_HEADER,
     ROLLING,
@@ -46,14 +47,6 @@ from stickslip.data.readers.layout import (
     layout_of,
     nearly_zero,
     seconds_of,
-)
-from stickslip.data.readers.robots import (
-    RADIANS,
-    Servo,
-    are_counts,
-    are_degrees,
-    check_one_servo,
-    servo_of,
 )
 from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
@@ -564,9 +557,9 @@ def assigned(
 
 def _of_servo(
     frame: Frame, found: Mapping[str, Found], units: Collection[str]
-) -> tuple[Servo | None, dict[str, Found]]:
+) -> tuple[robots.Servo | None, dict[str, Found]]:
     """Return the family of servos whose registers were read, and these with their units."""
-    servo = servo_of(frame.names)
+    servo = robots.servo_of(frame.names)
     raw = {
         quantity: replace(one, unit=servo.units[quantity], stated=False, why=servo.why)
         for quantity, one in found.items()
@@ -574,11 +567,11 @@ def _of_servo(
         and quantity in servo.units
         and quantity not in units
         and one.unit is None
-        and are_counts(frame.data[frame.names[one.name]])
+        and robots.are_counts(frame.data[frame.names[one.name]])
     }
     if servo is None or not {"position", "reference"} & found.keys():
         return None, dict(found)
-    check_one_servo(frame.file, frame.data, frame.names)
+    robots.check_one_servo(frame.file, frame.data, frame.names)
     return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
 
 
@@ -589,9 +582,9 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     known = _numbers(frame, first)
     known = known[np.isfinite(known)]
     most = float(np.abs(known).max(initial=0.0))
-    if first.unit is None and most <= RADIANS:
+    if first.unit is None and most <= robots.RADIANS:
         return {}
-    if first.unit is None and not are_degrees([known]):
+    if first.unit is None and not robots.are_degrees([known]):
         raise InputError(
             f"{frame.file}: the column {shown(first.name)} of a servo reaches {number(most, 3)},"
             " and holds neither counts nor angles in rad: if it is in degrees, give --unit"

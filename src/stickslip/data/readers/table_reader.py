@@ -10,25 +10,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from stickslip.data.readers import binary, csv_reader
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
-from stickslip.data.readers.binary import (
-    MDF,
-    PARQUET,
-    TDMS,
-    read_mat,
-    read_mdf,
-    read_parquet,
-    read_tdms,
-)
 from stickslip.data.readers.columns import Column, stated_unit, without_unit
-from stickslip.data.readers.csv_reader import (
-    SPREADSHEET,
-    ambiguous,
-    culprit,
-    grouped,
-    read_spreadsheet,
-    read_text,
-)
 from stickslip.data.readers.layout import Layout, seconds_of, unit_in
 from stickslip.data.readers.robots import (
     EPISODES,
@@ -74,12 +58,12 @@ class Format:
 
 
 FORMATS: Final = (
-    Format(endings=TEXT, read=lambda path, _: read_text(path)),
-    Format(endings=PARQUET, read=read_parquet),
-    Format(endings=(".mat",), read=read_mat),
-    Format(endings=MDF, read=read_mdf),
-    Format(endings=TDMS, read=read_tdms),
-    Format(endings=SPREADSHEET, read=read_spreadsheet),
+    Format(endings=TEXT, read=lambda path, _: csv_reader.read_text(path)),
+    Format(endings=binary.PARQUET, read=binary.read_parquet),
+    Format(endings=(".mat",), read=binary.read_mat),
+    Format(endings=binary.MDF, read=binary.read_mdf),
+    Format(endings=binary.TDMS, read=binary.read_tdms),
+    Format(endings=csv_reader.SPREADSHEET, read=csv_reader.read_spreadsheet),
     Format(endings=MCAP, read=read_mcap, streamed=True),
     Format(endings=BAGS, read=read_bag, streamed=True),
     Format(endings=(METADATA,), read=read_bag, within=METADATA, beside=PARTS),
@@ -233,14 +217,14 @@ class Frame:
             wrong &= column.notna().to_numpy() & np.isnan(values)
         bad = np.flatnonzero(wrong)
         if bad.size:
-            first = culprit(column.iloc[bad].tolist())
+            first = csv_reader.culprit(column.iloc[bad].tolist())
             row, cell = int(bad[first]), column.iloc[bad].tolist()[first]
             got = "nothing" if pd.isna(cell) else shown(cell)
             hole = pd.isna(cell) or np.isinf(values[row])
             cure = ' To drop such samples, give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
                 f"{self.place(name, row)}: must be a finite number, got {got}."
-                f"{cure or grouped(cell)}"
+                f"{cure or csv_reader.grouped(cell)}"
             )
         return values
 
@@ -325,7 +309,7 @@ def read_frame(
             f" {path.suffix or 'no file extension'}. Save other spreadsheets as CSV."
         )
     wanted = [*dict.fromkeys((*single.values(), *also))]
-    table = known.read(path, wanted) if layout is None else read_text(path, layout)
+    table = known.read(path, wanted) if layout is None else csv_reader.read_text(path, layout)
     data, signs = with_signs(table.data)
     return frame_of(
         data,
@@ -435,7 +419,7 @@ def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, s
         if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
             name, unit = header, None
         if name in names:
-            raise ambiguous(file, name)
+            raise csv_reader.ambiguous(file, name)
         names[name] = header
         found_units[name] = "1" if unit in NO_UNIT else unit and (unit_in(unit) or None)
     return names, found_units

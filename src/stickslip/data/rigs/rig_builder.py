@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stickslip.data import rig
 from stickslip.data.estimates import LawEstimates, levels_at
 from stickslip.data.measurement import (
     QUANTITIES,
@@ -20,33 +21,11 @@ from stickslip.data.measurement import (
     quantity_called,
     tells_load,
 )
+from stickslip.data.readers import toml
 from stickslip.data.readers.columns import Reading, column_of, motor_constants
 from stickslip.data.readers.layout import Layout
-from stickslip.data.readers.toml import (
-    LARGEST,
-    apply,
-    parse,
-    paths_of,
-    read_bytes,
-    resolved,
-)
 from stickslip.data.records import read_data
-from stickslip.data.rig import (
-    KnownLaws,
-    Published,
-    Rig,
-    check_record,
-    estimated_law,
-    state_units,
-)
-from stickslip.data.rigs.laws import (
-    ContactUnits,
-    by_contact,
-    known_laws,
-    laws_of,
-    overridden_fields,
-    python_name,
-)
+from stickslip.data.rigs import laws
 from stickslip.data.rigs.plugin_imports import Imported, imported
 from stickslip.data.rigs.rig_models import (
     Given,
@@ -98,17 +77,17 @@ SWING_FILE = ("file", "column", "unit")
 
 def read_rig(
     path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
-) -> Rig:
+) -> rig.Rig:
     """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
         name, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
     else:
-        name, data = str(path), read_bytes(path, largest=LARGEST)
-    raw = parse(data, name)
-    settable = [*paths_of(raw), *_settable(raw)]
+        name, data = str(path), toml.read_bytes(path, largest=toml.LARGEST)
+    raw = toml.parse(data, name)
+    settable = [*toml.paths_of(raw), *_settable(raw)]
     overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
-    overrides = resolved(raw, overrides, settable)
-    apply(raw, overrides)
+    overrides = toml.resolved(raw, overrides, settable)
+    toml.apply(raw, overrides)
     file = RigFile(name, overrides)
     _refuse_open(raw, name)
     stated = _kind_of_motion(raw, file)
@@ -126,7 +105,7 @@ def read_rig(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
-    kinds = laws_of(friction, [one.name for one in contacts], own.laws)
+    kinds = laws.laws_of(friction, [one.name for one in contacts], own.laws)
     with concerning(f"{file}:", InputError):
         kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
     table = _validated(kind, raw, file)
@@ -142,12 +121,12 @@ def read_rig(
         _validated(rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
     names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
-    of_contacts = by_contact(table.friction, names, file, kinds)
-    known = KnownLaws()
+    of_contacts = laws.by_contact(table.friction, names, file, kinds)
+    known = rig.KnownLaws()
     if not of_contacts:
-        known = known_laws(table.friction, file, kinds)
+        known = laws.known_laws(table.friction, file, kinds)
     named = _paths(table, file)
-    return Rig(
+    return rig.Rig(
         title=table.title or Path(file.name).stem,
         subject=table.subject,
         source=table.source,
@@ -168,7 +147,7 @@ def read_rig(
         t_end=table.run.t_end,
         initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
         estimates=_estimates(table.estimates, known, of_contacts, file),
-        published=tuple(Published(**row.given()) for row in table.published),
+        published=tuple(rig.Published(**row.given()) for row in table.published),
         digest=with_files(_digest(data, overrides), named),
         path=file.name,
         files=tuple(named),
@@ -215,7 +194,7 @@ def _contact_inputs(table: Table, mechanism: Mechanism, file: RigFile) -> dict[s
     found = _values(table, "contact", file)
     _refuse_computed(found, "contact", names, mechanism, file)
     for name in names:
-        own = getattr(table, python_name(name, "contact"), None)
+        own = getattr(table, laws.python_name(name, "contact"), None)
         if own is not None:
             found[name] = _values(own, f"contact.{name}", file)
             _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file)
@@ -288,7 +267,7 @@ def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
     return there[0] if len(there) == 1 else path
 
 
-def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[ContactUnits, ...]:
+def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[laws.ContactUnits, ...]:
     """Return the names of the contacts, and what units their laws have.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
@@ -311,7 +290,7 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[Contac
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     in_forces = levels_at(mechanism) != "per load"
     return tuple(
-        ContactUnits(
+        laws.ContactUnits(
             one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad", in_forces
         )
         for one in found
@@ -462,8 +441,8 @@ def _measured(
 
 def _estimates(
     table: EstimatesTable | None,
-    known: KnownLaws,
-    of_contacts: Mapping[str, KnownLaws | None],
+    known: rig.KnownLaws,
+    of_contacts: Mapping[str, rig.KnownLaws | None],
     file: RigFile,
 ) -> LawEstimates | None:
     """Return how well a law, or laws by contact, are known; of what was overridden nothing is."""
@@ -481,7 +460,7 @@ def _estimates(
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
     try:
         found = LawEstimates(**given)
-        law = estimated_law(found.law, known.laws, of_contacts)
+        law = rig.estimated_law(found.law, known.laws, of_contacts)
         return found.without(_changed(law, file.overridden)).checked(law)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
@@ -492,13 +471,13 @@ def _estimates(
 def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
     """Return the parameters of a law, or by contact of laws, that overrides set."""
     if isinstance(law, FrictionLaw):
-        return sorted(overridden_fields(type(law), overridden))
+        return sorted(laws.overridden_fields(type(law), overridden))
     return [
         f"{contact}.{name}"
         for contact, one in law.members
         for name in sorted(
-            overridden_fields(type(one), overridden)
-            | overridden_fields(type(one), overridden, at=f"friction.{contact}")
+            laws.overridden_fields(type(one), overridden)
+            | laws.overridden_fields(type(one), overridden, at=f"friction.{contact}")
         )
     ]
 
@@ -616,7 +595,7 @@ def _filed(
         text = str(error)
         raise kind(text if text.startswith(label) else f"{label}: {text}") from None
     for record in found.records():
-        check_record(mechanism, record, label)
+        rig.check_record(mechanism, record, label)
     return tuple(
         replace(
             record,
@@ -671,7 +650,7 @@ def _record(
         parameter_uncertainties=doubts,
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
-    check_record(mechanism, record, label)
+    rig.check_record(mechanism, record, label)
     scale_of(mechanism, record, t_end, label)
     return record
 
@@ -700,7 +679,7 @@ def _overrides(
 
 
 def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
-    units = state_units(mechanism)
+    units = rig.state_units(mechanism)
     found = {}
     for name, value in given.items():
         if name not in units:
@@ -718,7 +697,7 @@ def load_rig(
     *,
     overrides: Mapping[str, str | float | bool] | None = None,
     allow_import: bool = False,
-) -> Rig:
+) -> rig.Rig:
     """Read a rig file.
 
     Parameters

@@ -10,21 +10,13 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.data.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.data.readers.columns import MOTORS
+from stickslip.data.rigs import rig_models
 from stickslip.data.rigs.laws import (
     NONE,
     ContactUnits,
     FrictionTable,
     friction_table,
     python_name,
-)
-from stickslip.data.rigs.rig_models import (
-    URDF,
-    Number,
-    Table,
-    UrdfTable,
-    choice,
-    drive_tables,
-    table_of,
 )
 from stickslip.data.units import read_gain
 from stickslip.friction import FrictionLaw
@@ -38,10 +30,10 @@ VARY = "vary"
 """Says of a mechanism's parameter that it is to be fitted."""
 
 
-class RunTable(Table):
+class RunTable(rig_models.Table):
     """How long runs last."""
 
-    t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
+    t_end: Annotated[Any, rig_models.Number(Quantity("t_end", "s", above=0))] = 10.0
     """Last time of the runs [s]."""
     initial: dict[str, Any] = Field(
         default={}, description="state: value from which simulated runs begin; trials have theirs"
@@ -100,7 +92,7 @@ class MotorConstant:
         return {"anyOf": [*one, {"type": "object", "additionalProperties": {"anyOf": one}}]}
 
 
-class LayoutTable(Table):
+class LayoutTable(rig_models.Table):
     """How a text file holds its table; `stickslip init` finds it out."""
 
     encoding: str = "utf-8-sig"
@@ -117,7 +109,7 @@ class LayoutTable(Table):
     """Whether the row below the header holds the units."""
 
 
-class ReadTable(Table):
+class ReadTable(rig_models.Table):
     """How the columns of a file are read."""
 
     columns: ByJoint[Annotated[Any, Columns()]] = Field(
@@ -173,11 +165,11 @@ class TrialTable(ReadTable):
     It has one of `travel`, `mean_velocity`, `travel_per_cycle`, or the `file` of a record.
     """
 
-    travel: Annotated[Any, Number(TRAVEL)] = None
+    travel: Annotated[Any, rig_models.Number(TRAVEL)] = None
     """Measured travel [m]."""
-    mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
+    mean_velocity: Annotated[Any, rig_models.Number(QUANTITIES["mean_velocity"])] = None
     """Measured mean velocity of a driven rig [m/s]."""
-    travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
+    travel_per_cycle: Annotated[Any, rig_models.Number(QUANTITIES["travel_per_cycle"])] = None
     """Measured travel per cycle of the drive [m]."""
     file: str = Field(default="", description="file of a record, relative to the rig file")
     uncertainty: Annotated[Any, Doubt()] = Field(
@@ -226,20 +218,20 @@ def _known_law(name: str) -> str:
     return name
 
 
-class PublishedTable(Table):
+class PublishedTable(rig_models.Table):
     """What a publication reports for one law."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
         json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
     )
     """Registry name of the law."""
-    travel: Annotated[Any, Number(TRAVEL)] = None
+    travel: Annotated[Any, rig_models.Number(TRAVEL)] = None
     """Printed travel [m]."""
     velocity_positive: bool | None = None
     """Whether the velocity never becomes negative, as printed."""
     displacement_monotone: bool | None = None
     """Whether the displacement never decreases, as printed."""
-    relative_error: Annotated[Any, Number(Quantity("e", "1", low=0))] = None
+    relative_error: Annotated[Any, rig_models.Number(Quantity("e", "1", low=0))] = None
     """Printed error of the travel over the measured travel."""
     note: str = ""
     """A remark."""
@@ -274,7 +266,7 @@ def _nested(schema: dict[str, Any]) -> None:
 ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
 
 
-class EstimatesTable(Table):
+class EstimatesTable(rig_models.Table):
     """How well the values of a law, or of laws by contact, are known, as fits write it; in SI."""
 
     law: Annotated[Any, NameOrNames()] = Field(
@@ -322,12 +314,12 @@ def _contact_input(name: str) -> Any:
     """Return the type of a contact input: a number with its unit, or a drive."""
     quantity = CONTACT_INPUTS[name].quantity()
     other = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
-    number: Any = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
-    drive: Any = Annotated[drive_tables(), Tag(A_DRIVE)]
+    number: Any = Annotated[Any, rig_models.Number(quantity, alternatives=other), Tag(A_NUMBER)]
+    drive: Any = Annotated[rig_models.drive_tables(), Tag(A_DRIVE)]
     return Annotated[number | drive, Discriminator(_number_or_drive)]
 
 
-class ContactTable(Table):
+class ContactTable(rig_models.Table):
     """What friction laws may ask of the contact, and the mechanism does not tell."""
 
 
@@ -349,7 +341,7 @@ def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
     return create_model("Contacts", __base__=found, **own)
 
 
-class RigTable(Table):
+class RigTable(rig_models.Table):
     """A rig: what moves, which friction values are known, and what was measured."""
 
     title: str = ""
@@ -387,8 +379,10 @@ def rig_table(
     A mechanism of the user's, with its ``type``, may come to them.
     """
     known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
-    tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
-    options = choice({**tables, URDF: UrdfTable})
+    tables = {
+        name: rig_models.table_of(cls, name, VARY, measured=True) for name, cls in known.items()
+    }
+    options = rig_models.choice({**tables, rig_models.URDF: rig_models.UrdfTable})
     friction = friction_table(laws, contacts)
     contact = contact_table(tuple(one.name for one in contacts))
     return create_model(

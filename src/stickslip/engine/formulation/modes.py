@@ -48,14 +48,7 @@ from stickslip.engine.formulation.trace import (
     load_factor,
     own_limits,
 )
-from stickslip.engine.kernels.state_layout import (
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    LAW_NUMBERS,
-    LIFT_OFF,
-    STOP,
-    SWITCH,
-)
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Scalar
@@ -141,7 +134,7 @@ class _Context:
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""
         # one that parameters alone give would cost a guard in every step and never fall
-        return {LIFT_OFF: normal} if self.varies(normal) else {}
+        return {layout.LIFT_OFF: normal} if self.varies(normal) else {}
 
 
 def mode_equations(
@@ -194,7 +187,7 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     ]
     return ModeEquations(
         rates=rates,
-        guards={STOP: v * int(mode), **context.lift_off(normal)},
+        guards={layout.STOP: v * int(mode), **context.lift_off(normal)},
         contact=[friction, normal, friction, context.level(normal, int(mode))],
         power=[context.mechanics.power(motion, context.coordinate_rates), friction * v],
         channels=context.channels(motion),
@@ -218,8 +211,8 @@ def _stick(context: _Context) -> ModeEquations:
     return ModeEquations(
         rates=[e.subs(held) for e in rates],
         guards={
-            BREAK_FORWARD: ahead - needed,
-            BREAK_BACKWARD: back + needed,
+            layout.BREAK_FORWARD: ahead - needed,
+            layout.BREAK_BACKWARD: back + needed,
             **context.lift_off(normal),
         },
         contact=[needed, normal, needed, level],
@@ -256,7 +249,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
         # At the stop friction takes up to its level, and the stop what is beyond.
         taken = side * needed > holding.subs(held)
         friction = se.Piecewise((side * holding.subs(held), taken), (needed, True))
-    leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
+    leave = layout.BREAK_BACKWARD if side > 0 else layout.BREAK_FORWARD
     return replace(
         equations,
         rates=rates,
@@ -282,7 +275,9 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                     on = switch.symbol > 0
                     # While it is on, a latched switch has no guard: `deciding` tells its end.
                     lasts = switch.margin if switch.hold is None else se.Integer(1)
-                    guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
+                    guards[layout.SWITCH + index] = se.Piecewise(
+                        (lasts, on), (-switch.margin, True)
+                    )
     return replace(equations, guards=guards)
 
 
@@ -644,7 +639,7 @@ class LawParts:
         Both are seen at the slopes of friction along the speed and at the rates of bristles.
         """
         cases = self.numbers.values()
-        return any(case[4] != 0 or case[5] != 0 or len(case) > LAW_NUMBERS for case in cases)
+        return any(case[4] != 0 or case[5] != 0 or len(case) > layout.LAW_NUMBERS for case in cases)
 
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
@@ -699,7 +694,7 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
             linear,
             *[rate.subs({load: own_load}) for rate in rates],
         ]
-        case = [*numbers[side][:4], *numbers[side][LAW_NUMBERS:]]
+        case = [*numbers[side][:4], *numbers[side][layout.LAW_NUMBERS :]]
         slopes[side] = [e.diff(x) for e in case for x in variables]
     margins = []
     for switch in board.switches.values():

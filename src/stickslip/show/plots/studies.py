@@ -47,16 +47,8 @@ from stickslip.show.plots.theme import (
     name_size,
     shade,
 )
+from stickslip.study import optimisation
 from stickslip.study.control import ClosedLoop, limit_cycle
-from stickslip.study.optimisation import (
-    COSTS,
-    Cycle,
-    Optimum,
-    ParetoFront,
-    guide_of,
-    load_shares,
-    slip_of_body,
-)
 from stickslip.study.sweep import Band, ValidatedRecord, Validation
 
 # Plots of many runs: an output over what was varied, and the band that runs lie in.
@@ -515,7 +507,7 @@ PROFILE_SAMPLES: Final = 1200
 DEGREES: Final = 180.0 / np.pi
 
 
-def draw_profile(optimum: Optimum) -> Draw:
+def draw_profile(optimum: optimisation.Optimum) -> Draw:
     """Return a drawing of the motion, what it takes and what it brings, over a cycle.
 
     Parameters
@@ -549,7 +541,7 @@ def draw_profile(optimum: Optimum) -> Draw:
     return draw
 
 
-def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
+def _columns(optimum: optimisation.Optimum, cycle: optimisation.Cycle) -> dict[str, Array]:
     """Return the columns over the last cycle, the travel from its beginning on."""
     run = cycle.run
     jumps = [event.t for event in run.events if event.t > cycle.begin]
@@ -558,25 +550,25 @@ def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
     inside = np.array([t for t in jumps if t < run.span[1]])
     seen = run.at(np.union1d(times, np.concatenate([inside, np.nextafter(inside, -np.inf)])))
     found = {name: seen[name] for name in _names(optimum)}
-    slip = slip_of_body(optimum.mechanism)
+    slip = optimisation.slip_of_body(optimum.mechanism)
     return {"t": seen.t - cycle.begin} | found | {slip: found[slip] - found[slip][0]}
 
 
-def _names(optimum: Optimum) -> tuple[str, ...]:
+def _names(optimum: optimisation.Optimum) -> tuple[str, ...]:
     mechanism = optimum.mechanism
-    coordinate, rate, effort, _ = guide_of(mechanism)
-    slip = slip_of_body(mechanism)
+    coordinate, rate, effort, _ = optimisation.guide_of(mechanism)
+    slip = optimisation.slip_of_body(mechanism)
     speed = mechanism.rates[mechanism.coordinates.index(slip)]
     return coordinate, rate, effort, slip, speed, _least_loaded(optimum)
 
 
-def _least_loaded(optimum: Optimum) -> str:
+def _least_loaded(optimum: optimisation.Optimum) -> str:
     """Return the column of the normal force that falls most, over that at rest."""
-    shares = load_shares(optimum.mechanism, optimum.run)
+    shares = optimisation.load_shares(optimum.mechanism, optimum.run)
     return min(shares, key=lambda column: float(shares[column].min()))
 
 
-def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
+def _units(optimum: optimisation.Optimum) -> dict[str, tuple[float, str]]:
     """Return factor and axis label of each column."""
     names, run = _names(optimum), optimum.run
     angular = optimum.mechanism.units[optimum.mechanism.coordinates.index(names[0])] == "rad"
@@ -591,7 +583,7 @@ def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
     return found
 
 
-def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
+def _bounds(optimum: optimisation.Optimum) -> dict[str, tuple[float, ...]]:
     """Return the limits by column."""
     given = optimum.limits.given()
     names = _names(optimum)
@@ -652,7 +644,7 @@ def _name(
         )
 
 
-def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
+def plot_profile(optimum: optimisation.Optimum, ax: PanelTarget = None) -> Panels:
     """Plot the best motion over a cycle, what it takes and what it brings.
 
     Parameters
@@ -667,13 +659,13 @@ def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
     array of Axes (6,)
         The panels; limits are thin lines, the best three-phase motion is dashed.
     """
-    check_type("optimum", optimum, Optimum)
+    check_type("optimum", optimum, optimisation.Optimum)
     return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
 
 
-def draw_front(front: ParetoFront) -> Draw:
+def draw_front(front: optimisation.ParetoFront) -> Draw:
     """Return a drawing of the mean speed of each motion of a front against its cost."""
-    scale, unit = scale_of(front.costs, COSTS[front.cost])
+    scale, unit = scale_of(front.costs, optimisation.COSTS[front.cost])
     factor, speed_unit = scale_of(front.speeds, "m/s")
     title = {"energy": "work of the motor per travel", "back_slip": "back-slip per cycle"}
 
@@ -688,7 +680,7 @@ def draw_front(front: ParetoFront) -> Draw:
     return draw
 
 
-def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
+def plot_front(front: optimisation.ParetoFront, ax: Target = None) -> Axes:
     """Plot the mean speed of each motion of a front against its cost.
 
     Parameters
@@ -703,7 +695,7 @@ def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
     Axes
         Motions as points, the fastest at the right.
     """
-    check_type("front", front, ParetoFront)
+    check_type("front", front, optimisation.ParetoFront)
     return on_axes(draw_front(front), ax, FRONT_SIZE)
 
 

@@ -25,13 +25,7 @@ from stickslip.mechanisms.drives import Profile, ThreePhase
 from stickslip.quantities import named
 from stickslip.show.display import Tabular
 from stickslip.show.formatting import number, with_unit
-from stickslip.study.optimisation.parametrisation import (
-    KindName,
-    Space,
-    ThreeAccelerations,
-    kind_of,
-    space_of,
-)
+from stickslip.study.optimisation import parametrisation
 from stickslip.study.optimisation.problem import (
     FINER,
     GOALS,
@@ -107,8 +101,8 @@ class Optimum(Tabular):
     def kind(self) -> str:
         """Its kind: another than `searched` where no such motion exceeds the one it began from."""
         if isinstance(self.profile, ThreePhase) and self.profile.last is not None:
-            return ThreeAccelerations.kind
-        return kind_of(profile_values(self.profile)["type"])
+            return parametrisation.ThreeAccelerations.kind
+        return parametrisation.kind_of(profile_values(self.profile)["type"])
 
     @property
     def shortfall(self) -> str:
@@ -275,7 +269,7 @@ def optimise_profile(
     *,
     limits: Limits,
     goal: GoalName = "travel",
-    kind: KindName = "three-phase",
+    kind: parametrisation.KindName = "three-phase",
     interval: Mapping[str, tuple[float, float]] | None = None,
     scenarios: Sequence[Friction] | None = None,
     quantile: float | Literal["mean"] = 0.05,
@@ -386,13 +380,13 @@ def optimise_profile(
         goal=named(GOALS, goal, "goal"),
         limits=plan.limits,
     )
-    known = kind_of(kind)
-    space = space_of(known, plan.limits, knots)
+    known = parametrisation.kind_of(kind)
+    space = parametrisation.space_of(known, plan.limits, knots)
     subject = repr((problem, plan, law, space, _versions()))
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
     work = _Work(problem=problem, plan=plan, memory=memory, watch=progress, executor=executor)
-    reference = best = work.best_of(space_of(REFERENCE, plan.limits, knots), start)
+    reference = best = work.best_of(parametrisation.space_of(REFERENCE, plan.limits, knots), start)
     if known != REFERENCE:
         best = work.best_of(space, start, done=reference)
     return _optimum(work, law, known, best, reference.judged, start)
@@ -515,7 +509,9 @@ class _Work:
     watch: Told | None
     executor: Executor | None
 
-    def best_of(self, space: Space, start: ScoredMotion, *, done: _Best | None = None) -> _Best:
+    def best_of(
+        self, space: parametrisation.Space, start: ScoredMotion, *, done: _Best | None = None
+    ) -> _Best:
         """Return the best motion: of those the search may begin from, its own, and the polish.
 
         It may begin from a motion of another kind, such as a spline from three phases. Whatever a
@@ -554,7 +550,7 @@ class _Work:
         return _best(known, count, cancelled=found.cancelled)
 
     def _polished_start(
-        self, problem: Problem, space: Space, first: Profile
+        self, problem: Problem, space: parametrisation.Space, first: Profile
     ) -> tuple[Array | None, int]:
         """Return where a search begins: at a motion, better and within limits if that can be."""
         point = space.place(first)
@@ -563,15 +559,15 @@ class _Work:
         better, count = polish(problem, space, point, budget=self._polish(space), watch=self.watch)
         return (point if better is None else better), count
 
-    def _polish(self, space: Space) -> int:
+    def _polish(self, space: parametrisation.Space) -> int:
         """Return the motions that one polish may try: a round takes differences both ways."""
         return max(POLISH * self.plan.evaluations, LEAST_ROUNDS * (2 * space.size + 2))
 
-    def _finely(self, space: Space, point: Array) -> ScoredMotion:
+    def _finely(self, space: parametrisation.Space, point: Array) -> ScoredMotion:
         return self.problem.judge(space.profile(point), samples=FINER)
 
 
-def _has_place(space: Space, motion: ScoredMotion) -> bool:
+def _has_place(space: parametrisation.Space, motion: ScoredMotion) -> bool:
     """Whether a search of a kind may begin from a motion."""
     return space.place(motion.profile) is not None
 

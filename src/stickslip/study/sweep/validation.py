@@ -31,13 +31,7 @@ from stickslip.engine.solver import Samples
 from stickslip.engine.trajectory import Ensemble, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits import (
-    TravelModel,
-    Trial,
-    standard_errors,
-    trials_of,
-    uncertainties_of,
-)
+from stickslip.identify import fits
 from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names, slips_by_angle
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned, vary
@@ -460,7 +454,7 @@ def validate(
         uncertain.kept += (RECORDED,)
     records = measurement.records()
     if any(record.time is not None for record in records):
-        doubts = uncertainties_of(mechanism, measurement)
+        doubts = fits.uncertainties_of(mechanism, measurement)
         seen = tuple(
             _record(mechanism, record, uncertain, doubts[index], index)
             for index, record in enumerate(records)
@@ -707,14 +701,14 @@ def _travels(
     uncertain: _Uncertain,
 ) -> Validation:
     """Compare readings of how far a body came."""
-    trials = trials_of(mechanism, measurement, t_end)
+    trials = fits.trials_of(mechanism, measurement, t_end)
     labels = [
         record.name or str(index)
         for index, record in enumerate(measurement.records(), 1)
         for _ in np.atleast_1d(record.values(record.travelled))
     ]
-    errors, stated = standard_errors(trials)
-    model = TravelModel(law, (), t_end)
+    errors, stated = fits.standard_errors(trials)
+    model = fits.TravelModel(law, (), t_end)
     model.check_rest(trials, (), errors)
     predicted = model.travels(trials, ())
     drawn: dict[Hashable, Array] = {}
@@ -762,12 +756,12 @@ def _travels(
     )
 
 
-def _scales(trials: Sequence[Trial]) -> Array:
+def _scales(trials: Sequence[fits.Trial]) -> Array:
     return np.array([trial.scale for trial in trials])
 
 
 def _drawn_travels(
-    trial: Trial, law: FrictionLaw, t_end: float, uncertain: _Uncertain, index: int
+    trial: fits.Trial, law: FrictionLaw, t_end: float, uncertain: _Uncertain, index: int
 ) -> Array:
     """Return the travel of a trial with each draw (n,), NaN where its run ended early."""
     draws = uncertain.draws(trial.mechanism, trial.doubts, trial.shared, index)

@@ -30,15 +30,8 @@ import numpy as np
 
 from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
-from stickslip.engine.kernels import backend, entries
+from stickslip.engine.kernels import backend, entries, equations
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.equations import (
-    CALLED,
-    LAW,
-    LAW_MARGIN_SLOPES,
-    LAW_MARGINS,
-    LAW_SLOPES_OF,
-)
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
 from stickslip.engine.solver.compile.translation import (
     REAL,
@@ -60,10 +53,10 @@ from stickslip.errors import CompilationError
 ENTRY = "equations"
 """The function that calls the others by their numbers; no other is seen from outside."""
 LAW_FUNCTIONS = {
-    re.compile(r"law_(\d+)"): LAW,
-    re.compile(r"law_margins_(\d+)"): LAW_MARGINS,
-    re.compile(r"law_slopes_(\d+)"): LAW_SLOPES_OF,
-    re.compile(r"law_margin_slopes_(\d+)"): LAW_MARGIN_SLOPES,
+    re.compile(r"law_(\d+)"): equations.LAW,
+    re.compile(r"law_margins_(\d+)"): equations.LAW_MARGINS,
+    re.compile(r"law_slopes_(\d+)"): equations.LAW_SLOPES_OF,
+    re.compile(r"law_margin_slopes_(\d+)"): equations.LAW_MARGIN_SLOPES,
 }
 """Names of the functions of laws, one for each structure, and the number of the first."""
 TAKEN = (
@@ -137,7 +130,7 @@ def _chosen(numbers: dict[str, int]) -> list[str]:
 @functools.lru_cache(maxsize=256)
 def numbered(model: Model) -> dict[str, int]:
     """Return the numbers by which kernels call the functions of a model's equations."""
-    found = {name: i for i, name in enumerate(CALLED)}
+    found = {name: i for i, name in enumerate(equations.CALLED)}
     for numbers, start in LAW_FUNCTIONS.items():
         found |= {
             match[0]: start + int(match[1])
