@@ -20,6 +20,8 @@ from pathlib import Path
 
 from tools import stubs
 
+from stickslip import lazy
+
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src"
 PACKAGE = "stickslip"
@@ -135,9 +137,8 @@ def sources() -> dict[str, Path]:
 
 def door(package: str) -> dict[str, str]:
     """Return the modules that define the names of a package that loads them lazily."""
-    module = importlib.import_module(package)
-    table = {**getattr(module, "HOMES", {}), **getattr(module, "INSIDE", {})}
-    return {name: f"{stubs.root(package)}.{home}" for name, home in table.items()}
+    importlib.import_module(package)
+    return lazy.Door(package).homes
 
 
 def imports(

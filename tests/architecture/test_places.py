@@ -202,12 +202,14 @@ assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
 
 @pytest.mark.slow
 def test_a_plot_touches_three_places(tree: Tree) -> None:
-    line = "HOMES = {"
+    line = "from stickslip.show.plots.axes import Array as Array"
+    module = "stickslip.show.plots.toy_plot"
     places = contributed(
         tree,
         "toy_plot.py",
         "show/plots/toy_plot.py",
-        ("show/plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
+        ("show/plots/__init__.pyi", line, f"from {module} import plot_toy as plot_toy"),
+        ("show/plots/__init__.pyi", "__all__ = [", '    "plot_toy",'),
     )
     use = """
 from stickslip import Coulomb, SpringBlock, simulate

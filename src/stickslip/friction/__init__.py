@@ -1,6 +1,6 @@
 """Friction laws: compositions of parts, each with its source."""
 
-from stickslip.lazy import attach
+from stickslip.lazy import attach_stub
 
 NAMED = (
     "Coulomb",
@@ -54,69 +54,4 @@ LAW_MODULES = {
 }
 """The laws of the package in the order of listings, with what their classes are asked of."""
 
-HOMES = {
-    **LAW_MODULES,
-    "BristleLaw": "base",
-    "CandidateSpec": "registry",
-    "Containment": "base",
-    "Evolution": "rate_state",
-    "Friction": "base",
-    "FrictionLaw": "base",
-    "LAWS": "registry",
-    "Laws": "base",
-    "PRINTED_EQUATIONS": "published",
-    "PRINTED_FORMS": "published",
-    "Passivity": "base",
-    "PrintedForm": "published",
-    "RATE_STATE_FORMS": "rate_state",
-    "RateState": "rate_state",
-    "RateStateForm": "rate_state",
-    "RightEquation": "published",
-    "SOURCES": "sources",
-    "SetValuedLaw": "base",
-    "TISSUES": "tissue",
-    "Tissue": "tissue",
-    "Typical": "base",
-    "bound": "base",
-    "contained_laws": "registry",
-    "containment_of": "containment",
-    "law": "registry",
-    "law_type": "registry",
-    "laws": "registry",
-    "specification": "registry",
-    "usual_specifications": "registry",
-}
-
-INSIDE = {
-    "ALWAYS": "base",
-    "CITATIONS": "sources",
-    "CandidateSpec": "registry",
-    "FrictionLaw": "base",
-    "Laws": "base",
-    "PARTS": "parts",
-    "PrintedCartDynamics": "published",
-    "PrintedCoulomb": "published",
-    "PrintedStribeck": "published",
-    "anywhere": "base",
-    "assigned": "base",
-    "bound": "base",
-    "bristle_names": "base",
-    "curve_through": "parts.levels",
-    "curves_beside": "parts.levels",
-    "force_parameters": "base",
-    "given_to": "base",
-    "is_bound": "base",
-    "is_composition": "registry",
-    "law": "registry",
-    "law_of": "base",
-    "listed": "registry",
-    "monotone_slopes": "parts.levels",
-    "said_of": "classes",
-    "specification": "registry",
-    "with_typical_values": "registry",
-}
-"""Names that other subpackages use, and that are not part of the public interface."""
-
-__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
-
-__getattr__, __dir__ = attach(__name__, HOMES, inside=INSIDE)
+__getattr__, __dir__, __all__ = attach_stub(__name__, LAW_MODULES)

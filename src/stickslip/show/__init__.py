@@ -1,12 +1,5 @@
 """What users see: numbers, tables, documents, figures and pages."""
 
-from stickslip.lazy import attach
+from stickslip.lazy import attach_stub
 
-HOMES: dict[str, str] = {}
-
-NAMESPACES = ("plots", "report")
-"""Public modules, which are attributes without an import of their own."""
-
-__all__ = sorted([*HOMES, *NAMESPACES])  # noqa: PLE0605  # read off the tables above
-
-__getattr__, __dir__ = attach(__name__, HOMES, NAMESPACES)
+__getattr__, __dir__, __all__ = attach_stub(__name__)

@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.identify.fits.contact_inputs import as_informed as as_informed
 from stickslip.identify.fits.contact_inputs import check_inputs as check_inputs
 from stickslip.identify.fits.contact_inputs import inputs_text as inputs_text
