@@ -5,9 +5,9 @@ as `stickslip.mechanisms.drives.Sine`. All are loaded when first asked for. What
 editors read is `__init__.pyi`, which says where each name is.
 """
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
-_load, _names, __all__ = attach_stub(__name__)
+_load, _names, __all__ = attach(__name__)
 
 
 def __getattr__(name: str) -> object:

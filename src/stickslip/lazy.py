@@ -9,44 +9,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 
-def attach(
-    package: str,
-    homes: Mapping[str, str],
-    namespaces: Collection[str] = (),
-    *,
-    inside: Mapping[str, str] = MappingProxyType({}),
-) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """Return the ``__getattr__`` and ``__dir__`` of a package whose names are loaded lazily.
-
-    Type checkers and editors cannot follow them: what they read is the ``__init__.pyi`` that
-    ``tools/stubs.py`` writes from the same table. Names `inside` are loaded, and not listed: other
-    subpackages use them, and users do not.
-
-    Examples
-    --------
-    >>> load, names = attach("stickslip", {"Coulomb": "friction", "simulate": "simulation"})
-    >>> names()
-    ['Coulomb', 'simulate']
-    >>> load("Coulomb").name
-    'coulomb'
-    """
-
-    def load(name: str) -> object:
-        if name in namespaces:
-            return importlib.import_module(f"{package}.{name}")
-        home = homes.get(name) or inside.get(name)
-        if home is None:
-            there = _elsewhere(package, name, namespaces)
-            raise AttributeError(
-                f"module {package!r} has no attribute {name!r}{there}",
-                name=name,
-                obj=sys.modules[package],
-            )
-        return getattr(importlib.import_module(f"{package}.{home}"), name)
-
-    return load, lambda: sorted([*homes, *namespaces])
-
-
 class Door:
     """The names of a package that loads them lazily, as its `__init__.pyi` says.
 
@@ -71,7 +33,7 @@ class Door:
         """The names that users import, namespaces included; other subpackages use the rest."""
 
 
-def attach_stub(
+def attach(
     package: str, registered: Mapping[str, str] = MappingProxyType({})
 ) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package that loads names lazily.
@@ -80,10 +42,11 @@ def attach_stub(
 
     Examples
     --------
-    >>> load, names, public = attach_stub("stickslip.engine")
-    >>> names() == public == ["Certificate", "Decay", "Ensemble", "Event", "Status", "Trajectory"]
-    >>> load("Status").__module__
-    'stickslip.engine.trajectory'
+    >>> load, names, public = attach("stickslip")
+    >>> names()[:3]
+    ['Ambrosio', 'ArctanCoulomb', 'Axis']
+    >>> load("Coulomb").name
+    'coulomb'
     """
     door = Door(package)
     homes = {**door.homes, **{name: f"{package}.{home}" for name, home in registered.items()}}

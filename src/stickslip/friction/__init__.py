@@ -1,6 +1,6 @@
 """Friction laws: compositions of parts, each with its source."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
 NAMED = (
     "Coulomb",
@@ -54,4 +54,4 @@ LAW_MODULES = {
 }
 """The laws of the package in the order of listings, with what their classes are asked of."""
 
-__getattr__, __dir__, __all__ = attach_stub(__name__, LAW_MODULES)
+__getattr__, __dir__, __all__ = attach(__name__, LAW_MODULES)

@@ -1,6 +1,6 @@
 """Mechanisms: equations of motion without friction, each one a file."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
 MECHANISM_MODULES = {
     "SpringBlock": "blocks",
@@ -21,4 +21,4 @@ MECHANISM_MODULES = {
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 
-__getattr__, __dir__, __all__ = attach_stub(__name__, MECHANISM_MODULES)
+__getattr__, __dir__, __all__ = attach(__name__, MECHANISM_MODULES)

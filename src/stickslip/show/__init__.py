@@ -1,5 +1,5 @@
 """What users see: numbers, tables, documents, figures and pages."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
-__getattr__, __dir__, __all__ = attach_stub(__name__)
+__getattr__, __dir__, __all__ = attach(__name__)

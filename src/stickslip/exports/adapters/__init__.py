@@ -1,5 +1,5 @@
 """Other libraries of Python: environments of Gymnasium, systems of python-control, SciPy's ODEs."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
-__getattr__, __dir__, __all__ = attach_stub(__name__)
+__getattr__, __dir__, __all__ = attach(__name__)

@@ -1,5 +1,5 @@
 """Drives: forces, torques and motions as functions of time."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
-__getattr__, __dir__, __all__ = attach_stub(__name__)
+__getattr__, __dir__, __all__ = attach(__name__)

@@ -1,5 +1,5 @@
 """Feedback: controllers that sample and hold, and what friction makes of them."""
 
-from stickslip.lazy import attach_stub
+from stickslip.lazy import attach
 
-__getattr__, __dir__, __all__ = attach_stub(__name__)
+__getattr__, __dir__, __all__ = attach(__name__)
