@@ -7,14 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import exports
-from stickslip.cli.console import (
-    pair_of,
-    print_json,
-    refuse_overwriting,
-    show_table,
-    stdout,
-    with_unit,
-)
+from stickslip.cli import console as terminal
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
 from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
@@ -60,7 +53,7 @@ def run_export(options: ExportOptions) -> None:
         _export_fmu(options)
         return
     target = known
-    refuse_overwriting(output, output, force=options.force)
+    terminal.refuse_overwriting(output, output, force=options.force)
     source = law_source(options, path)
     rig = None
     if options.rig is not None:
@@ -82,9 +75,9 @@ def run_export(options: ExportOptions) -> None:
     files = found.save(output, force=options.force)
     if options.as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
-        print_json(document("export", content))
+        terminal.print_json(document("export", content))
         return
-    console = stdout()
+    console = terminal.stdout()
     console.print(f"{target.title}: {', '.join(map(str, files))}")
     for remark in found.remarks:
         console.print(f"  {remark}")
@@ -137,7 +130,7 @@ def _export_fmu(options: ExportOptions) -> None:
         law_named = f"{options.file}" + (f":{options.law}" if options.law is not None else "")
     name = options.name if options.name is not None else of.stem
     file = output if output.suffix == ".fmu" else output / f"{exports.identifier(name)}.fmu"
-    refuse_overwriting(output, file.parent, force=options.force)
+    terminal.refuse_overwriting(output, file.parent, force=options.force)
     rig, chosen = rig_and_friction(
         LawOptions(
             rig=of, law=law_named, law_load=options.law_load, allow_import=options.allow_import
@@ -157,16 +150,18 @@ def _export_fmu(options: ExportOptions) -> None:
         force=options.force,
     )
     if options.as_json:
-        print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
+        terminal.print_json(
+            document("export", {"target": FMU, "files": [str(file)], "remarks": []})
+        )
         return
-    stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
+    terminal.stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
 
 
 def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
     for one in given:
-        name, value = pair_of(
+        name, value = terminal.pair_of(
             one, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
         )
         try:
@@ -189,7 +184,7 @@ def by_option() -> Iterator[None]:
 def loads(options: ExportOptions | ApplyOptions) -> tuple[float | None, float | None]:
     """Return the normal forces of the options `--load` and `--law-load`."""
     pairs = (("--load", options.load), ("--law-load", options.law_load))
-    load, law_load = (with_unit(option, text, LOAD) for option, text in pairs)
+    load, law_load = (terminal.with_unit(option, text, LOAD) for option, text in pairs)
     return load, law_load
 
 
@@ -224,7 +219,7 @@ def run_apply(options: ApplyOptions) -> None:
         )
     found.save(output, force=options.force)
     if options.as_json:
-        print_json(document("apply", {"file": str(output), **found.to_dict()}))
+        terminal.print_json(document("apply", {"file": str(output), **found.to_dict()}))
         return
     _show(found, output)
 
@@ -285,7 +280,7 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
 
 
 def _show(found: exports.Applied, output: Path) -> None:
-    console = stdout()
+    console = terminal.stdout()
     names = ", ".join(one.joint for one in found.joints)
     console.print(f"{output}: {found.path.name} with friction in {names}")
     for one in found.joints:
@@ -295,14 +290,14 @@ def _show(found: exports.Applied, output: Path) -> None:
     rows = [row for one in found.joints for row in _rows(one)]
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
-        show_table("", heads, rows)
+        terminal.show_table("", heads, rows)
     replays = [row for one in found.joints for row in _replay_rows(one)]
     if replays:
         heads = (
             "joint", "on the record", "error of the force", "from the law", "error of the position",
             "from the law",
         )  # fmt: skip
-        show_table("", heads, replays)
+        terminal.show_table("", heads, replays)
     for remark in found.remarks:
         console.print(remark)
 

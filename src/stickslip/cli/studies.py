@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.cli import inputs
+from stickslip.cli import options as option_groups
 from stickslip.cli.console import (
     command_line,
     folder_of,
@@ -22,13 +23,6 @@ from stickslip.cli.console import (
     show_table,
     stdout,
 )
-from stickslip.cli.options import (
-    CharacterizeOptions,
-    LawOptions,
-    OrbitOptions,
-    ProfileOptions,
-    SweepOptions,
-)
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
@@ -39,16 +33,8 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import joined, number, quantity
+from stickslip.study import optimisation
 from stickslip.study.characterization import TESTS, Characterization, characterize
-from stickslip.study.optimisation import (
-    GOALS,
-    Limits,
-    Margin,
-    Optimum,
-    ScoredMotion,
-    optimise_profile,
-    units_of_limits,
-)
 from stickslip.study.sweep import (
     OrbitDiagram,
     VelocityBand,
@@ -78,7 +64,7 @@ def _figure_beside(output: Path, *, force: bool) -> Path:
     return figure
 
 
-def run_sweep(options: SweepOptions) -> None:
+def run_sweep(options: option_groups.SweepOptions) -> None:
     """Run the grid, write table and figure, show."""
     if options.dry_run:
         raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
@@ -261,7 +247,7 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
 DIAGRAM_SIZE = (880, 400)
 
 
-def run_orbits(options: OrbitOptions) -> None:
+def run_orbits(options: option_groups.OrbitOptions) -> None:
     """Find the branches, write table and figure, show."""
     output = options.output
     figure = _figure_beside(output, force=options.force)
@@ -379,13 +365,13 @@ OPTIONS = {
 FILES = {"rig.toml", "profile.svg", "optimum.json"}
 
 
-def run_profile(options: ProfileOptions) -> None:
+def run_profile(options: option_groups.ProfileOptions) -> None:
     """Search, write rig file, figure and numbers, print what was found."""
     folder = folder_of(options.output, "stickslip-profile", as_json=options.as_json)
     if folder is not None:
         refuse_overwriting(folder, folder, force=options.force, files=FILES)
     rig, chosen = inputs.rig_and_friction(
-        LawOptions(
+        option_groups.LawOptions(
             rig=options.rig,
             changes=options.changes,
             law=options.law,
@@ -412,10 +398,10 @@ def _found(
     rig: Rig,
     law: FrictionLaw | Laws,
     laws: Sequence[FrictionLaw] | None,
-    options: ProfileOptions,
-) -> Optimum:
+    options: option_groups.ProfileOptions,
+) -> optimisation.Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
-    goal = named(GOALS, options.goal, "goal")
+    goal = named(optimisation.GOALS, options.goal, "goal")
     limits = _limits(rig.mechanism, options)
     interval = dict(_interval(rig.mechanism, law, text) for text in options.interval)
     with (
@@ -423,7 +409,7 @@ def _found(
         Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
         workers(options.count or 1, options.executor) as executor,
     ):
-        return optimise_profile(
+        return optimisation.optimise_profile(
             rig.mechanism,
             law,
             limits=limits,
@@ -448,10 +434,10 @@ def _quantile(text: str) -> float | Literal["mean"]:
         return read_number(text, Quantity("quantile", low=0, high=1))
 
 
-def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
+def _limits(mechanism: Mechanism, options: option_groups.ProfileOptions) -> optimisation.Limits:
     """Read the limits, each in its unit."""
-    units, values = units_of_limits(mechanism), {}
-    quantities = dict(fields_of(Limits))
+    units, values = optimisation.units_of_limits(mechanism), {}
+    quantities = dict(fields_of(optimisation.Limits))
     values["position"] = _position(options, quantities.pop("position"), units["position"])
     for name, limit in quantities.items():
         text: str | None = getattr(options, name)
@@ -460,10 +446,10 @@ def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
         own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
         with concerning(OPTIONS[name]):
             values[name] = read_number(text, own)
-    return Limits(**values)
+    return optimisation.Limits(**values)
 
 
-def _position(options: ProfileOptions, quantity: Quantity, unit: str) -> float:
+def _position(options: option_groups.ProfileOptions, quantity: Quantity, unit: str) -> float:
     """Return the largest distance from the middle, by the option of its kind of motion."""
     of_angle = unit == "rad"
     option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
@@ -498,7 +484,7 @@ def _interval(
     return full, range_of(f"--interval {full}", ends, known[full])
 
 
-def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
+def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
     from stickslip.show.plots import PROFILE_SIZES, draw_profile, standalone_svg
 
     figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
@@ -509,7 +495,7 @@ def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]
     }
 
 
-def _show_optimum(found: Optimum) -> None:
+def _show_optimum(found: optimisation.Optimum) -> None:
     console, goal = stdout(), found.goal
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, style="bold")
@@ -542,7 +528,9 @@ def _show_optimum(found: Optimum) -> None:
     )
 
 
-def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> list[str]:
+def _compared(
+    name: str, judged: optimisation.ScoredMotion | None, factor: float | None
+) -> list[str]:
     if judged is None:
         return [name, "", "", "none satisfies the limits"]
     remark = "" if judged.feasible else _broken(judged)
@@ -554,7 +542,7 @@ def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> l
     ]
 
 
-def _broken(judged: ScoredMotion) -> str:
+def _broken(judged: optimisation.ScoredMotion) -> str:
     """Say what a motion breaks."""
     if judged.early_end:
         return judged.early_end
@@ -564,7 +552,7 @@ def _broken(judged: ScoredMotion) -> str:
     return f"violates {', '.join(names)}"
 
 
-def _limit_word(margin: Margin) -> str:
+def _limit_word(margin: optimisation.Margin) -> str:
     """Return what a limit is of; the place of an inner mass is counted from its middle."""
     if margin.name == "position":
         return "angle" if margin.unit == "rad" else "half the stroke"
@@ -574,7 +562,7 @@ def _limit_word(margin: Margin) -> str:
 # ``stickslip characterize``.
 
 
-def run_characterize(options: CharacterizeOptions) -> None:
+def run_characterize(options: option_groups.CharacterizeOptions) -> None:
     """Try the laws, write the page, show."""
     report, tests = options.report, options.tests
     if report is not None:

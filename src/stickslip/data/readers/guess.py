@@ -18,6 +18,7 @@ from stickslip.data.measurement import (
     Array,
     is_beside,
 )
+from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
     LONGEST_HEADER,
@@ -38,16 +39,6 @@ from stickslip.data.readers.columns import (
     parts_of,
 )
 from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
-from stickslip.data.readers.layout import (
-    Layout,
-    Repair,
-    decoded,
-    is_number,
-    is_stamp,
-    layout_of,
-    nearly_zero,
-    seconds_of,
-)
 from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
@@ -203,7 +194,7 @@ class Guess(metaclass=Described):
 
     file: str
     """The file."""
-    layout: Layout | None
+    layout: text_layout.Layout | None
     """How a text file holds its table; None for other files."""
     columns: Mapping[str, Column]
     """Quantity -> name of its column."""
@@ -216,7 +207,7 @@ class Guess(metaclass=Described):
     motor_constant: str | Mapping[str, str] = ""
     """Force or torque per current, where a current drives the axis; assumed unless it was given, in
     which case `reasons` say so; by joint."""
-    repair: tuple[Repair, ...] = ()
+    repair: tuple[text_layout.Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
     conditions: tuple[str, ...] = ()
     """Columns that seem to hold a condition, such as a temperature."""
@@ -458,7 +449,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
         return
     with path.open("rb") as file:
         top = file.read(TOP)
-    text, encoding = decoded(top)
+    text, encoding = text_layout.decoded(top)
     if encoding.startswith("utf-16") or dialect_of(text) is not None:
         return
     with TemporaryDirectory() as folder:
@@ -475,15 +466,15 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
-def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
+def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str, str]]:
     """Return how a text file holds its table, and what was found in words."""
     if path.suffix.lower() not in TEXT:
         return None, {}
-    text, encoding = decoded(path.read_bytes())
+    text, encoding = text_layout.decoded(path.read_bytes())
     dialect = dialect_of(text)
     if dialect is not None:
         return None, {"cells": dialect.title}
-    found = layout_of(text, encoding)
+    found = text_layout.layout_of(text, encoding)
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
         read_frame(path, columns={}, units={})
@@ -848,9 +839,9 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
     if part.empty:
         return False
     if not pd.api.types.is_numeric_dtype(part.dtype):
-        if isinstance(part.iloc[0], str) and not is_stamp(part.iloc[0].strip()):
+        if isinstance(part.iloc[0], str) and not text_layout.is_stamp(part.iloc[0].strip()):
             return False
-        seconds = seconds_of(part)
+        seconds = text_layout.seconds_of(part)
         return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
     return share_later(part) > ORDERED
 
@@ -894,7 +885,7 @@ def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
             continue
         column = frame.data[header]
         numeric = pd.api.types.is_numeric_dtype(column.dtype)
-        times = column.to_numpy(dtype=float) if numeric else seconds_of(column)
+        times = column.to_numpy(dtype=float) if numeric else text_layout.seconds_of(column)
         if times is not None and np.isfinite(times).all() and np.unique(times).size == times.size:
             return name, times
     return None
@@ -951,7 +942,7 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
+    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > DIGITS:
         frame.raw(name)
 
 
@@ -984,7 +975,7 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
     if _named_score(bare, "time")[0] < PART:
         return
     if not pd.api.types.is_numeric_dtype(column.dtype):
-        seconds = seconds_of(column.iloc[:CHECKED].dropna())
+        seconds = text_layout.seconds_of(column.iloc[:CHECKED].dropna())
         if seconds is not None and len(seconds) > 1 and _are_coarse(seconds):
             raise InputError(
                 f"{frame.file}: the column {shown(name)} has one time stamp for several rows: give"
@@ -1086,7 +1077,7 @@ def times_of(frame: Frame, one: Found) -> Array | None:
         return None
     column = frame.data[frame.names[key]]
     if not pd.api.types.is_numeric_dtype(column.dtype):
-        return seconds_of(column)
+        return text_layout.seconds_of(column)
     values = column.to_numpy(dtype=float)
     if one.unit and not is_unit_of(one.unit, "time"):
         raise InputError(
@@ -1098,19 +1089,19 @@ def times_of(frame: Frame, one: Found) -> Array | None:
 
 def repairs_of(
     frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
-) -> tuple[Repair, ...]:
+) -> tuple[text_layout.Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     gaps = not _full_rows(frame, found).all()
     late = False
     if times is not None:
         known = np.isfinite(times)
         there = times[known]
-        back = np.diff(there) <= (0.0 if trial else nearly_zero(np.sort(there)))
+        back = np.diff(there) <= (0.0 if trial else text_layout.nearly_zero(np.sort(there)))
         if trial:  # each has times of its own
             numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
             back &= numbers[1:] == numbers[:-1]
         late = bool(back.any())
-    steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
+    steps: dict[text_layout.Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
 
@@ -1172,7 +1163,7 @@ def restarts(times: Array) -> list[int]:
     return found
 
 
-def repair_text(repair: Sequence[Repair]) -> str:
+def repair_text(repair: Sequence[text_layout.Repair]) -> str:
     """Return what is repaired, in words."""
     why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
     return " and ".join(f"{one}: {why[one]}" for one in repair)

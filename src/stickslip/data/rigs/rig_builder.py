@@ -11,21 +11,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stickslip.data import measurement as measurements
 from stickslip.data import rig
 from stickslip.data.estimates import LawEstimates, levels_at
-from stickslip.data.measurement import (
-    QUANTITIES,
-    TRAVELS,
-    Measurement,
-    as_turning,
-    quantity_called,
-    tells_load,
-)
 from stickslip.data.readers import toml
 from stickslip.data.readers.columns import Reading, column_of, motor_constants
 from stickslip.data.readers.layout import Layout
 from stickslip.data.records import read_data
-from stickslip.data.rigs import laws
+from stickslip.data.rigs import laws, schema
 from stickslip.data.rigs.plugin_imports import Imported, imported
 from stickslip.data.rigs.rig_models import (
     Given,
@@ -36,15 +29,6 @@ from stickslip.data.rigs.rig_models import (
     complaint,
     fill_friction,
     robot_of,
-)
-from stickslip.data.rigs.schema import (
-    ContactTable,
-    EstimatesTable,
-    ReadTable,
-    RigTable,
-    TrialTable,
-    flat,
-    rig_table,
 )
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
@@ -107,18 +91,20 @@ def read_rig(
             )
     kinds = laws.laws_of(friction, [one.name for one in contacts], own.laws)
     with concerning(f"{file}:", InputError):
-        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
+        kind = schema.rig_table(own.mechanism, tuple(kinds.values()), contacts)
     table = _validated(kind, raw, file)
     mechanism = _mechanism(table, file)
     conditions = tuple(table.data.conditions)
     reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
     measurement = _measured(table, mechanism, reading, file)
-    measurement = measurement and as_turning(measurement, mechanism.units)
+    measurement = measurement and measurements.as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
-    if measurement is not None and tells_load(measurement):  # so that levels are over it
+    if measurement is not None and measurements.tells_load(
+        measurement
+    ):  # so that levels are over it
         over_load = tuple(one._replace(in_forces=False) for one in contacts)
-        _validated(rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
+        _validated(schema.rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
     names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
     of_contacts = laws.by_contact(table.friction, names, file, kinds)
@@ -155,7 +141,9 @@ def read_rig(
     )
 
 
-def _validated(kind: type[RigTable], raw: Mapping[str, Any], file: RigFile) -> RigTable:
+def _validated(
+    kind: type[schema.RigTable], raw: Mapping[str, Any], file: RigFile
+) -> schema.RigTable:
     try:
         return kind.model_validate(raw)
     except ValidationError as error:
@@ -274,7 +262,7 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[laws.C
     Friction levels that a robot description gives are put in where the file says nothing else.
     """
     try:
-        table = rig_table(own.mechanism).model_validate(
+        table = schema.rig_table(own.mechanism).model_validate(
             {key: value for key, value in raw.items() if key == "mechanism"}
         )
     except ValidationError as error:
@@ -306,7 +294,7 @@ def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _mechanism(table: RigTable, file: RigFile) -> Mechanism:
+def _mechanism(table: schema.RigTable, file: RigFile) -> Mechanism:
     built = _build(table.mechanism, "mechanism", file)
     assert isinstance(built, Mechanism)
     return built
@@ -393,7 +381,7 @@ def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
-        if isinstance(value, ContactTable):
+        if isinstance(value, schema.ContactTable):
             continue  # of one of several contacts
         if isinstance(value, Table):
             values[name] = _build(value, path, file)
@@ -427,8 +415,8 @@ def _sum(drives: list[Drive]) -> Drive:
 
 
 def _measured(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+) -> measurements.Measurement | None:
     """Return what the trials say, or what stands in files; not both."""
     data = table.data
     if data.file and data.files:
@@ -440,7 +428,7 @@ def _measured(
 
 
 def _estimates(
-    table: EstimatesTable | None,
+    table: schema.EstimatesTable | None,
     known: rig.KnownLaws,
     of_contacts: Mapping[str, rig.KnownLaws | None],
     file: RigFile,
@@ -482,15 +470,15 @@ def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
     ]
 
 
-def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
+def _reading(table: schema.ReadTable, file: RigFile, key: str = "data") -> Reading:
     """Return how a table says that files are read."""
     offset = {}
     for name, value in table.offset.items():
         try:
-            quantity = quantity_called(name)
+            quantity = measurements.quantity_called(name)
         except KeyError:
             raise UnknownNameError(
-                f"quantity in {key}.offset of {file}:", name, QUANTITIES
+                f"quantity in {key}.offset of {file}:", name, measurements.QUANTITIES
             ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
         with concerning(f"{file}: {key}.offset.{name}"):
@@ -514,7 +502,7 @@ def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
     )
 
 
-def _paths(table: RigTable, file: RigFile) -> list[Path]:
+def _paths(table: schema.RigTable, file: RigFile) -> list[Path]:
     """Return the files that a rig file names, which lie beside it."""
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
@@ -540,7 +528,7 @@ def _tables(table: Table) -> Iterator[Any]:
 
 def _files(
     names: list[str], mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+) -> measurements.Measurement | None:
     """Return the measurement of files that are named as they stand beside the rig file."""
     paths = [file.beside(name) for name in names if name]
     if not paths:
@@ -550,12 +538,12 @@ def _files(
 
 
 def _trials(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+) -> measurements.Measurement | None:
     """Return the trials; files are read as `[data]` and then the trial itself say."""
     if not table.trial:
         return None
-    records: list[Measurement] = []
+    records: list[measurements.Measurement] = []
     for index, trial in enumerate(table.trial):
         if trial.file:
             records += _filed(trial, mechanism, reading, file, index)
@@ -564,17 +552,17 @@ def _trials(
     if len(records) == 1:
         return records[0]
     with concerning(f"{file}: trial:", InputError):
-        return Measurement(trials=tuple(records), name=table.title)
+        return measurements.Measurement(trials=tuple(records), name=table.title)
 
 
-TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
+TRAVEL_ONLY = (*measurements.TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
 """Keys of a trial that the file of a record has no use for."""
 FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
 
 
 def _filed(
-    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
-) -> tuple[Measurement, ...]:
+    trial: schema.TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
+) -> tuple[measurements.Measurement, ...]:
     """Return what stands in the file of a trial, with the settings of that trial."""
     key = f"trial.{index}"
     label, given = f"{file}: {key}", trial.given()
@@ -613,10 +601,10 @@ def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -
 
 
 def _record(
-    trial: TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
-) -> Measurement:
+    trial: schema.TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
+) -> measurements.Measurement:
     label, given = f"{file}: trial.{index}", trial.given()
-    names = [name for name in TRAVELS if name in given]
+    names = [name for name in measurements.TRAVELS if name in given]
     if not names:
         raise ParameterError(
             f"{label} contains no measurement. Add travel under [[trial]] number {index + 1}, a"
@@ -625,7 +613,7 @@ def _record(
     if len(names) > 1:
         raise InputError(
             f"{label}: {names[0]} and {names[1]} both give the distance travelled: give only one"
-            f" of {', '.join(TRAVELS)}."
+            f" of {', '.join(measurements.TRAVELS)}."
         )
     _check_keys(
         given,
@@ -633,7 +621,7 @@ def _record(
         f"{label}: {{}} applies to the file of a record, but {names[0]} is a number",
     )
     if "uncertainty" in given:
-        measured = QUANTITIES[names[0]]
+        measured = measurements.QUANTITIES[names[0]]
         quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
         with concerning(f"{label}.uncertainty"):
             given["uncertainty"] = read_number(given["uncertainty"], quantity)
@@ -644,7 +632,7 @@ def _record(
             " the uncertainty, or leave its kind out."
         )
     settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
-    record = Measurement(
+    record = measurements.Measurement(
         **given,
         overrides=settings,
         parameter_uncertainties=doubts,
@@ -661,7 +649,7 @@ def _overrides(
     """Return what a trial sets, by path, and the uncertainties of that."""
     found: dict[str, float] = {}
     doubts: dict[str, float] = {}
-    for name, value in flat(given):
+    for name, value in schema.flat(given):
         try:
             path = canonical_path(mechanism, name)
             number = Number(quantity_at(mechanism, path), measured=True).read(value)

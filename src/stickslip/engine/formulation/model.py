@@ -17,6 +17,7 @@ from threading import RLock
 
 import symengine as se
 
+from stickslip.engine.formulation import modes as mode_text
 from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.infix import Case, Cases, function, program
 from stickslip.engine.formulation.mechanics import (
@@ -24,17 +25,6 @@ from stickslip.engine.formulation.mechanics import (
     derive_mechanics,
     impact_events,
     wall_guards,
-)
-from stickslip.engine.formulation.modes import (
-    PAINLEVE,
-    ContactParts,
-    EffortSymbols,
-    LawParts,
-    Mode,
-    ModeEquations,
-    derive_parts,
-    law_parts,
-    mode_equations,
 )
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
@@ -112,7 +102,7 @@ def contact_model(
         [len(one.inputs) for one in own.laws],
         bristles,
     )
-    parts = derive_parts(
+    parts = mode_text.derive_parts(
         twin,
         own.shadows(rows, board),
         symbols.t,
@@ -122,7 +112,7 @@ def contact_model(
         _motion(symbols, len(own.contacts)),
         board,
     )
-    laws = [law_parts(one, len(one.states)) for one in own.structures]
+    laws = [mode_text.law_parts(one, len(one.states)) for one in own.structures]
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
@@ -163,7 +153,7 @@ def contact_model(
         has_slopes=slopes,
         switch_events=tuple(events),
         impact_events=impact_events(parts.walls, mechanism.coordinates, _only_slip(mechanism)),
-        limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        limits=(*(mode_text.PAINLEVE,) * any(parts.reacts), *parts.limits),
         latched=any(one.latched for one in laws),
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
@@ -183,14 +173,14 @@ def _only_slip(mechanism: Mechanism) -> int | None:
     return mechanism.coordinates.index(slips[0]) if len(slips) == 1 else None
 
 
-def _motion(symbols: trace.Symbols, contacts: int) -> EffortSymbols:
+def _motion(symbols: trace.Symbols, contacts: int) -> mode_text.EffortSymbols:
     """Return symbols of the accelerations, and of the friction, that stand behind a state."""
     first, n = len(symbols.states), len(symbols.coordinates)
     behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
-    return EffortSymbols(behind[:n], behind[n:])
+    return mode_text.EffortSymbols(behind[:n], behind[n:])
 
 
-def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
+def _turning(parts: mode_text.ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
     """Return the paths of the parameters on which the change of coordinates depends."""
     directions = parts.directions
     entries = [*(e for row in directions.forward for e in row), *directions.loops.numbers()]
@@ -206,7 +196,7 @@ class _Equations:
     """The parts with the drives put in, and their slopes."""
 
     def __init__(
-        self, symbols: trace.Symbols, parts: ContactParts, board: trace.Switchboard
+        self, symbols: trace.Symbols, parts: mode_text.ContactParts, board: trace.Switchboard
     ) -> None:
         self.symbols, self.parts = symbols, parts
         self.switched = bool(board.switches)
@@ -347,7 +337,7 @@ def _contact_sizes(
     mechanism: Mechanism,
     own: _Own,
     equations: _Equations,
-    laws: Sequence[LawParts],
+    laws: Sequence[mode_text.LawParts],
     board: trace.Switchboard,
     parameter_count: int,
     bristles: Sequence[int],
@@ -432,7 +422,7 @@ def _contact_functions(
     return {name: {None: list(case)} for name, case in same.items()}
 
 
-def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
+def _texts_of_laws(laws: Sequence[mode_text.LawParts], *, along: bool) -> list[str]:
     """Return the functions of each law, once per structure, and their slopes if wanted."""
     texts = []
     for kind, law in enumerate(laws):
@@ -536,7 +526,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
 
 def _derived(
     mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: trace.Switchboard
-) -> tuple[trace.Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
+) -> tuple[trace.Symbols, Mechanics, Mapping[mode_text.Mode, mode_text.ModeEquations]]:
     """Return symbols, equations of motion, and what holds in each mode."""
 
     def symbol(path: str) -> trace.Traced:
@@ -553,7 +543,7 @@ def _derived(
         symbols.drives,
         board,
     )
-    modes = mode_equations(
+    modes = mode_text.mode_equations(
         mechanics,
         _informed(shadow(law, "friction", symbol), twin, symbols, board),
         coordinate_rates=symbols.rates,
@@ -598,7 +588,7 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
 def _mode_functions(
     symbols: trace.Symbols,
     mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     board: trace.Switchboard,
     quantities: list[se.Symbol],
 ) -> dict[str, Cases]:
@@ -621,7 +611,7 @@ def _mode_functions(
         for mode in modes
     }
 
-    def each(part: Callable[[Mode], Case]) -> Cases:
+    def each(part: Callable[[mode_text.Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}
 
     def same(case: Case) -> Cases:
@@ -665,10 +655,10 @@ def _mode_functions(
 
 def _guards(
     mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     closed: Callable[[se.Expr], se.Expr],
-) -> dict[Mode, list[se.Expr]]:
+) -> dict[mode_text.Mode, list[se.Expr]]:
     """Return the guards of each mode in the order of their indices, the walls' last."""
     limits = _limits(modes)
     return {
@@ -681,14 +671,14 @@ def _guards(
     }
 
 
-def _limits(modes: Mapping[Mode, ModeEquations]) -> tuple[str, ...]:
+def _limits(modes: Mapping[mode_text.Mode, mode_text.ModeEquations]) -> tuple[str, ...]:
     """Return the names of all limits that any mode has, that of the equations' meaning first."""
     names = dict.fromkeys(name for equations in modes.values() for name in equations.limits)
     # The pivot first, as with several contacts, whose kernels know it as limit 0.
-    return tuple(sorted(names, key=lambda name: name != PAINLEVE))
+    return tuple(sorted(names, key=lambda name: name != mode_text.PAINLEVE))
 
 
-def _contact(equations: ModeEquations) -> list[se.Expr]:
+def _contact(equations: mode_text.ModeEquations) -> list[se.Expr]:
     """Return what `contact` gives: forces at the contact, then the channels."""
     return [*equations.contact, *equations.channels.values()]
 
@@ -706,7 +696,7 @@ def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Cas
 def _mode_sizes(
     symbols: trace.Symbols,
     mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     parameters: int,
     constants: int,
@@ -723,7 +713,7 @@ def _mode_sizes(
         constants=constants,
         waves=0,
         walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
-        can_stick=Mode.STICK in modes,
+        can_stick=mode_text.Mode.STICK in modes,
         can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
         rest_is_final=_rest_is_final(symbols, modes),
     )
@@ -741,19 +731,23 @@ def _diagram(
     return [closed(e) for e in (*motion.accelerations, motion.normal, needed, supplied)]
 
 
-def _rest(symbols: trace.Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
+def _rest(
+    symbols: trace.Symbols, modes: Mapping[mode_text.Mode, mode_text.ModeEquations]
+) -> list[se.Expr]:
     """Return needed friction, break-away level and normal force for given drive values."""
-    if Mode.STICK not in modes:
+    if mode_text.Mode.STICK not in modes:
         return [se.Integer(0)] * 3
-    _, normal, needed, level = modes[Mode.STICK].contact
+    _, normal, needed, level = modes[mode_text.Mode.STICK].contact
     return [e.subs(symbols.given) for e in (needed, level, normal)]
 
 
-def _rest_is_final(symbols: trace.Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:
+def _rest_is_final(
+    symbols: trace.Symbols, modes: Mapping[mode_text.Mode, mode_text.ModeEquations]
+) -> bool:
     """Whether a held body can only be moved by its drives: nothing else changes in time."""
-    if Mode.STICK not in modes:
+    if mode_text.Mode.STICK not in modes:
         return False
-    stick = modes[Mode.STICK]
+    stick = modes[mode_text.Mode.STICK]
     still = all(rate == 0 for rate in stick.rates)
     # Guards and forces both: a level that changes with time ends a rest as well as a force does.
     timed = any(symbols.t in e.free_symbols for e in [*stick.guards.values(), *stick.contact])

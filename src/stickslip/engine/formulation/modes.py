@@ -25,14 +25,7 @@ from dataclasses import dataclass, replace
 
 import symengine as se
 
-from stickslip.engine.formulation.mechanics import (
-    Mechanics,
-    Motion,
-    Rows,
-    Wall,
-    derive_walls,
-    lagrange_rows,
-)
+from stickslip.engine.formulation import mechanics as dynamics
 from stickslip.engine.formulation.slip_directions import (
     SlipDirections,
     direction_of,
@@ -96,7 +89,7 @@ class ModeEquations:
 
 @dataclass(frozen=True)
 class _Context:
-    mechanics: Mechanics
+    mechanics: dynamics.Mechanics
     law: FrictionLaw
     velocity: se.Symbol
     coordinate_rates: list[se.Symbol]
@@ -113,7 +106,7 @@ class _Context:
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
 
-    def limits(self, motion: Motion) -> dict[str, se.Expr]:
+    def limits(self, motion: dynamics.Motion) -> dict[str, se.Expr]:
         """Return what the mechanism must not do, and where the equations lose their meaning."""
         reactions = {
             name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
@@ -126,7 +119,7 @@ class _Context:
             found[PAINLEVE] = motion.pivot - NEAREST
         return found
 
-    def channels(self, motion: Motion) -> dict[str, se.Expr]:
+    def channels(self, motion: dynamics.Motion) -> dict[str, se.Expr]:
         """Return the efforts of guided coordinates by what they are called."""
         mechanics, reactions = self.mechanics, self.mechanics.reactions(motion)
         return {name: reactions[mechanics.coordinates[i]] for i, name in mechanics.efforts.items()}
@@ -138,7 +131,7 @@ class _Context:
 
 
 def mode_equations(
-    mechanics: Mechanics,
+    mechanics: dynamics.Mechanics,
     law: FrictionLaw,
     *,
     coordinate_rates: Sequence[se.Symbol],
@@ -318,7 +311,7 @@ class ContactParts:
     """What each guided coordinate takes, by the name of its column."""
     limits: Mapping[str, se.Expr]
     """Margins of the mechanism's own limits by name."""
-    walls: tuple[Wall, ...]
+    walls: tuple[dynamics.Wall, ...]
     """Hard stops."""
 
     @property
@@ -354,7 +347,7 @@ def derive_parts(
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
     # Symbols stand for coordinates of the equations; the mechanism sees its own.
-    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
+    rows = dynamics.lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
     )
@@ -397,7 +390,7 @@ def derive_parts(
         supplied=rows.supplied + sum(work, se.Integer(0)),
         efforts={guide.effort: reactions[name] for name, guide in guided.items()},
         limits={name: expression(margin) for name, margin in limits.items()},
-        walls=derive_walls(mechanism, q),
+        walls=dynamics.derive_walls(mechanism, q),
     )
     _check_loops(mechanism, parts)
     _check_stops(mechanism, parts)
@@ -431,7 +424,7 @@ def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: Switchbo
 
 def _taken(
     row: int,
-    rows: Rows,
+    rows: dynamics.Rows,
     guides: Mapping[int, se.Expr],
     arms: Sequence[Sequence[se.Expr]],
     motion: EffortSymbols,
@@ -448,7 +441,7 @@ def _taken(
 
 
 def _guided(
-    rows: Rows, guides: Mapping[int, se.Expr]
+    rows: dynamics.Rows, guides: Mapping[int, se.Expr]
 ) -> tuple[tuple[se.Expr, ...], dict[tuple[int, int], se.Expr]]:
     """Return forces and mass matrix with what guided coordinates do put on the side of the forces.
 

@@ -13,27 +13,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import static_normal_forces
 from stickslip.quantities import full_path
 from stickslip.show.formatting import scale_of
-from stickslip.show.plots.axes import (
-    RIVALS,
-    Array,
-    Curve,
-    LineStyle,
-    Panels,
-    PanelTarget,
-    Sizes,
-    Target,
-    dense,
-    horizon,
-    label_curves,
-    label_ends,
-    labelled,
-    looks,
-    motion_names,
-    on_axes,
-    on_panels,
-    panel_grid,
-    within,
-)
+from stickslip.show.plots import axes as drawing
 from stickslip.show.plots.svg import Draw
 from stickslip.show.plots.theme import (
     C1,
@@ -80,16 +60,16 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
         if early.any():
             axes.legend()
         axes.grid(axis="y")
-        over = "run" if parameter is None else labelled(parameter, runs.units[parameter])
+        over = "run" if parameter is None else drawing.labelled(parameter, runs.units[parameter])
         axes.set_xlabel(over)
-        axes.set_ylabel(labelled(output, runs.units[output]))
+        axes.set_ylabel(drawing.labelled(output, runs.units[output]))
 
     return draw
 
 
 def plot_ensemble(
     runs: Ensemble,
-    ax: Target = None,
+    ax: drawing.Target = None,
     *,
     output: str | None = None,
     parameter: str | None = None,
@@ -137,7 +117,7 @@ def plot_ensemble(
     output = output or next(iter(runs.outputs))
     known = list(runs.parameters)
     path = full_path(parameter, known) if parameter else next(iter(known), None)
-    return on_axes(draw_ensemble(runs, output, path), ax, SIZE)
+    return drawing.on_axes(draw_ensemble(runs, output, path), ax, SIZE)
 
 
 def draw_band(band: Band, state: str) -> Draw:
@@ -157,7 +137,7 @@ def draw_band(band: Band, state: str) -> Draw:
     return draw
 
 
-def plot_band(band: Band, ax: Target = None, *, state: str | None = None) -> Axes:
+def plot_band(band: Band, ax: drawing.Target = None, *, state: str | None = None) -> Axes:
     """Plot the median of runs with uncertain parameters, and where 95 % of them lie.
 
     Parameters
@@ -185,12 +165,12 @@ def plot_band(band: Band, ax: Target = None, *, state: str | None = None) -> Axe
     state = state or next(iter(band.states))
     if state not in band.states:
         raise UnknownNameError("state", state, band.states)
-    return on_axes(draw_band(band, state), ax, SIZE)
+    return drawing.on_axes(draw_band(band, state), ax, SIZE)
 
 
 # Travel of one block under several readings of how it was set in motion.
 
-EXCITATION_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 300))
+EXCITATION_SIZES: Final = drawing.Sizes(wide=(880, 310), narrow=(358, 300))
 
 
 def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) -> dict[str, str]:
@@ -202,7 +182,7 @@ def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) 
     True
     """
     chosen = next(iter(labels)) if chosen is None else chosen
-    others = iter(RIVALS * len(labels))
+    others = iter(drawing.RIVALS * len(labels))
     return {label: C1 if label == chosen else next(others) for label in labels}
 
 
@@ -234,7 +214,7 @@ def draw_excitations(
     callable
         Draws it, with a dot where the block has come to rest.
     """
-    last = max(horizon(run, slip) for run in runs.values())
+    last = max(drawing.horizon(run, slip) for run in runs.values())
     colours = excitation_colours(runs, chosen)
     chosen = next(iter(runs)) if chosen is None else chosen
 
@@ -260,18 +240,18 @@ def draw_excitations(
         axes.set_ylabel("travel, m")
         axes.grid(axis="y")
         if narrow:
-            label_curves(axes, curves)
+            drawing.label_curves(axes, curves)
         else:
-            label_ends(axes, last, [(float(c.y[-1]), [c.text], c.colour) for c in curves])
+            drawing.label_ends(axes, last, [(float(c.y[-1]), [c.text], c.colour) for c in curves])
 
     return draw
 
 
 def _reading(
     axes: Axes, label: str, run: Trajectory, last: float, slip: str, colour: str, is_chosen: bool
-) -> Curve:
+) -> drawing.Curve:
     """Draw one reading, and return its curve with its name and value."""
-    seen = dense(run, last)
+    seen = drawing.dense(run, last)
     start = float(run.at(run.span[:1])[slip][0])
     x = seen[slip] - start
     axes.plot(seen.t, x, color=colour, linewidth=2.2 if is_chosen else 1.5, zorder=3)
@@ -280,7 +260,7 @@ def _reading(
         at = run.at([stop])[slip] - start
         axes.plot([stop], at, "o", color=colour, markersize=5, zorder=4)
     value = f"{float(x[-1]):.3f} m".replace("-", "−")
-    return Curve(seen.t, x, f"{label}: {value}", colour)
+    return drawing.Curve(seen.t, x, f"{label}: {value}", colour)
 
 
 def _rest(run: Trajectory, last: float) -> float | None:
@@ -297,7 +277,7 @@ STEPS_SHOWN: Final = 9
 COLUMNS: Final = 2
 
 
-def fixed_step_sizes(count: int) -> Sizes:
+def fixed_step_sizes(count: int) -> drawing.Sizes:
     """Return the sizes of a figure of that many fixed-step runs.
 
     Examples
@@ -306,7 +286,7 @@ def fixed_step_sizes(count: int) -> Sizes:
     (880, 420)
     """
     rows = -(-count // COLUMNS)
-    return Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
+    return drawing.Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
 
 
 def draw_fixed_steps(
@@ -333,7 +313,7 @@ def draw_fixed_steps(
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(COLUMNS, len(fixed))
-        panels = panel_grid(figure, len(fixed), columns)
+        panels = drawing.panel_grid(figure, len(fixed), columns)
         for index, (axes, (label, run)) in enumerate(zip(panels, fixed.items(), strict=True)):
             axes.set_title(label)
             _stop_panel(axes, exact, run, stop, rate, named=index == 0)
@@ -355,8 +335,8 @@ def _stop_panel(
     v, v_exact = run[rate][inside], seen[rate]
     factor, unit = scale_of(np.concatenate([v, v_exact]), exact.units[rate])
     curves = [
-        Curve(1e3 * (seen.t - stop), factor * v_exact, "exact", C1),
-        Curve(1e3 * (run.t[inside] - stop), factor * v, "fixed step", C2),
+        drawing.Curve(1e3 * (seen.t - stop), factor * v_exact, "exact", C1),
+        drawing.Curve(1e3 * (run.t[inside] - stop), factor * v, "fixed step", C2),
     ]
     axes.axhline(0, color=MUTED, linewidth=0.8, zorder=1)
     axes.plot(curves[0].x, curves[0].y, color=C1, linewidth=2.2, zorder=2)
@@ -364,12 +344,12 @@ def _stop_panel(
     axes.set_ylabel(f"velocity, {unit}")
     axes.margins(x=0.01, y=0.18)
     if named:
-        label_curves(axes, curves)
+        drawing.label_curves(axes, curves)
 
 
 # A motion that repeats itself: its progress, and one cycle of its velocity about zero.
 
-CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
+CYCLE_SIZES: Final = drawing.Sizes(wide=(880, 320), narrow=(358, 480))
 
 CYCLE_ROOM: Final = 1.35
 """Height of the velocity panel on either side of zero, as a multiple of the lowest velocity."""
@@ -385,12 +365,12 @@ def draw_cycles(
     rate: str = "v",
 ) -> Draw:
     """Return a drawing of displacement in time, and of the velocity near zero within a cycle."""
-    look = looks(runs, chosen)
+    look = drawing.looks(runs, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:
         left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         left.margins(x=0, y=0.25 if narrow else 0.12)
-        _progress(left, {name: dense(run) for name, run in runs.items()}, slip, look)
+        _progress(left, {name: drawing.dense(run) for name, run in runs.items()}, slip, look)
         _near_zero(right, runs, chosen, cycle, rate, look)
         for axes in (left, right):
             axes.set_xlabel("time, s")
@@ -399,7 +379,7 @@ def draw_cycles(
 
 
 def _progress(
-    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, LineStyle]
+    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, drawing.LineStyle]
 ) -> None:
     everything = np.concatenate([run[slip] for run in runs.values()])
     factor, unit = scale_of(everything, next(iter(runs.values())).units[slip])
@@ -408,10 +388,10 @@ def _progress(
         colour, dashes, width, order = look[name]
         y = factor * run[slip]
         axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-        curves.append(Curve(run.t, y, name, colour))
+        curves.append(drawing.Curve(run.t, y, name, colour))
     axes.set_ylabel(f"displacement, {unit}")
     axes.grid(axis="y")
-    label_curves(axes, curves)
+    drawing.label_curves(axes, curves)
 
 
 def _near_zero(
@@ -420,7 +400,7 @@ def _near_zero(
     chosen: str,
     cycle: tuple[float, float],
     rate: str,
-    look: Mapping[str, LineStyle],
+    look: Mapping[str, drawing.LineStyle],
 ) -> None:
     first, last = cycle
     # Fixed steps are shown where they stand, so that one sees them.
@@ -438,7 +418,7 @@ def _near_zero(
             linewidth=width, markersize=2.5, zorder=order,
         )  # fmt: skip
     spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
-    shade(axes, within(spans, last))
+    shade(axes, drawing.within(spans, last))
     axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
     axes.set_xlim(first, last)
     if reach > 0.0:
@@ -448,11 +428,11 @@ def _near_zero(
 
 def plot_limit_cycle(
     run: Trajectory | ClosedLoop,
-    ax: PanelTarget = None,
+    ax: drawing.PanelTarget = None,
     *,
     slip: str | None = None,
     rate: str | None = None,
-) -> Panels:
+) -> drawing.Panels:
     """Plot a run that repeats itself, and its velocity near zero in the last cycle.
 
     Parameters
@@ -486,7 +466,7 @@ def plot_limit_cycle(
     """
     run = run.run if isinstance(run, ClosedLoop) else run
     check_type("run", run, Trajectory, ClosedLoop)
-    slip, rate = motion_names(run, slip, rate)
+    slip, rate = drawing.motion_names(run, slip, rate)
     cycle = limit_cycle(run, rate)
     if not cycle.is_limit_cycle:
         how = "fewer than three cycles" if cycle.kind == "none" else f"a {cycle.kind} motion"
@@ -495,12 +475,12 @@ def plot_limit_cycle(
         )
     end = run.span[1]
     draw = draw_cycles({"": run}, chosen="", cycle=(end - cycle.period, end), slip=slip, rate=rate)
-    return on_panels(draw, ax, CYCLE_SIZES["wide"])
+    return drawing.on_panels(draw, ax, CYCLE_SIZES["wide"])
 
 
 # Figure of the best motion over a cycle, the best three-phase motion beside it.
 
-PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
+PROFILE_SIZES: Final = drawing.Sizes(wide=(880, 620), narrow=(358, 1100))
 FRONT_SIZE: Final = (560, 340)
 
 PROFILE_SAMPLES: Final = 1200
@@ -541,7 +521,7 @@ def draw_profile(optimum: optimisation.Optimum) -> Draw:
     return draw
 
 
-def _columns(optimum: optimisation.Optimum, cycle: optimisation.Cycle) -> dict[str, Array]:
+def _columns(optimum: optimisation.Optimum, cycle: optimisation.Cycle) -> dict[str, drawing.Array]:
     """Return the columns over the last cycle, the travel from its beginning on."""
     run = cycle.run
     jumps = [event.t for event in run.events if event.t > cycle.begin]
@@ -602,7 +582,7 @@ def _bounds(optimum: optimisation.Optimum) -> dict[str, tuple[float, ...]]:
 def _profile_panel(
     axes: Axes,
     column: str,
-    seen: dict[str, dict[str, Array]],
+    seen: dict[str, dict[str, drawing.Array]],
     unit: tuple[float, str],
     bounds: tuple[float, ...],
 ) -> None:
@@ -628,7 +608,7 @@ def _looks(count: int) -> list[tuple[str, str, float]]:
 
 
 def _name(
-    axes: Axes, seen: dict[str, dict[str, Array]], column: str, unit: tuple[float, str]
+    axes: Axes, seen: dict[str, dict[str, drawing.Array]], column: str, unit: tuple[float, str]
 ) -> None:
     """Name the curves at their highest points."""
     for (name, columns), colour in zip(seen.items(), (C1, C2), strict=False):
@@ -644,7 +624,7 @@ def _name(
         )
 
 
-def plot_profile(optimum: optimisation.Optimum, ax: PanelTarget = None) -> Panels:
+def plot_profile(optimum: optimisation.Optimum, ax: drawing.PanelTarget = None) -> drawing.Panels:
     """Plot the best motion over a cycle, what it takes and what it brings.
 
     Parameters
@@ -660,7 +640,7 @@ def plot_profile(optimum: optimisation.Optimum, ax: PanelTarget = None) -> Panel
         The panels; limits are thin lines, the best three-phase motion is dashed.
     """
     check_type("optimum", optimum, optimisation.Optimum)
-    return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
+    return drawing.on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
 
 
 def draw_front(front: optimisation.ParetoFront) -> Draw:
@@ -680,7 +660,7 @@ def draw_front(front: optimisation.ParetoFront) -> Draw:
     return draw
 
 
-def plot_front(front: optimisation.ParetoFront, ax: Target = None) -> Axes:
+def plot_front(front: optimisation.ParetoFront, ax: drawing.Target = None) -> Axes:
     """Plot the mean speed of each motion of a front against its cost.
 
     Parameters
@@ -696,12 +676,12 @@ def plot_front(front: optimisation.ParetoFront, ax: Target = None) -> Axes:
         Motions as points, the fastest at the right.
     """
     check_type("front", front, optimisation.ParetoFront)
-    return on_axes(draw_front(front), ax, FRONT_SIZE)
+    return drawing.on_axes(draw_front(front), ax, FRONT_SIZE)
 
 
 # What was measured beside what a law from elsewhere predicts.
 
-VALIDATION_SIZES: Final = Sizes(wide=(880, 420), narrow=(358, 420))
+VALIDATION_SIZES: Final = drawing.Sizes(wide=(880, 420), narrow=(358, 420))
 MOST_POINTS: Final = 1500
 """Samples of a record above which only every second, third, ... is drawn."""
 
@@ -784,7 +764,9 @@ def _travels(seen: Validation) -> Draw:
     return draw
 
 
-def plot_validation(seen: Validation, ax: PanelTarget = None, *, record: int = 0) -> Panels:
+def plot_validation(
+    seen: Validation, ax: drawing.PanelTarget = None, *, record: int = 0
+) -> drawing.Panels:
     """Plot a record over its prediction, with the 95 % band, and the residual; or all travels.
 
     Parameters
@@ -817,4 +799,4 @@ def plot_validation(seen: Validation, ax: PanelTarget = None, *, record: int = 0
     'travel, m'
     """
     check_type("seen", seen, Validation)
-    return on_panels(draw_validation(seen, record=record), ax, VALIDATION_SIZES["wide"])
+    return drawing.on_panels(draw_validation(seen, record=record), ax, VALIDATION_SIZES["wide"])
