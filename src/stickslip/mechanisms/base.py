@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
+import numpy as np
 from typing_extensions import override
 
 from stickslip import quantities
@@ -769,8 +770,6 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     >>> {name: round(force, 9) for name, force in static_normal_forces(body).items()}
     {'front': 7.848, 'rear': 11.772}
     """
-    import numpy as np
-
     contacts = mechanism.contacts()
     if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
         return {contacts[0].name: static_normal_force(mechanism)}
