@@ -12,19 +12,7 @@ import numpy as np
 import typer
 
 from stickslip import mechanisms
-from stickslip.cli.console import (
-    command_line,
-    draw_page,
-    leave_unless_drawn,
-    note,
-    number_of,
-    plain,
-    print_json,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
+from stickslip.cli import console as terminal
 from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
@@ -114,15 +102,17 @@ def run(options: SimulateOptions) -> None:
     output = options.output
     if output is not None:
         check_table(output)
-        refuse_overwriting(output, output.parent, force=options.force)
+        terminal.refuse_overwriting(output, output.parent, force=options.force)
     if options.report is not None:
         page = options.report / PAGE
         option = "--report-to FOLDER"
-        refuse_overwriting(page, options.report, force=options.force, option=option, files=(PAGE,))
+        terminal.refuse_overwriting(
+            page, options.report, force=options.force, option=option, files=(PAGE,)
+        )
     choose = rig_and_form if options.law in PRINTED_FORMS else rig_and_friction
     rig, chosen = choose(options)
     if output is not None:
-        refuse_inputs(output, rig.files)
+        terminal.refuse_inputs(output, rig.files)
     ran = _ran(rig, chosen, options)
     criteria = criteria_of(ran.run, rig.mechanism) if _has_criteria(ran) else None
     if output is not None:
@@ -131,27 +121,29 @@ def run(options: SimulateOptions) -> None:
     if not options.as_json:
         _show(ran, options)
         if output is not None:
-            stdout().print(f"\nWritten: {output}")
+            terminal.stdout().print(f"\nWritten: {output}")
     page_code = 0
     if options.report is not None:
         kept = "The result of the run is not affected."
         drawn = partial(_page, ran, options)
         write = partial(_write_page, options.report)
-        page_code = draw_page(options.report, drawn, write, kept=kept, quiet=options.as_json)
+        page_code = terminal.draw_page(
+            options.report, drawn, write, kept=kept, quiet=options.as_json
+        )
     if options.as_json:
         content = _content(ran, options)
         content |= {} if criteria is None else {"criteria": asdict(criteria)}
         if options.report is not None:
             content["report"] = None if page_code else str(options.report / PAGE)
-        print_json(document("simulate", content))
+        terminal.print_json(document("simulate", content))
     refuse(ran.run, certified=options.exact)
     advances = criteria is None or (
         criteria.velocity_never_negative and criteria.displacement_never_decreases
     )
     if options.enforce and not advances:
-        note("A criterion of the paper fails: the body moves backwards.")
+        terminal.note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
-    leave_unless_drawn(page_code)
+    terminal.leave_unless_drawn(page_code)
 
 
 def _write_page(folder: Path, text: str | None) -> None:
@@ -194,7 +186,7 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
     resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
     for remark in beyond:
-        note(plain(remark))
+        terminal.note(terminal.plain(remark))
     return Ran(
         rig=rig,
         chosen=chosen,
@@ -228,7 +220,7 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     if lacking(informed):
         return rig
     for name in sorted(missing):
-        note(f"The {name} of the run is that of {record.name or 'the first record'}.")
+        terminal.note(f"The {name} of the run is that of {record.name or 'the first record'}.")
     return replace(rig, mechanism=informed)
 
 
@@ -256,7 +248,7 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simu
     given_values: dict[str, float | str] = {}
     for key, text in values.items():
         with concerning(f"--as {name}: {key}"):
-            given_values[key] = number_of(text, numbers[key]) if key in numbers else text
+            given_values[key] = terminal.number_of(text, numbers[key]) if key in numbers else text
     program = kind(**given_values)
     t_end = rig.t_end if options.t_end is None else options.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
@@ -319,7 +311,9 @@ def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> sweep.V
             seed=options.seed,
         )
     except StickslipError as error:
-        note(plain(f"The prediction was not compared with what was measured: {error}"))
+        terminal.note(
+            terminal.plain(f"The prediction was not compared with what was measured: {error}")
+        )
         return None
 
 
@@ -355,7 +349,9 @@ def _band(
     if options.ensemble is None:
         return None
     if not run.status.complete:
-        note("The ensemble was not simulated: the run with the best-fit values ended early.")
+        terminal.note(
+            "The ensemble was not simulated: the run with the best-fit values ended early."
+        )
         return None
     friction = friction_of(chosen)
     with Drawing("Running") as progress:
@@ -383,7 +379,9 @@ def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateO
         )
     _refuse_impossible(rig, chosen, options)
     if rig.measurement is not None:
-        note("The prediction was not compared with what was measured: that takes one contact.")
+        terminal.note(
+            "The prediction was not compared with what was measured: that takes one contact."
+        )
     friction = friction_of(chosen)
     rig = _told(rig, friction)
     t_end = rig.t_end if options.t_end is None else options.t_end
@@ -460,7 +458,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
                 run=ran.run,
                 estimates=ran.chosen.estimates,
                 band=ran.band,
-                commands=(command_line(),),
+                commands=(terminal.command_line(),),
                 versions=versions(),
                 digests=digests,
             )
@@ -477,7 +475,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
             validation=ran.validation,
             refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
             fixed_step=options.fixed_step,
-            commands=(command_line(),),
+            commands=(terminal.command_line(),),
             versions=versions(),
             digests=digests,
         )
@@ -579,7 +577,7 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
         },
     }
     if ran.remarks:
-        content["remarks"] = list(map(plain, ran.remarks))
+        content["remarks"] = list(map(terminal.plain, ran.remarks))
     cycles = _cycles(ran.rig.mechanism, run)
     if cycles:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
@@ -595,13 +593,13 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
 
 
 def _show(ran: Ran, options: SimulateOptions) -> None:
-    console, run = stdout(), ran.run
+    console, run = terminal.stdout(), ran.run
     form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
     show_heading(ran.rig, friction_title(ran.chosen) + ("" if form else " friction"))
     console.print(f"{run.ending}{_still_moving(ran)}")
     if run.events:
         contact = ["contact"] if run.contacts else []
-        show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
+        terminal.show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
     ends = run.at(run.span)
     shown = run.names[: 2 * len(ran.rig.mechanism.coordinates)] if run.contacts else run.names[:2]
     left = len(shown) - MOST_STATES
@@ -684,7 +682,7 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
 
 def _show_twin(found: "Twin") -> None:
     """Print what another program makes of the friction, and settings that come closer."""
-    console = stdout()
+    console = terminal.stdout()
     console.print("\nBeside the exact run", style="bold")
     for line in found.sentences:
         console.print(line)
@@ -697,11 +695,13 @@ def _show_twin(found: "Twin") -> None:
 
 def _show_validation(seen: sweep.Validation) -> None:
     """Print what was measured beside the prediction, and what to think of it."""
-    console = stdout()
+    console = terminal.stdout()
     console.print("\nPrediction and measurement", style="bold")
     if seen.travels:
         rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
-        show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
+        terminal.show_table(
+            "", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows
+        )
     for line in seen.sentences():
         console.print(line)
 
@@ -738,11 +738,11 @@ def _show_band(band: sweep.Band) -> None:
             if k in (0, len(cycles) - 1)
         ]
         rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
-    stdout().print()
+    terminal.stdout().print()
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
-    show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
+    terminal.show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
     for reason in band.reasons:
-        stdout().print(reason)
+        terminal.stdout().print(reason)
 
 
 def _cells(spread: sweep.Spread, unit: str) -> list[str]:

@@ -8,21 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.cli import console as terminal
 from stickslip.cli import inputs
 from stickslip.cli import options as option_groups
-from stickslip.cli.console import (
-    command_line,
-    folder_of,
-    note,
-    number_of,
-    plain,
-    print_json,
-    range_of,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
@@ -60,7 +48,7 @@ def _figure_beside(output: Path, *, force: bool) -> Path:
     check_table(output)
     figure = output.with_suffix(".svg")
     for file in (output, figure):
-        refuse_overwriting(file, output.parent, force=force)
+        terminal.refuse_overwriting(file, output.parent, force=force)
     return figure
 
 
@@ -77,7 +65,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
     rig, chosen = inputs.rig_and_friction(options)
-    refuse_inputs(output, rig.files)
+    terminal.refuse_inputs(output, rig.files)
     law = inputs.friction_of(chosen)
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
@@ -114,7 +102,9 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     _write_map(found, measured, output, figure)
     if options.as_json:
         files = [str(output), str(figure)]
-        print_json(document("sweep", inputs.rig_content(rig, chosen) | content | {"files": files}))
+        terminal.print_json(
+            document("sweep", inputs.rig_content(rig, chosen) | content | {"files": files})
+        )
         return
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
@@ -123,7 +113,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
     else:
         inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
         _show_map(found, turns)
-    stdout().print(f"\nWritten: {output}, {figure}")
+    terminal.stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
@@ -187,18 +177,20 @@ def _write_map(
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
-    stdout().print(str(found))
+    terminal.stdout().print(str(found))
     ends = zip(found.low, found.high, strict=True)
     band = dict(zip(found.values.tolist(), ends, strict=True))
     seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
     if seen:
         off = [number(at, 6) for at, inside in seen if not inside]
         where = f", not at {joined(off)} {found.unit}" if off else ""
-        stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
+        terminal.stdout().print(
+            f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}."
+        )
 
 
 def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
-    console = stdout()
+    console = terminal.stdout()
     rows = []
     for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
         if not np.isfinite(found.velocity).any():
@@ -210,7 +202,7 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
         ]
         rows.append([word, f"{number(found.velocity[place] + 0.0, 6)}", *at])
     if rows:
-        show_table("", ["mean velocity", found.unit, *found.axes], rows)
+        terminal.show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
         (unit,) = found.units.values()
         console.print(f"The mean velocity changes sign at about {quantity(turn, unit, 3)}.")
@@ -253,7 +245,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     figure = _figure_beside(output, force=options.force)
     name, between = _range(options.vary)
     rig, chosen = inputs.rig_and_friction(options)
-    refuse_inputs(output, rig.files)
+    terminal.refuse_inputs(output, rig.files)
     law = inputs.friction_of(chosen)
     with Drawing("Running", "values") as progress:
         found = orbit_diagram(
@@ -270,11 +262,11 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
     _write_diagram(found, output, figure)
     if options.as_json:
         content = inputs.rig_content(rig, chosen) | _diagram_content(found)
-        print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
+        terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
     _show_diagram(found)
-    stdout().print(f"\nWritten: {output}, {figure}")
+    terminal.stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
@@ -325,15 +317,19 @@ def _show_diagram(found: OrbitDiagram) -> None:
         ]
     name = found.path.rpartition(".")[2]
     if rows:
-        show_table("Branches of periodic orbits", ["branch", "period", name, "stable"], rows)
+        terminal.show_table(
+            "Branches of periodic orbits", ["branch", "period", name, "stable"], rows
+        )
     if events:
-        show_table("What changes along them", ["branch", name, "event", "what changes"], events)
+        terminal.show_table(
+            "What changes along them", ["branch", name, "event", "what changes"], events
+        )
     ends = [
         f"Branch {index}: {' '.join(dict.fromkeys(branch.ends))}"
         for index, branch in enumerate(found.branches)
     ]
     for sentence in (*ends, *found.costs()):
-        stdout().print(sentence)
+        terminal.stdout().print(sentence)
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
@@ -367,9 +363,9 @@ FILES = {"rig.toml", "profile.svg", "optimum.json"}
 
 def run_profile(options: option_groups.ProfileOptions) -> None:
     """Search, write rig file, figure and numbers, print what was found."""
-    folder = folder_of(options.output, "stickslip-profile", as_json=options.as_json)
+    folder = terminal.folder_of(options.output, "stickslip-profile", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=options.force, files=FILES)
+        terminal.refuse_overwriting(folder, folder, force=options.force, files=FILES)
     rig, chosen = inputs.rig_and_friction(
         option_groups.LawOptions(
             rig=options.rig,
@@ -386,12 +382,12 @@ def run_profile(options: option_groups.ProfileOptions) -> None:
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:
-        print_json(content)
+        terminal.print_json(content)
     else:
         _show_optimum(found)
-        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
+        terminal.stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
     if found.cancelled:
-        note("The search was stopped early; this is the best motion so far.")
+        terminal.note("The search was stopped early; this is the best motion so far.")
 
 
 def _found(
@@ -481,7 +477,7 @@ def _interval(
         for full, quantity, _ in parameters(root, prefix)
     }
     full = full_path(path.strip(), known)
-    return full, range_of(f"--interval {full}", ends, known[full])
+    return full, terminal.range_of(f"--interval {full}", ends, known[full])
 
 
 def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
@@ -496,7 +492,7 @@ def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str,
 
 
 def _show_optimum(found: optimisation.Optimum) -> None:
-    console, goal = stdout(), found.goal
+    console, goal = terminal.stdout(), found.goal
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, style="bold")
     if len(found.scenarios) > 1:
@@ -513,12 +509,12 @@ def _show_optimum(found: optimisation.Optimum) -> None:
         ]
         for m in found.margins
     ]
-    show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
+    terminal.show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
     console.print()
     others = [("three-phase, optimised", found.three_phase, found.factor)]
     others.append(("as given in the rig file", found.start, found.factor_over_start))
     shown = [_compared(name, judged, factor) for name, judged, factor in others]
-    show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
+    terminal.show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
     if found.best is found.start:
         how = "the motion as given"
     else:
@@ -568,7 +564,7 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--report must be an .html file, got {report}.")
-        refuse_overwriting(report, report.parent, force=options.force)
+        terminal.refuse_overwriting(report, report.parent, force=options.force)
     mechanism = None if options.rig is None else load_rig(options.rig).mechanism
     given = [_law(text) for text in options.laws]
     chosen = None if tests is None else [name.strip() for name in tests.split(",")]
@@ -587,11 +583,11 @@ def run_characterize(options: option_groups.CharacterizeOptions) -> None:
         _write(found, report)
     if options.as_json:
         files = [] if report is None else [str(report)]
-        print_json(document("characterize", {**found.to_dict(), "files": files}))
+        terminal.print_json(document("characterize", {**found.to_dict(), "files": files}))
         return
     _show(found)
     if report is not None:
-        stdout().print(f"\nReport: {report}")
+        terminal.stdout().print(f"\nReport: {report}")
 
 
 def _law(text: str) -> FrictionLaw | str:
@@ -612,7 +608,7 @@ def _law(text: str) -> FrictionLaw | str:
 def _load(text: str | None, mechanism: Mechanism | None) -> float:
     if text is not None:
         with concerning("--load"):
-            return number_of(text, Quantity("N", "N", above=0))
+            return terminal.number_of(text, Quantity("N", "N", above=0))
     (contact,) = mechanism.contacts()[:1] if mechanism is not None else (None,)
     prescribed = None if contact is None else contact.load
     return 1.0 if prescribed is None else float(prescribed)
@@ -637,19 +633,21 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
 def _write(found: Characterization, report: Path) -> None:
     from stickslip.show.report import characterization_page, render, versions
 
-    page = characterization_page(found, reproduce=[command_line()], versions=versions())
+    page = characterization_page(found, reproduce=[terminal.command_line()], versions=versions())
     write_files({report: render(page)})
 
 
 def _show(found: Characterization) -> None:
     for i, one in enumerate(found.all):
         if i:
-            stdout().print()
-        stdout().print(one.title, style="bold")
-        stdout().print(f"{one.law}")
+            terminal.stdout().print()
+        terminal.stdout().print(one.title, style="bold")
+        terminal.stdout().print(f"{one.law}")
         if one.matched:
-            stdout().print(one.matched)
+            terminal.stdout().print(one.matched)
         names = [name for name in TESTS if name in one.results or name in one.failed]
-        show_table("", ["test", "result"], [[name, plain(one.told(name))] for name in names])
+        terminal.show_table(
+            "", ["test", "result"], [[name, terminal.plain(one.told(name))] for name in names]
+        )
         for name, why in one.failed.items():
-            stdout().print(f"{name}: {why}")
+            terminal.stdout().print(f"{name}: {why}")

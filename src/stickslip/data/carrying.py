@@ -6,14 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.data.estimates import (
-    LOAD,
-    LawEstimates,
-    Levels,
-    equated,
-    levels_at,
-    unit_on,
-)
+from stickslip.data import estimates
 from stickslip.data.rig import Rig
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -43,7 +36,7 @@ class CarriedLaw:
 
     law: FrictionLaw
     """The law, its levels over the normal force where the mechanism has one."""
-    estimates: LawEstimates | None
+    estimates: estimates.LawEstimates | None
     """How well it is known, if its file says so."""
     remarks: tuple[str, ...]
     """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
@@ -59,7 +52,7 @@ class CarriedLaws:
 
     laws: Laws
     """The laws of the contacts that rub."""
-    estimates: LawEstimates | None
+    estimates: estimates.LawEstimates | None
     """How well they are known, if their file says so."""
     remarks: tuple[str, ...]
     """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
@@ -94,7 +87,7 @@ def carried_by_contact(
             f" {', '.join(here)}: rename its tables to those of these contacts, with"
             ' "none" under [friction] where nothing rubs.'
         )
-    there, own = levels_at(rig.mechanism), levels_at(mechanism)
+    there, own = estimates.levels_at(rig.mechanism), estimates.levels_at(mechanism)
     if there != own:
         raise InputError(
             f"{rig.path}: the levels of its laws are {_said(there)}, and those of"
@@ -112,7 +105,7 @@ def carried_by_contact(
     return CarriedLaws(laws=found, estimates=known, remarks=remarks, source=rig.path)
 
 
-def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
+def estimates_by_contact(rig: Rig, laws: Laws) -> estimates.LawEstimates | None:
     """Return how well laws by contact are known; None where a rig's estimates are of others."""
     known = rig.estimates
     named = {} if known is None or isinstance(known.law, str) else known.law
@@ -126,7 +119,9 @@ def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
     }
     if not stated:
         return known
-    known = known or LawEstimates(law=laws.names, levels=levels_at(rig.mechanism))
+    known = known or estimates.LawEstimates(
+        law=laws.names, levels=estimates.levels_at(rig.mechanism)
+    )
     return known.stating(laws, stated)
 
 
@@ -155,9 +150,9 @@ def carried(
     """
     name = _name(rig, law)
     found, known = rig.laws[name], rig.estimates_of(name)
-    levels = levels_at(rig.mechanism) if known is None else known.levels
+    levels = estimates.levels_at(rig.mechanism) if known is None else known.levels
     divided = _per_load(found)
-    here = levels_at(mechanism)
+    here = estimates.levels_at(mechanism)
     remarks: list[str] = []
     if load is not None:
         load = _checked_load(rig, levels, load)
@@ -222,7 +217,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
             f" {quantity(most, unit)} and is extrapolated beyond that."
         )
     # A load that is 1 for want of a better one is no load to compare.
-    both_known = levels_at(law.fitted_on) == levels_at(mechanism) == "per load"
+    both_known = estimates.levels_at(law.fitted_on) == estimates.levels_at(mechanism) == "per load"
     if (
         both_known
         # Without a level nothing is proportional to the load.
@@ -241,7 +236,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
 
 
 def unfitted_bristles(
-    law: FrictionLaw, known: LawEstimates | None, distance: float, mechanism: Mechanism
+    law: FrictionLaw, known: estimates.LawEstimates | None, distance: float, mechanism: Mechanism
 ) -> tuple[str, ...]:
     """Return the bristle parameters that decide a distance and that no measurement determined.
 
@@ -271,7 +266,7 @@ def unfitted_bristles(
     if give < DECIDES * abs(distance):
         return ()
     return tuple(
-        f"${one.symbol}$ = {quantity(value, unit_on(mechanism, one))}"
+        f"${one.symbol}$ = {quantity(value, estimates.unit_on(mechanism, one))}"
         for name, one, value in found
         if name not in fitted
     )
@@ -279,7 +274,7 @@ def unfitted_bristles(
 
 def bristle_remark(
     law: FrictionLaw,
-    known: LawEstimates | None,
+    known: estimates.LawEstimates | None,
     distances: Mapping[str, float],
     mechanism: Mechanism,
 ) -> str:
@@ -374,8 +369,8 @@ def _is_of_bristles(quantity: Quantity) -> bool:
     return quantity.per_load and not BRISTLES.isdisjoint(quantity.powers)
 
 
-def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
-    found = LOAD.check("carried", "load", load)
+def _checked_load(rig: Rig, levels: estimates.Levels, load: float) -> float:
+    found = estimates.LOAD.check("carried", "load", load)
     if levels == "per load":
         raise ParameterError(
             f"{rig.path}: the levels of its law are already coefficients (per normal force); leave"
@@ -386,7 +381,7 @@ def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
     return found
 
 
-def _refusal(rig: Rig, name: str, levels: Levels) -> str:
+def _refusal(rig: Rig, name: str, levels: estimates.Levels) -> str:
     if levels == "torques":
         return f"{_torques(rig)}."
     return (
@@ -405,7 +400,9 @@ def _torques(rig: Rig) -> str:
     )
 
 
-def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list[str]:
+def _about_unit_load(
+    mechanism: Mechanism, levels: estimates.Levels, here: estimates.Levels
+) -> list[str]:
     kind = type(mechanism).__name__
     if levels == "per load":
         return [
@@ -417,7 +414,9 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     return []
 
 
-def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool) -> list[str]:
+def _about_viscosity(
+    law: FrictionLaw, known: estimates.LawEstimates | None, turning: bool
+) -> list[str]:
     found = [
         f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for path, one, value in parameters(law, "friction")
@@ -454,15 +453,15 @@ def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
 def _about_rest(law: FrictionLaw) -> list[str]:
     return [
         f"${own}$ was neither measured nor given: it is set equal to ${other}$."
-        for own, other in equated(law).values()
+        for own, other in estimates.equated(law).values()
     ]
 
 
-def _said(levels: Levels) -> str:
+def _said(levels: estimates.Levels) -> str:
     return "coefficients" if levels == "per load" else levels
 
 
-def _about_doubt(law: FrictionLaw | Laws, known: LawEstimates | None) -> list[str]:
+def _about_doubt(law: FrictionLaw | Laws, known: estimates.LawEstimates | None) -> list[str]:
     if known is None:
         return []
     symbols, values = {}, {}

@@ -15,21 +15,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import mechanisms
+from stickslip import friction, mechanisms
 from stickslip.data.estimates import LawEstimates, levels_at
 from stickslip.data.measurement import ELECTRIC, Measurement
 from stickslip.data.readers.columns import Reading
 from stickslip.data.travels import scale_of
 from stickslip.errors import InputError, UnknownNameError, check_size, concerning
-from stickslip.friction import (
-    FrictionLaw,
-    Laws,
-    bristle_names,
-    is_composition,
-    law_type,
-    laws,
-    listed,
-)
 from stickslip.quantities import Quantity, vary
 from stickslip.show.described import Described
 
@@ -69,7 +60,7 @@ class Published:
 
     def __post_init__(self) -> None:
         """Check that the law is known."""
-        law_type(self.law)
+        friction.law_type(self.law)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +89,7 @@ class KnownLaws:
     'coulomb'
     """
 
-    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    laws: Mapping[str, friction.FrictionLaw] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -130,9 +121,9 @@ class KnownLaws:
         ('level + power + drag', 'coulomb-viscous', 'lugre')
         """
         name = self.tables.get(text, text)
-        return law_type(name).name if is_composition(name) else name
+        return friction.law_type(name).name if friction.is_composition(name) else name
 
-    def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
+    def chosen(self, contact: str, name: str | None = None) -> friction.FrictionLaw:
         """Return the law of a contact: that of a name, the only one, or the usual one of several.
 
         Parameters
@@ -248,7 +239,7 @@ class Rig(metaclass=Described):
     subject: str = ""
     source: str = ""
     mechanism: mechanisms.Mechanism
-    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    laws: Mapping[str, friction.FrictionLaw] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -282,7 +273,11 @@ class Rig(metaclass=Described):
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
         for name, law in self.laws.items():
-            kind = type(law) if name not in laws() and _is_called(law, name) else law_type(name)
+            kind = (
+                type(law)
+                if name not in friction.laws() and _is_called(law, name)
+                else friction.law_type(name)
+            )
             if not isinstance(law, kind):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in (None, "zero", "first"):
@@ -322,7 +317,7 @@ class Rig(metaclass=Described):
 
     def law_by_contact(
         self, names: str | Mapping[str, str] | None = None
-    ) -> dict[str, FrictionLaw | None]:
+    ) -> dict[str, friction.FrictionLaw | None]:
         """Return the law of each of several contacts, as `simulate` takes them.
 
         Parameters
@@ -367,7 +362,9 @@ class Rig(metaclass=Described):
         except InputError as error:
             raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
 
-    def estimates_of(self, name: str, law: FrictionLaw | None = None) -> LawEstimates | None:
+    def estimates_of(
+        self, name: str, law: friction.FrictionLaw | None = None
+    ) -> LawEstimates | None:
         """Return how well a law is known: as it was fitted, and as single parameters are stated.
 
         Parameters
@@ -419,7 +416,7 @@ class Rig(metaclass=Described):
             },
         )
 
-    def start(self, law: FrictionLaw | Laws) -> dict[str, float]:
+    def start(self, law: friction.FrictionLaw | friction.Laws) -> dict[str, float]:
         """Return how the first trial, or else the rig, begins; bristles of other laws are left out.
 
         Parameters
@@ -442,7 +439,7 @@ class Rig(metaclass=Described):
         initial = dict(self.initial)
         if self.measurement is not None:
             initial |= self.measurement.records()[0].initial
-        bristles = bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
+        bristles = friction.bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
         known = (*self.mechanism.coordinates, *self.mechanism.rates, *bristles)
         return {name: value for name, value in initial.items() if name in known}
 
@@ -476,15 +473,15 @@ class Rig(metaclass=Described):
 
 def estimated_law(
     asked: str | Mapping[str, str],
-    known: Mapping[str, FrictionLaw],
+    known: Mapping[str, friction.FrictionLaw],
     contacts: Mapping[str, KnownLaws | None],
-) -> FrictionLaw | Laws:
+) -> friction.FrictionLaw | friction.Laws:
     """Return the law that estimates name, or those that they name by contact."""
     rubbing = {name: own for name, own in contacts.items() if own is not None}
     if rubbing:
         names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
         _check_names("contact in estimates.law", names, rubbing)
-        return Laws(
+        return friction.Laws(
             members=tuple((name, rubbing[name].chosen(name, law)) for name, law in names.items())
         )
     if not isinstance(asked, str):
@@ -503,7 +500,7 @@ def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> Non
 
 
 def _is_called(law: object, name: str) -> bool:
-    return isinstance(law, FrictionLaw) and law.name == name
+    return isinstance(law, friction.FrictionLaw) and law.name == name
 
 
 def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
@@ -515,7 +512,7 @@ def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
     >>> [state_units(SpringBlock(mass=1.0))[name] for name in ("z", "x", "v")]
     ['m', 'm', 'm/s']
     """
-    units = {state: "m" for law in listed().values() for state in law.states}
+    units = {state: "m" for law in friction.listed().values() for state in law.states}
     contacts = mechanism.contacts()
     if len(contacts) > 1:
         units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}

@@ -11,13 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from stickslip.data import measurement
 from stickslip.data.differentiation import are_steady_readings
-from stickslip.data.measurement import (
-    BY_JOINT,
-    TRAVELS,
-    Array,
-    is_beside,
-)
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
@@ -589,7 +584,7 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     }
 
 
-def _numbers(frame: Frame, one: Found) -> Array:
+def _numbers(frame: Frame, one: Found) -> measurement.Array:
     """Return the numbers of a column, NaN where there are none."""
     column = frame.data[frame.names[one.name]]
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
@@ -846,7 +841,7 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
     return share_later(part) > ORDERED
 
 
-def _are_coarse(seconds: Array) -> bool:
+def _are_coarse(seconds: measurement.Array) -> bool:
     """Whether time stamps are equal in many rows: those of whole seconds are no times of samples.
 
     Sorting by time would average these rows.
@@ -869,7 +864,7 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
     return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
 
 
-def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
+def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, measurement.Array] | None:
     """Return the column that says when steady readings were taken, and its times (n,) [s].
 
     It is called time, nothing else was read from it, though it may have been said to be no times of
@@ -908,7 +903,7 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
             frame.raw(name)  # says which cell is no number, if that is why it was passed over
     for name in frame.names:
         _refuse_faults(frame, name)
-    if any(name in frame.names for name in TRAVELS):
+    if any(name in frame.names for name in measurement.TRAVELS):
         raise InputError(
             f"{frame.file}: is a table of travels, one trial a row, not a record: name it in a rig"
             " file of your mechanism, as [data] file, or as --data of `stickslip select`."
@@ -1036,7 +1031,7 @@ def column_text(one: Found, column: Column = "") -> str:
     return f"column {one.name!r}{unit}, {one.why}"
 
 
-def rate_text(times: Array) -> str:
+def rate_text(times: measurement.Array) -> str:
     """Return number and rate of the samples in words, and what gaps there are."""
     steps = np.diff(times[np.isfinite(times)])
     if np.all(steps < 0.0):  # the last one stands first
@@ -1059,7 +1054,7 @@ def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
 
 
-def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
+def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
     resisting = [q for q in ("friction", "force", "current") if q in found]
     if len(resisting) != 1 or "velocity" not in found or "position" in found:
@@ -1070,7 +1065,7 @@ def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
     return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
 
 
-def times_of(frame: Frame, one: Found) -> Array | None:
+def times_of(frame: Frame, one: Found) -> measurement.Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
     if key is None:
@@ -1088,7 +1083,7 @@ def times_of(frame: Frame, one: Found) -> Array | None:
 
 
 def repairs_of(
-    frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
+    frame: Frame, found: Mapping[str, Found], times: measurement.Array | None, trial: str
 ) -> tuple[text_layout.Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     gaps = not _full_rows(frame, found).all()
@@ -1130,7 +1125,7 @@ def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
         )
 
 
-def _refuse_restarts(frame: Frame, times: Array) -> None:
+def _refuse_restarts(frame: Frame, times: measurement.Array) -> None:
     """Refuse several records below each other, which sorting by time would mix."""
     begins = restarts(times)
     if begins:
@@ -1141,7 +1136,7 @@ def _refuse_restarts(frame: Frame, times: Array) -> None:
         )
 
 
-def restarts(times: Array) -> list[int]:
+def restarts(times: measurement.Array) -> list[int]:
     """Return the rows at which further records begin, whose times begin again.
 
     Examples
@@ -1212,7 +1207,7 @@ def joint_in(name: str) -> tuple[str, str]:
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in ("time", *BY_JOINT, "reference", "current") and "." not in joint
+    known = first in ("time", *measurement.BY_JOINT, "reference", "current") and "." not in joint
     none = ("", *NAMES["time"], *MEASURED, *WANTED)
     return (first, joint) if known and joint.casefold() not in none else ("", "")
 
@@ -1238,7 +1233,7 @@ def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
     {'motor.elbow': ('motor', 'elbow')}
     """
     joints = _moving(names)
-    parts = {name: name.partition(".") for name in names if is_beside(name)}
+    parts = {name: name.partition(".") for name in names if measurement.is_beside(name)}
     return {name: (first, joint) for name, (first, _, joint) in parts.items() if joint in joints}
 
 
@@ -1272,7 +1267,10 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
 
 
 def trial_column(
-    frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found], times: Array | None
+    frame: Frame,
+    given: Mapping[str, Column],
+    found: Mapping[str, Found],
+    times: measurement.Array | None,
 ) -> tuple[str, str]:
     """Return the column that numbers or names trials, and why; empty if none does.
 
@@ -1530,7 +1528,7 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     return said
 
 
-def _values(frame: Frame, one: Found) -> Array:
+def _values(frame: Frame, one: Found) -> measurement.Array:
     """Return a column (n,) of positions [m] or [rad], from any zero."""
     column = frame.data[frame.names[one.name]].to_numpy(dtype=float)
     return column * factor(one.unit, one.unit_in_si) if one.unit else column

@@ -29,17 +29,10 @@ import numpy as np
 import symengine as se
 from numpy.typing import NDArray
 
+from stickslip import mechanisms
 from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.slip_directions import SlipDirections
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.mechanisms import (
-    Contact,
-    MatrixMechanism,
-    Mechanism,
-    only_contact,
-    slip_of,
-    stops_of,
-)
 from stickslip.quantities import parameters, shadow
 from stickslip.show.formatting import number
 
@@ -61,7 +54,7 @@ SINGULAR = 1e-13
 
 
 def matrix_rows(
-    mechanism: MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
+    mechanism: mechanisms.MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
 ) -> list[se.Expr]:
     """Return the mass matrix row by row, those of held coordinates last."""
     n = len(mechanism.coordinates)
@@ -120,7 +113,12 @@ def _shown(e: se.Expr) -> str:
 
 
 def _asymmetry(
-    mechanism: MatrixMechanism, row: str, column: str, one: str, other: str, where: str = ""
+    mechanism: mechanisms.MatrixMechanism,
+    row: str,
+    column: str,
+    one: str,
+    other: str,
+    where: str = "",
 ) -> str:
     """Return what is wrong with two entries that should be equal."""
     first, second = (f" ({value})" if value else "" for value in (one, other))
@@ -131,7 +129,7 @@ def _asymmetry(
     )
 
 
-def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
+def mass_fault(mechanism: mechanisms.MatrixMechanism, places: Sequence[float]) -> str:
     """Return what is wrong with a mass matrix at a place: nothing, or a sentence."""
     names, owner = mechanism.coordinates, type(mechanism).__name__
     n, mass = len(names), _mass_at(mechanism, places)
@@ -184,7 +182,9 @@ def matrix_supply(
     return se.Integer(0) if trace.is_zero(total) else total
 
 
-def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Sequence[float]) -> bool:
+def mass_vanishes(
+    mechanism: mechanisms.MatrixMechanism, start: Sequence[float], end: Sequence[float]
+) -> bool:
     """Whether some motion has next to no mass any more at the end of a run."""
     before, after = (_mass_at(mechanism, places) for places in (start, end))
     # Scaled by the masses at the start, so that motions of different units are compared.
@@ -193,7 +193,7 @@ def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Seque
     return bool(least[1] <= VANISHED * least[0])
 
 
-def _mass_at(mechanism: MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
+def _mass_at(mechanism: mechanisms.MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
     """Return the mass matrix of the moving coordinates (n, n) at a place (n,)."""
     names = mechanism.coordinates
     held = [
@@ -226,11 +226,11 @@ class Wall:
     """Distance that is left."""
 
 
-def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
+def derive_walls(mechanism: mechanisms.Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
     """Return the stops of a mechanism whose parameters are symbols."""
     names = list(q)
     found = []
-    for stop in stops_of(mechanism):
+    for stop in mechanisms.stops_of(mechanism):
         side = SIDES[stop.side]
         position = trace.expression(stop.position)
         found.append(
@@ -283,7 +283,7 @@ class Mechanics:
 
     coordinates: tuple[str, ...]
     """Names of the moving coordinates."""
-    contact: Contact
+    contact: mechanisms.Contact
     """The contact at which the mechanism rubs."""
     slip: int
     """Index of the slip coordinate."""
@@ -305,7 +305,7 @@ class Mechanics:
     """Power that drives, dampers and moved supports put in; that of guides is left out."""
     walls: tuple[Wall, ...]
     """Hard stops."""
-    mechanism: Mechanism
+    mechanism: mechanisms.Mechanism
     """What it is derived from; its parameters are symbols."""
 
     @property
@@ -433,7 +433,7 @@ def _traced(symbols: Mapping[str, se.Expr], board: trace.Switchboard) -> dict[st
 
 
 def _checked(
-    mechanism: Mechanism, forces: Mapping[str, Any], places: Mapping[str, se.Symbol]
+    mechanism: mechanisms.Mechanism, forces: Mapping[str, Any], places: Mapping[str, se.Symbol]
 ) -> dict[str, se.Expr]:
     """Return the force on every coordinate, held ones included; 0 where none is given."""
     for name in forces:
@@ -496,7 +496,7 @@ class Rows:
 
 
 def lagrange_rows(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     t: se.Symbol,
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
@@ -524,7 +524,7 @@ def lagrange_rows(
     # Only now: derivatives along held coordinates give the rows of their reactions.
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
     supplied = _work_rate(other, speeds)
-    if isinstance(mechanism, MatrixMechanism):
+    if isinstance(mechanism, mechanisms.MatrixMechanism):
         mass, forces = matrix_rows(mechanism, seen, held), [other[name] for name in places]
         if directions is not None:
             rows = [mass[i : i + len(q)] for i in range(0, len(mass), len(q))]
@@ -542,7 +542,7 @@ def lagrange_rows(
 
 
 def derive_mechanics(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     t: se.Symbol,
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
@@ -550,13 +550,13 @@ def derive_mechanics(
     board: trace.Switchboard,
 ) -> Mechanics:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
-    contact = only_contact(mechanism)
+    contact = mechanisms.only_contact(mechanism)
     held = trace.held_of(mechanism)
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
-        slip=list(q).index(slip_of(mechanism)),
+        slip=list(q).index(mechanisms.slip_of(mechanism)),
         mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
         forces=rows.forces,
         guides=trace.guides_of(mechanism, contact.slips, drives),
@@ -609,7 +609,7 @@ class JointTorques:
     @classmethod
     def of(
         cls,
-        mechanism: Mechanism,
+        mechanism: mechanisms.Mechanism,
         linear: Sequence[str],
         *,
         by_position: bool = False,
@@ -668,7 +668,7 @@ class JointTorques:
         )
 
     def along(
-        self, mechanism: Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
+        self, mechanism: mechanisms.Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
     ) -> tuple[Array, Array]:
         """Return the forces along a motion, and their slopes."""
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
@@ -678,7 +678,7 @@ class JointTorques:
         count = len(self.coordinates)
         return found[:, :count], found[:, count:].reshape(len(time), count, -1)
 
-    def inertias(self, mechanism: Mechanism, q: Array) -> Array:
+    def inertias(self, mechanism: mechanisms.Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest."""
         count = len(self.coordinates)
         places, none = np.tile(q, (count, 1)), np.zeros((count, count))

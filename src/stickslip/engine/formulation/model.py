@@ -17,15 +17,10 @@ from threading import RLock
 
 import symengine as se
 
+from stickslip.engine.formulation import mechanics as dynamics
 from stickslip.engine.formulation import modes as mode_text
 from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.infix import Case, Cases, function, program
-from stickslip.engine.formulation.mechanics import (
-    Mechanics,
-    derive_mechanics,
-    impact_events,
-    wall_guards,
-)
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
 from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
@@ -152,7 +147,9 @@ def contact_model(
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(events),
-        impact_events=impact_events(parts.walls, mechanism.coordinates, _only_slip(mechanism)),
+        impact_events=dynamics.impact_events(
+            parts.walls, mechanism.coordinates, _only_slip(mechanism)
+        ),
         limits=(*(mode_text.PAINLEVE,) * any(parts.reacts), *parts.limits),
         latched=any(one.latched for one in laws),
         channels=tuple(parts.efforts),
@@ -517,7 +514,9 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
-        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
+        impact_events=dynamics.impact_events(
+            mechanics.walls, mechanism.coordinates, mechanics.slip
+        ),
         limits=_limits(modes),
         latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
@@ -526,7 +525,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
 
 def _derived(
     mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: trace.Switchboard
-) -> tuple[trace.Symbols, Mechanics, Mapping[mode_text.Mode, mode_text.ModeEquations]]:
+) -> tuple[trace.Symbols, dynamics.Mechanics, Mapping[mode_text.Mode, mode_text.ModeEquations]]:
     """Return symbols, equations of motion, and what holds in each mode."""
 
     def symbol(path: str) -> trace.Traced:
@@ -535,7 +534,7 @@ def _derived(
     twin = shadow(mechanism, "mechanism", symbol)
     constants = frozenset(f"p{i}" for i in index.values())
     symbols = trace.symbols_of(twin, len(law.states), constants, board)
-    mechanics = derive_mechanics(
+    mechanics = dynamics.derive_mechanics(
         twin,
         symbols.t,
         dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
@@ -587,7 +586,7 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
 
 def _mode_functions(
     symbols: trace.Symbols,
-    mechanics: Mechanics,
+    mechanics: dynamics.Mechanics,
     modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     board: trace.Switchboard,
     quantities: list[se.Symbol],
@@ -654,7 +653,7 @@ def _mode_functions(
 
 
 def _guards(
-    mechanics: Mechanics,
+    mechanics: dynamics.Mechanics,
     modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     closed: Callable[[se.Expr], se.Expr],
@@ -666,7 +665,7 @@ def _guards(
             closed(equations.guards.get(i, se.Integer(0))) for i in range(layout.SWITCH + switches)
         ]
         + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
-        + wall_guards(mechanics.walls, int(mode))
+        + dynamics.wall_guards(mechanics.walls, int(mode))
         for mode, equations in modes.items()
     }
 
@@ -695,7 +694,7 @@ def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Cas
 
 def _mode_sizes(
     symbols: trace.Symbols,
-    mechanics: Mechanics,
+    mechanics: dynamics.Mechanics,
     modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     parameters: int,
@@ -720,7 +719,7 @@ def _mode_sizes(
 
 
 def _diagram(
-    symbols: trace.Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
+    symbols: trace.Symbols, mechanics: dynamics.Mechanics, closed: Callable[[se.Expr], se.Expr]
 ) -> list[se.Expr]:
     """Return accelerations, normal force, needed friction and power for a given friction force."""
     friction = se.Symbol(f"p{3 * len(symbols.drives)}")

@@ -26,20 +26,11 @@ from dataclasses import dataclass, replace
 import symengine as se
 
 from stickslip.engine.formulation import mechanics as dynamics
+from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.slip_directions import (
     SlipDirections,
     direction_of,
     slip_directions,
-)
-from stickslip.engine.formulation.trace import (
-    Switchboard,
-    Traced,
-    collapsed,
-    expression,
-    guides_of,
-    linear_where,
-    load_factor,
-    own_limits,
 )
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.errors import InputError, UnknownNameError
@@ -95,13 +86,13 @@ class _Context:
     coordinate_rates: list[se.Symbol]
     bristles: list[se.Symbol]
     constants: frozenset[str]
-    board: Switchboard
+    board: trace.Switchboard
 
-    def traced(self, value: se.Expr) -> Traced:
-        return Traced(value, self.board)
+    def traced(self, value: se.Expr) -> trace.Traced:
+        return trace.Traced(value, self.board)
 
     def level(self, normal: se.Expr, direction: int) -> se.Expr:
-        return expression(self.law.towards(direction).break_away(self.traced(normal)))
+        return trace.expression(self.law.towards(direction).break_away(self.traced(normal)))
 
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
@@ -111,10 +102,10 @@ class _Context:
         reactions = {
             name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
         }
-        own = own_limits(self.mechanics.mechanism, reactions)
-        found = {name: expression(margin) for name, margin in own.items()}
+        own = trace.own_limits(self.mechanics.mechanism, reactions)
+        found = {name: trace.expression(margin) for name, margin in own.items()}
         of_law = self.law.limits() if self.law.inputs else {}
-        found |= {name: expression(margin) for name, margin in of_law.items()}
+        found |= {name: trace.expression(margin) for name, margin in of_law.items()}
         if motion.pivot.free_symbols:
             found[PAINLEVE] = motion.pivot - NEAREST
         return found
@@ -137,7 +128,7 @@ def mode_equations(
     coordinate_rates: Sequence[se.Symbol],
     bristles: Sequence[se.Symbol],
     constants: frozenset[str],
-    board: Switchboard,
+    board: trace.Switchboard,
 ) -> Mapping[Mode, ModeEquations]:
     """Return the equations of every mode that the law has."""
     velocity = coordinate_rates[mechanics.slip]
@@ -166,9 +157,9 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     load = se.Symbol("N")
     z = tuple(context.traced(symbol) for symbol in context.bristles)
     arguments = context.traced(v), context.traced(load), z
-    friction = expression(law.force(*arguments))
-    bristle_rates = [expression(rate) for rate in law.rates(*arguments)]
-    factor = load_factor(law, friction, load)
+    friction = trace.expression(law.force(*arguments))
+    bristle_rates = [trace.expression(rate) for rate in law.rates(*arguments)]
+    factor = trace.load_factor(law, friction, load)
     constant = friction.subs({load: 0})  # laws are affine in the load, as `load_factor` checks
     motion = context.mechanics.slipping(constant, factor)
     normal = motion.normal
@@ -231,8 +222,8 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
     if not context.law.holds:
         z = tuple(context.traced(symbol) for symbol in context.bristles)
         arguments = context.traced(context.velocity), context.traced(normal), z
-        friction = expression(context.law.force(*arguments)).subs(held)
-        relaxing = [expression(rate).subs(held) for rate in context.law.rates(*arguments)]
+        friction = trace.expression(context.law.force(*arguments)).subs(held)
+        relaxing = [trace.expression(rate).subs(held) for rate in context.law.rates(*arguments)]
         rates = [*rates[: len(rates) - len(z)], *relaxing]
         missing = side * (needed - friction)
     else:
@@ -340,7 +331,7 @@ def derive_parts(
     q_dot: Mapping[str, se.Symbol],
     drives: Mapping[str, se.Symbol],
     motion: EffortSymbols,
-    board: Switchboard,
+    board: trace.Switchboard,
 ) -> ContactParts:
     """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
     contacts = tuple(contact for contact in mechanism.contacts() if contact.name in rubbing)
@@ -351,13 +342,17 @@ def derive_parts(
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
     )
-    seen = [{k: Traced(s, board) for k, s in given.items()} for given in (places, rates, drives)]
-    loads = _loads(mechanism, contacts, mechanism.loads(Traced(t, board), *seen))
-    informed = _informed(mechanism, rubbing, Traced(t, board), *seen)
+    seen = [
+        {k: trace.Traced(s, board) for k, s in given.items()} for given in (places, rates, drives)
+    ]
+    loads = _loads(mechanism, contacts, mechanism.loads(trace.Traced(t, board), *seen))
+    informed = _informed(mechanism, rubbing, trace.Traced(t, board), *seen)
     _check_shares(mechanism, contacts, directions, held)
     # Guided coordinates and slips exclude each other: a prescribed motion leaves friction nothing
     # to do.
-    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
+    guides = trace.guides_of(
+        mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives
+    )
     arms = [_along(direction_of(contact.slip), held) for contact in contacts]
     # What held and guided coordinates take: rows of the equations that nothing else uses.
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
@@ -366,8 +361,8 @@ def derive_parts(
     # A reaction that parameters alone give is a load like any other: no contact has to be solved
     # for.
     fixed = _constant_load(contacts, reactions)
-    traced = {name: Traced(force, board) for name, force in reactions.items()}
-    limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
+    traced = {name: trace.Traced(force, board) for name, force in reactions.items()}
+    limits = {**trace.own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
     _check_switches(mechanism, motion, board)
     guided = mechanism.guided()
     work = [reactions[name] * q_dot[name] for name in guided]
@@ -383,13 +378,13 @@ def derive_parts(
         forces=forces,
         loads=loads if fixed is None else (fixed,),
         inputs=tuple(
-            {name: expression(law.contact(name)) for name in law.inputs}
+            {name: trace.expression(law.contact(name)) for name in law.inputs}
             for law in (informed[contact.name] for contact in contacts)
         ),
         energy=rows.energy,
         supplied=rows.supplied + sum(work, se.Integer(0)),
         efforts={guide.effort: reactions[name] for name, guide in guided.items()},
-        limits={name: expression(margin) for name, margin in limits.items()},
+        limits={name: trace.expression(margin) for name, margin in limits.items()},
         walls=dynamics.derive_walls(mechanism, q),
     )
     _check_loops(mechanism, parts)
@@ -406,7 +401,7 @@ def _constant_load(contacts: Sequence[Contact], reactions: Mapping[str, se.Expr]
     return reaction if constant else None
 
 
-def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: Switchboard) -> None:
+def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: trace.Switchboard) -> None:
     """Refuse switches that latch, and limits that switch with a force, as its size does."""
     behind = {str(symbol) for symbol in (*motion.accelerations, *motion.friction)}
     for switch in board.switches.values():
@@ -557,8 +552,8 @@ def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:
 def _informed(
     mechanism: Mechanism,
     rubbing: Mapping[str, FrictionLaw],
-    t: Traced,
-    *motion: Mapping[str, Traced],
+    t: trace.Traced,
+    *motion: Mapping[str, trace.Traced],
 ) -> Mapping[str, FrictionLaw]:
     """Return laws that see what the mechanism tells of their contacts."""
     if not any(law.inputs for law in rubbing.values()):
@@ -598,7 +593,7 @@ def _loads(
                 f"{type(mechanism).__name__}: the contact {contact.name!r} has neither a normal"
                 " coordinate nor a load: give one of them."
             )
-        found.append(se.Integer(0) if contact.normal is not None else expression(prescribed))
+        found.append(se.Integer(0) if contact.normal is not None else trace.expression(prescribed))
     return tuple(found)
 
 
@@ -640,11 +635,11 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     These are the variables along which slopes are taken, in this order.
     """
-    board = Switchboard()
+    board = trace.Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}
     # Parameters are variables as the speed is: slopes are taken along all of them.
-    twin = shadow(law, "friction", lambda path: Traced(se.Symbol(f"y{place[path]}"), board))
+    twin = shadow(law, "friction", lambda path: trace.Traced(se.Symbol(f"y{place[path]}"), board))
     speed, load = se.Symbol("y0"), se.Symbol("N")
     variables = [
         speed,
@@ -653,7 +648,8 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     own_load, states = variables[-1], variables[-1 - bristles : -1]
     inputs = variables[1 + len(paths) :]
     twin = bound(
-        twin, {name: Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)}
+        twin,
+        {name: trace.Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)},
     )
     numbers, slopes = {}, {}
     # Both directions, with the speed along the slip positive in each.
@@ -662,28 +658,30 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         # y0 is the speed along the direction: above 0 in slip, so that |v| needs no switch.
         board.signs = {"y0": 1}
         arguments = (
-            Traced(side * speed, board),
-            Traced(load, board),
-            tuple(Traced(z, board) for z in states),
+            trace.Traced(side * speed, board),
+            trace.Traced(load, board),
+            tuple(trace.Traced(z, board) for z in states),
         )
-        friction = side * expression(one.force(*arguments))  # back to the direction of the slip
-        rates = [expression(rate) for rate in one.rates(*arguments)]
+        friction = side * trace.expression(
+            one.force(*arguments)
+        )  # back to the direction of the slip
+        rates = [trace.expression(rate) for rate in one.rates(*arguments)]
         board.signs = {}
-        level = expression(one.break_away(Traced(load, board)))
-        factor, level_factor = (load_factor(law, part, load) for part in (friction, level))
+        level = trace.expression(one.break_away(trace.Traced(load, board)))
+        factor, level_factor = (trace.load_factor(law, part, load) for part in (friction, level))
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]
-        linear = linear_where([constant, factor], [speed], flags)
+        linear = trace.linear_where([constant, factor], [speed], flags)
         # Series take a constant damping: neither bristles, nor damping that goes with the load.
-        if rates or se.expand(collapsed(factor.diff(speed))) != 0:
+        if rates or se.expand(trace.collapsed(factor.diff(speed))) != 0:
             linear = se.Integer(0)
         numbers[side] = [
             constant,
             factor,
             level_constant,
             level_factor,
-            collapsed(constant.diff(speed)),
-            collapsed(factor.diff(speed)),
+            trace.collapsed(constant.diff(speed)),
+            trace.collapsed(factor.diff(speed)),
             linear,
             *[rate.subs({load: own_load}) for rate in rates],
         ]

@@ -32,20 +32,8 @@ from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import backend, entries, equations
 from stickslip.engine.kernels.backend import Vector, Wholes
+from stickslip.engine.solver.compile import translation
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
-from stickslip.engine.solver.compile.translation import (
-    REAL,
-    TRUTH,
-    VECTOR,
-    WHOLE,
-    WHOLES,
-    Function,
-    Meaning,
-    Signature,
-    call_by_address,
-    exported,
-    translated,
-)
 from stickslip.errors import CompilationError
 
 # Machine code of a model's equations: made by LLVM in a tenth of a second, from the plain text.
@@ -60,12 +48,12 @@ LAW_FUNCTIONS = {
 }
 """Names of the functions of laws, one for each structure, and the number of the first."""
 TAKEN = (
-    ("mode", WHOLE),
-    ("flags", WHOLE),
-    ("t", REAL),
-    ("w", VECTOR),
-    ("at", WHOLE),
-    ("to", WHOLE),
+    ("mode", translation.WHOLE),
+    ("flags", translation.WHOLE),
+    ("t", translation.REAL),
+    ("w", translation.VECTOR),
+    ("at", translation.WHOLE),
+    ("to", translation.WHOLE),
 )
 
 
@@ -107,9 +95,9 @@ class EquationsCode(ObjectCode):
             if not isinstance(node, ast.FunctionDef):
                 shown = ast.unparse(node).partition("\n")[0]
                 raise CompilationError(f"equations, line {node.lineno}: {shown!r} is no function.")
-            signature = Signature(f"f.{node.name}", TAKEN)
-            functions.append(Function(node, signature, _nothing, "equations"))
-        return "\n".join([translated(functions), *_chosen(dict(self.numbers))])
+            signature = translation.Signature(f"f.{node.name}", TAKEN)
+            functions.append(translation.Function(node, signature, _nothing, "equations"))
+        return "\n".join([translation.translated(functions), *_chosen(dict(self.numbers))])
 
 
 def _nothing(_name: str) -> None:
@@ -151,15 +139,21 @@ def code_of(model: Model) -> EquationsCode:
 # Functions are translated from the modules of `stickslip.engine.kernels` as they stand, those that
 # the entries reach; their annotations say what everything is.
 
-KINDS: dict[Any, str] = {Vector: VECTOR, Wholes: WHOLES, float: REAL, int: WHOLE, bool: TRUTH}
+KINDS: dict[Any, str] = {
+    Vector: translation.VECTOR,
+    Wholes: translation.WHOLES,
+    float: translation.REAL,
+    int: translation.WHOLE,
+    bool: translation.TRUTH,
+}
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
     backend.call_contacts: ("name", "t", "w", "whole", "at", "to"),
 }
 """What is called by an address in a vector, and what it is given."""
-NUMBERS: Mapping[str, Any] = {REAL: ctypes.c_double, WHOLE: ctypes.c_int64}
-ARRAYS = {VECTOR: np.dtype(np.float64), WHOLES: np.dtype(np.int64)}
+NUMBERS: Mapping[str, Any] = {translation.REAL: ctypes.c_double, translation.WHOLE: ctypes.c_int64}
+ARRAYS = {translation.VECTOR: np.dtype(np.float64), translation.WHOLES: np.dtype(np.int64)}
 PLACE = ctypes.c_char * 0
 """What stands at the start of any memory that may be written."""
 SECONDS = 6.0
@@ -188,10 +182,14 @@ class KernelsCode(ObjectCode):
     def text(self) -> str:
         functions = [function_of(one) for one in _reached()]
         called = [
-            call_by_address(signature_of(one), order) for one, order in CALLED_BY_ADDRESS.items()
+            translation.call_by_address(signature_of(one), order)
+            for one, order in CALLED_BY_ADDRESS.items()
         ]
-        outside = [exported(name, signature_of(getattr(entries, name))) for name in self.symbols]
-        return "\n".join([translated(functions), *called, *outside])
+        outside = [
+            translation.exported(name, signature_of(getattr(entries, name)))
+            for name in self.symbols
+        ]
+        return "\n".join([translation.translated(functions), *called, *outside])
 
     def functions(self) -> SimpleNamespace:
         """Return the entries as Python functions of arrays, once they are ready."""
@@ -260,14 +258,14 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
 
 
 @functools.cache
-def signature_of(function: FunctionType) -> Signature:
+def signature_of(function: FunctionType) -> translation.Signature:
     """Return how a kernel is called, from its annotations."""
     # not from the source: to parse it takes longer than to load the machine code
     kinds, code = function.__annotations__, function.__code__
     place = function.__module__.removeprefix(f"{kernels.__name__}.")
     names = code.co_varnames[: code.co_argcount]
     taken = tuple((name, _kind(kinds.get(name), function)) for name in names)
-    return Signature(f"{place}.{function.__name__}", taken, _results(function))
+    return translation.Signature(f"{place}.{function.__name__}", taken, _results(function))
 
 
 def _results(function: FunctionType) -> tuple[str, ...]:
@@ -287,20 +285,20 @@ def _kind(annotation: object, function: FunctionType) -> str:
     )
 
 
-def function_of(function: FunctionType) -> Function:
+def function_of(function: FunctionType) -> translation.Function:
     """Return a kernel as it is translated, with what the names in it stand for."""
 
-    def meaning(name: str) -> Meaning | None:
+    def meaning(name: str) -> translation.Meaning | None:
         found = _outside(function, name)
         if isinstance(found, FunctionType):
             return signature_of(found)
         return found if isinstance(found, bool | int | float | tuple) else None
 
     title = f"{function.__module__}.{function.__name__}"
-    return Function(_definition(function), signature_of(function), meaning, title)
+    return translation.Function(_definition(function), signature_of(function), meaning, title)
 
 
-def as_function(address: int, signature: Signature) -> Callable[..., Any]:
+def as_function(address: int, signature: translation.Signature) -> Callable[..., Any]:
     """Return machine code as a function of arrays and numbers, which are checked."""
     kinds = [kind for _, kind in signature.parameters]
     types: list[Any] = []
