@@ -93,11 +93,10 @@ PARTS_OF_THE_AUDIT = ("requirements", "step_travels", "consequences", "bristle_r
 @pytest.fixture(autouse=True, scope="session")
 def parts_of_the_audit_are_made_once() -> None:
     """Keep what follows from the paper's numbers alone, for all pages of a session."""
-    from stickslip.paper import audit, printed
+    from stickslip.paper import printed
 
-    for module in (printed, sys.modules[audit.__module__]):
-        for name in {*PARTS_OF_THE_AUDIT} & {*vars(module)}:
-            setattr(module, name, _remembered(getattr(module, name)))
+    for name in PARTS_OF_THE_AUDIT:
+        setattr(printed, name, _remembered(getattr(printed, name)))
 
 
 def _remembered(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -283,9 +283,9 @@ def _show(found: exports.Applied, output: Path) -> None:
     console = terminal.stdout()
     names = ", ".join(one.joint for one in found.joints)
     console.print(f"{output}: {found.path.name} with friction in {names}")
-    for one in found.joints:
-        console.print(f"{one.joint}: {one.law}")
-        for line in one.sentences:
+    for joint in found.joints:
+        console.print(f"{joint.joint}: {joint.law}")
+        for line in joint.sentences:
             console.print(f"  {line}")
     rows = [row for one in found.joints for row in _rows(one)]
     if rows:
@@ -307,11 +307,11 @@ def _rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     return [
         (
             joint.joint,
-            one.said,
-            one.settings or "of the file",
-            *(quantity(x, length) for x in (one.travel, one.error, one.simplification)),
+            motion.said,
+            motion.settings or "of the file",
+            *(quantity(x, length) for x in (motion.travel, motion.error, motion.simplification)),
         )
-        for one in joint.motions
+        for motion in joint.motions
     ]
 
 
@@ -322,11 +322,11 @@ def _replay_rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     return [
         (
             joint.joint,
-            one.model,
-            quantity(one.force, force),
-            NO_VALUE if one.model == "law" else quantity(one.cost, force),
-            quantity(one.position, length),
-            NO_VALUE if one.model == "law" else quantity(one.drift, length),
+            model.model,
+            quantity(model.force, force),
+            NO_VALUE if model.model == "law" else quantity(model.cost, force),
+            quantity(model.position, length),
+            NO_VALUE if model.model == "law" else quantity(model.drift, length),
         )
-        for one in joint.replay.models
+        for model in joint.replay.models
     ]

@@ -180,7 +180,7 @@ def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[s
     if isinstance(chosen, ChosenLaw):
         head["law"] = chosen.law.name
     else:
-        names = [one.name for one in rig.mechanism.contacts()]
+        names = [contact.name for contact in rig.mechanism.contacts()]
         head["laws"] = {name: chosen.laws.names.get(name) for name in names}
     if chosen.source is not None:
         head["law_file"] = {"file": chosen.source.path, "digest": chosen.source.digest}
@@ -387,11 +387,11 @@ def laws_drawn(
         own = [
             dataclasses.replace(
                 source,
-                laws={one.name: one},
-                named=(one.name,),
-                estimates=LawEstimates(law=one.name, levels=levels) if levels else None,
+                laws={law.name: law},
+                named=(law.name,),
+                estimates=LawEstimates(law=law.name, levels=levels) if levels else None,
             )
-            for one in laws[:count]
+            for law in laws[:count]
         ]
         return [carried(one, rig.mechanism, load=load).law for one in own], error
     if known is None:
@@ -687,9 +687,9 @@ def show_estimates(estimates: Sequence[fits.Estimate]) -> None:
     kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
     heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
     terminal.show_table("", heads, rows, whole=heads[1:])
-    for one in estimates:
-        if one.reason:
-            terminal.stdout().print(f"  {one.path}: {terminal.plain(one.reason)}")
+    for estimate in estimates:
+        if estimate.reason:
+            terminal.stdout().print(f"  {estimate.path}: {terminal.plain(estimate.reason)}")
 
 
 def show_open(words: Wording) -> None:
@@ -717,7 +717,7 @@ def show_trials(comparison: fits.TrialComparison | None) -> None:
         console.print(f"  {terminal.plain(line)}")
     if not comparison.trials or (comparison.shared and not comparison.conditions):
         return
-    symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
+    symbols = [estimate.quantity.symbol for estimate in comparison.trials[0].estimates]
     heads = ["trial", *map(condition_name, comparison.conditions)]
     heads += [head for symbol in symbols for head in (symbol, "95 %")]
     rows = []

@@ -232,7 +232,7 @@ def _checked(request: kinds.Request) -> Checks:
         conditions=conditions,
     )
     if checks.worst == "error":
-        raise refusal([one for one in checks.findings if one.severity == "error"])
+        raise refusal([finding for finding in checks.findings if finding.severity == "error"])
     if request.validate is not None:
         refuse_same(request.measurement, request.validate)
     return checks

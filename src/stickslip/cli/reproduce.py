@@ -155,12 +155,12 @@ def _show_needs(found: PaperAudit) -> None:
     console.show_table("Parameter values that would reproduce the published rows", heads, rows)
     rows = [
         [
-            one.row,
-            fixed(one.published, 2),
-            *map(console.plain, step_cells(one)),
-            console.plain(values_of(one.law, found.values.load)),
+            step_travel.row,
+            fixed(step_travel.published, 2),
+            *map(console.plain, step_cells(step_travel)),
+            console.plain(values_of(step_travel.law, found.values.load)),
         ]
-        for one in found.step_travels
+        for step_travel in found.step_travels
     ]
     heads = ["row", "m", *(f"{what}, m" for what in map(console.plain, RULES.values())), "with"]
     console.stdout().print()
@@ -180,13 +180,13 @@ def _show_needs(found: PaperAudit) -> None:
     console.show_table("Softer bristles in the same push", heads, rows)
     rows = [
         [
-            significant(1e3 * one.stribeck_velocity, 4),
-            fixed(one.mean, 2),
-            f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
-            fixed(one.held, 4),
-            fixed(one.fine, 4),
+            significant(1e3 * creep.stribeck_velocity, 4),
+            fixed(creep.mean, 2),
+            f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
+            fixed(creep.held, 4),
+            fixed(creep.fine, 4),
         ]
-        for one in found.creeps
+        for creep in found.creeps
     ]
     heads = ["v_s, mm/s", "10 ms, no rule, m", "scatter, m", "10 ms, rule, m", "1 ms, no rule, m"]
     console.stdout().print()

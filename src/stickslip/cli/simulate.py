@@ -371,7 +371,7 @@ def _band(
 
 def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
-    names = ", ".join(one.name for one in rig.mechanism.contacts())
+    names = ", ".join(contact.name for contact in rig.mechanism.contacts())
     if options.enforce:
         raise InputError(
             "--enforce takes a mechanism with one contact that slips along a coordinate, but"
@@ -580,7 +580,9 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
         content["remarks"] = list(map(terminal.plain, ran.remarks))
     cycles = _cycles(ran.rig.mechanism, run)
     if cycles:
-        content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
+        content["cycles"] = [
+            asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in cycles
+        ]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
     if ran.twin is not None:
@@ -698,7 +700,10 @@ def _show_validation(seen: sweep.Validation) -> None:
     console = terminal.stdout()
     console.print("\nPrediction and measurement", style="bold")
     if seen.travels:
-        rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
+        rows = [
+            [travel.name, travel.quantity.replace("_", " "), *travel.cells()]
+            for travel in seen.travels
+        ]
         terminal.show_table(
             "", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows
         )

@@ -439,7 +439,9 @@ class Rig(metaclass=Described):
         initial = dict(self.initial)
         if self.measurement is not None:
             initial |= self.measurement.records()[0].initial
-        bristles = friction.bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
+        bristles = friction.bristle_names(
+            tuple(contact.name for contact in self.mechanism.contacts()), law
+        )
         known = (*self.mechanism.coordinates, *self.mechanism.rates, *bristles)
         return {name: value for name, value in initial.items() if name in known}
 
@@ -515,7 +517,7 @@ def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
     units = {state: "m" for law in friction.listed().values() for state in law.states}
     contacts = mechanism.contacts()
     if len(contacts) > 1:
-        units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}
+        units = {f"{z}:{contact.name}": unit for z, unit in units.items() for contact in contacts}
     units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return units | {
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)

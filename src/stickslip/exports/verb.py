@@ -189,7 +189,7 @@ def evaluated(subject: Subject, title: str, given: Mapping[str, Given]) -> Subje
         unit = data.unit_of_input(name, turning=subject.rotary)
         quantity = CONTACT_INPUTS[name].quantity(unit)
         fields = [mechanisms.input_field(one, name) for one in (subject.contact, "")]
-        own = next((getattr(told, one) for one in fields if hasattr(told, one)), None)
+        own = next((getattr(told, field) for field in fields if hasattr(told, field)), None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
             raise InputError(

@@ -311,7 +311,7 @@ def _without(items: tuple[notation.Term, ...]) -> Iterator[Reduction]:
         if not isinstance(name, notation.Name) or name.part.vanishes is None:
             continue
         others = (*items[:index], *items[index + 1 :])
-        rest = tuple(one for one in others if _named(one) not in name.part.below)
+        rest = tuple(other for other in others if _named(other) not in name.part.below)
         left = {own for one in rest for part in one.parts() for own in _own(part)}
         needed = {own for one in rest for part in one.parts() for own in part.part.needs}
         surplus = any(isinstance(part.part, Surplus) for one in rest for part in _levels(one))

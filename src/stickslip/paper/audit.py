@@ -203,13 +203,13 @@ def _consequence_dict(consequence: printed.Consequence) -> dict[str, Any]:
             path: value for path, _, value in parameters(consequence.corrected, "corrected")
         },
         "tests": {
-            one.test: {
-                "printed": _printed_dict(one.printed),
-                "with_stick_rule": _printed_dict(one.with_rule),
-                "corrected": _finite(asdict(one.corrected)),
-                "differs": one.differs,
+            outcome.test: {
+                "printed": _printed_dict(outcome.printed),
+                "with_stick_rule": _printed_dict(outcome.with_rule),
+                "corrected": _finite(asdict(outcome.corrected)),
+                "differs": outcome.differs,
             }
-            for one in consequence.outcomes
+            for outcome in consequence.outcomes
         },
     }
 

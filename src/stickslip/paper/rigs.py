@@ -126,7 +126,7 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
     """
     coulomb = rig.laws.get("coulomb")
     if coulomb is None:
-        named = [one for one in verdict.candidates if one.name == "coulomb"]
+        named = [candidate for candidate in verdict.candidates if candidate.name == "coulomb"]
         if not named or named[0].fit is None:
             raise InputError(
                 "the audit of the paper needs a kinetic coefficient, and Coulomb friction does not"
@@ -703,7 +703,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 block=criteria_of(block, values.rig),
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
                 rests=bool(block["v"][-1] == 0.0),
-                cart_travel=sum(one.travel for one in cycles),
+                cart_travel=sum(cycle.travel for cycle in cycles),
                 cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
             )
         )

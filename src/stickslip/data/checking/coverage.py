@@ -452,7 +452,9 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
     >>> settings_in_order([read(0.05), read(0.10), read(0.15), read(0.05)])
     {}
     """
-    paths = dict.fromkeys(path for one in records for path in (*one.overrides, *one.initial))
+    paths = dict.fromkeys(
+        path for record in records for path in (*record.overrides, *record.initial)
+    )
     found = {}
     for path in paths:
         values = [{**one.overrides, **one.initial}.get(path) for one in records]
@@ -468,7 +470,7 @@ def speeds(record: measurement.Measurement) -> Iterator[Finding]:
     """Say of a table that its speeds are in order."""
     velocity = np.asarray(record.values("velocity"))
     if speeds_in_order(velocity):
-        how = "mostly " if any(one.startswith("mostly") for one in _orders(velocity)) else ""
+        how = "mostly " if any(order.startswith("mostly") for order in _orders(velocity)) else ""
         said = f"The speeds are {how}in order from row to row; if they were measured"
         yield _finding(said, "speed")
 

@@ -1060,9 +1060,9 @@ def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Arra
     if len(resisting) != 1 or "velocity" not in found or "position" in found:
         return False
     columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", *resisting)]
-    rows = [times, *(pd.to_numeric(one, errors="coerce").to_numpy(float) for one in columns)]
+    rows = [times, *(pd.to_numeric(column, errors="coerce").to_numpy(float) for column in columns)]
     full = np.isfinite(rows).all(axis=0)
-    return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
+    return bool(full.sum() > 1) and are_steady_readings(*(row[full] for row in rows))
 
 
 def times_of(frame: Frame, one: Found) -> measurement.Array | None:

@@ -318,7 +318,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
             )
         runs.append(_run(path, film.time, film.values("position")))
         doubts += [runs[-1].doubt] if runs[-1].doubt else []
-    no_force = next((one for one in doubts if "no force" in one), None)
+    no_force = next((doubt for doubt in doubts if "no force" in doubt), None)
     if no_force in doubts:  # films of what drives itself need none
         doubts.remove(no_force)
     runs.sort(key=lambda run: run.frequency)

@@ -83,7 +83,7 @@ def read_rig(
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
     file = RigFile(name, overrides, {law: given for given, law in own.tables.items()})
     contacts = _contacts(raw, own, file)
-    for name in [one.name for one in contacts]:
+    for name in [contact.name for contact in contacts]:
         if len(contacts) > 1 and name in of_one_law:
             raise InputError(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
@@ -178,7 +178,7 @@ def _of_law(path: str, tables: Mapping[str, str]) -> str:
 
 def _contact_inputs(table: Table, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
-    names = [one.name for one in mechanism.contacts()]
+    names = [contact.name for contact in mechanism.contacts()]
     found = _values(table, "contact", file)
     _refuse_computed(found, "contact", names, mechanism, file)
     for name in names:
@@ -513,7 +513,7 @@ def _paths(table: schema.RigTable, file: RigFile) -> list[Path]:
     if logs:  # imported here so that rigs without data do without pandas
         from stickslip.data.readers.table_reader import log_files
 
-        paths += [one for log in logs for one in log_files(log)]
+        paths += [log_file for log in logs for log_file in log_files(log)]
     return paths
 
 

@@ -498,7 +498,7 @@ def robot_of(
     for remark in described.remarks:
         warnings.warn(f"{file}: {remark}", stacklevel=2)
     robot = described.robot
-    known = [one.joint for one in robot.joints]
+    known = [joint.joint for joint in robot.joints]
     for name in added:
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)

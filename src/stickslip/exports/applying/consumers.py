@@ -397,7 +397,7 @@ XML: Final = (".xml", ".urdf", ".mjcf", ".xacro")
 def read_model(path: Path, to: str | None = None) -> models.Model:
     """Read a file in the format that it seems to have, or in a named one."""
     data = read_bytes(path)
-    fitting = [one for one in CONSUMERS.values() if one.recognises(path, data)]
+    fitting = [consumer for consumer in CONSUMERS.values() if consumer.recognises(path, data)]
     if to is not None:
         wanted: type[models.Model] = named(CONSUMERS, to, "format")
         if wanted not in fitting:

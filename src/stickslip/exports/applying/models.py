@@ -157,7 +157,7 @@ class Model(ABC):
 
     def written(self, values: Sequence[tuple[ModelJoint, Mapping[str, str]]]) -> bytes:
         """Return the file with values of its joints."""
-        return markups.edited(self.data, [one for pair in values for one in self.edits(*pair)])
+        return markups.edited(self.data, [edit for pair in values for edit in self.edits(*pair)])
 
     def joint(self, name: str) -> ModelJoint:
         """Return a joint by its name."""

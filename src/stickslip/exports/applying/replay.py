@@ -131,7 +131,7 @@ def replay_of(record: Measurement, mechanism: mechanisms.Mechanism) -> "Replay":
         hold = "first" if found is None else found.hold
     else:
         commands = tuple(_commanded(mechanism, record))
-        own = Measurement(trials=tuple(one.by_torque() for one in commands))
+        own = Measurement(trials=tuple(command.by_torque() for command in commands))
         mechanism, hold = _without_current(mechanism), "first"
     torques = JointTorques.of(mechanism, [])
     pieces = tuple(fits.joint_pieces(torques, mechanism, own, hold=hold, resolved=True))
@@ -453,7 +453,9 @@ class Replay:
 def driven_by(mechanism: mechanisms.Mechanism, drives: Mapping[str, Drive]) -> mechanisms.Mechanism:
     """Return a mechanism with a drive along each coordinate."""
     if isinstance(mechanism, mechanisms.Robot):
-        joints = tuple(replace(one, effort=drives[one.coordinate]) for one in mechanism.joints)
+        joints = tuple(
+            replace(joint, effort=drives[joint.coordinate]) for joint in mechanism.joints
+        )
         return replace(mechanism, joints=joints)
     if isinstance(mechanism, mechanisms.SerialArm):
         pairs = zip(mechanism.links, mechanism.coordinates, strict=True)
@@ -532,7 +534,7 @@ class _InMuJoCo:
         data = self.mujoco.MjData(self.model)
         found = np.empty((len(piece.time), len(self.dofs)))
         motions = piece.motions
-        places = np.column_stack([one.position for one in motions])
+        places = np.column_stack([motion.position for motion in motions])
         rates = np.column_stack([one.velocity for one in motions])
         for row, (q, v, a) in enumerate(zip(places, rates, piece.accelerations, strict=True)):
             data.qpos[self.places], data.qvel[self.dofs], data.qacc[self.dofs] = q, v, a

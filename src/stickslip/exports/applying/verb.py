@@ -413,16 +413,16 @@ def _beside(mechanism: mechanisms.Mechanism | None, contact: str) -> Beside:
         inertia = float(mechanisms.driving_inertia(mechanism.drive))
         return Beside(damping=mechanism.damping, armature=inertia or None, motor=motor)
     if isinstance(mechanism, mechanisms.Robot):
-        for one in mechanism.joints:
-            if contact in ("", one.contact_name):
-                if one.coupling:
+        for joint in mechanism.joints:
+            if contact in ("", joint.contact_name):
+                if joint.coupling:
                     raise InputError(
-                        f"friction of {one.joint!r} acts along a motor that other joints turn too"
+                        f"friction of {joint.joint!r} acts along a motor that other joints turn too"
                         " (coupling), and that of a joint in a file along its own angle: choose the"
                         " other joints with --joint."
                     )
-                inertia = max(0.0, one.armature + one.added_armature)
-                return Beside(damping=one.damping, armature=inertia or None)
+                inertia = max(0.0, joint.armature + joint.added_armature)
+                return Beside(damping=joint.damping, armature=inertia or None)
     if isinstance(mechanism, mechanisms.SerialArm):
         names = [one.name for one in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]

@@ -144,7 +144,7 @@ def _run_table(runs: Sequence[CartRun]) -> report.Table:
         LOWEST_VELOCITY,
         BACK_SLIP,
     )
-    rows = tuple(_run_row(one) for one in runs)
+    rows = tuple(_run_row(run) for run in runs)
     return report.Table(columns=columns, rows=rows)
 
 
@@ -306,7 +306,7 @@ def _choice_table(study: CartStudy) -> report.Table:
 
 
 def _choice_figure(study: CartStudy, *, own: bool) -> report.Figure:
-    runs = {_label(one): one.run for one in study.choices}
+    runs = {_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
     views = [

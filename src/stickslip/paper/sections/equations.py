@@ -155,7 +155,7 @@ def misprint_section(found: PaperAudit) -> report.Section:
         report.Column(head="equation"),
         *(numbers(f"{what}\nm") for what in TESTS.values()),
     )
-    rows = tuple(_row(one) for one in found.consequences)
+    rows = tuple(_row(consequence) for consequence in found.consequences)
     return report.Section(
         collapsed=True,
         id="misprints",
@@ -220,7 +220,7 @@ def _values_table(found: PaperAudit) -> report.Table:
         row.law.title
         for row in found.table
         if getattr(row.law, "viscous_coefficient", None) == 0.0
-        and row.law.name in {one.corrected.name for one in found.consequences}
+        and row.law.name in {consequence.corrected.name for consequence in found.consequences}
         and row.law.name != "dahl"
     ]
     other = (

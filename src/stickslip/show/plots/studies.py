@@ -46,7 +46,9 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
     early = np.array([not status.complete for status in runs.status])
 
     reasons = dict.fromkeys(one.label for one in runs.status if not one.complete)
-    ended = "\n".join(["ended early:", *(textwrap.fill(one, REASON_WIDTH) for one in reasons)])
+    ended = "\n".join(
+        ["ended early:", *(textwrap.fill(reason, REASON_WIDTH) for reason in reasons)]
+    )
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()

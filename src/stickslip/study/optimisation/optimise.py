@@ -507,7 +507,7 @@ class _Work:
         """
         before = done or _Best(judged=None)
         begins = [(start, False), *([(before.judged, before.polished)] if before.judged else [])]
-        known = [one for one in begins if one[0].feasible and _has_place(space, one[0])]
+        known = [begin for begin in begins if begin[0].feasible and _has_place(space, begin[0])]
         if before.cancelled:
             return _best(known, before.evaluations, cancelled=True)
         inner = self.problem.tighter()

@@ -129,7 +129,7 @@ class Band(OnAxes, Tabular):
         [0.8, 0.2]
         """
         name = (
-            _only("shares", {one: one for one in self.travels})
+            _only("shares", {travel: travel for travel in self.travels})
             if coordinate is None
             else coordinate
         )

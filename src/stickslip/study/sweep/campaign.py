@@ -638,7 +638,7 @@ class _Ledger:
 
     def finish(self, parts: Sequence[_Finished]) -> None:
         """Write the manifest of a campaign that is complete."""
-        content = {**self.head, "parts": [vars(one) for one in parts]}
+        content = {**self.head, "parts": [vars(part) for part in parts]}
         documents.write_file(
             self.folder / MANIFEST, documents.json_text(documents.document("campaign", content))
         )
