@@ -428,7 +428,7 @@ def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> 
     prefix = f"{FRICTION}{contact}." if contact else FRICTION
     choice = f"{contact}=" if contact else ""
     run = f"the contact {contact!r}" if contact else "the run"
-    known = [one.name for one in dataclasses.fields(law)]
+    known = [field.name for field in dataclasses.fields(law)]
     for path in given:
         if not path.startswith(FRICTION):
             continue
@@ -582,7 +582,7 @@ def _hashed(given: Sequence[Path]) -> list[Path]:
         return []
     from stickslip.data import log_files  # with pandas, which other rigs do without
 
-    return [one for path in given for one in log_files(path)]
+    return [log_file for path in given for log_file in log_files(path)]
 
 
 def _parameters(

@@ -138,7 +138,7 @@ def _band_content(
         "velocity_unit": found.velocity_unit,
         "level": found.level,
         "error": found.error,
-        "laws": dict(Counter(one.name for one in laws)),
+        "laws": dict(Counter(law.name for law in laws)),
         "measured": [list(pair) for pair in measured],
         "early_ends": list(found.reasons),
     }

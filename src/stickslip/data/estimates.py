@@ -59,7 +59,7 @@ def levels_at(mechanism: Mechanism) -> Levels:
     contacts = mechanism.contacts()
     if len(contacts) > 1:
         # Levels are forces only where the load of each contact is left at 1.
-        if any(one.load != 1.0 for one in contacts):
+        if any(contact.load != 1.0 for contact in contacts):
             return "per load"
         units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
         turning = all(units.get(name) == "rad" for one in contacts for name in one.slips)
@@ -248,7 +248,7 @@ class LawEstimates:
         prefix = f"{contact}."
 
         def own(names: Iterable[str]) -> list[str]:
-            return [one for one in names if one.startswith(prefix)]
+            return [name for name in names if name.startswith(prefix)]
 
         def table(values: Mapping[str, T]) -> dict[str, T]:
             return {one.removeprefix(prefix): values[one] for one in own(values)}

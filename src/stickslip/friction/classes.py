@@ -447,7 +447,7 @@ class Entry:
         """Names of the states of the contact."""
         heads = (part for part in notation.read(self.composition).parts() if part.role == "memory")
         return tuple(
-            state for one in heads for state in cast(Memory, one.part).states(one.argument)
+            state for head in heads for state in cast(Memory, head.part).states(head.argument)
         )
 
     @property

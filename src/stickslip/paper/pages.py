@@ -195,7 +195,7 @@ def _facts(found: PaperAudit) -> tuple[Fact, ...]:
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
     exactly = sum(n.value is not None and n.kept and n.reading == "A" for n in found.requirements)
-    in_steps = sum(one.reached for one in found.step_travels)
+    in_steps = sum(step_travel.reached for step_travel in found.step_travels)
     total = len(found.rig.published)
     return (
         Fact(

@@ -511,7 +511,7 @@ class CartStudy:
             "cycles": CYCLES,
             "step": STEP,
             "kinetic_coefficient": KINETIC,
-            "figure_2": [one.to_dict() for one in self.runs],
+            "figure_2": [run.to_dict() for run in self.runs],
             "levels_of_table_1": [one.to_dict() for one in self.table_1],
             "break_away": [one.to_dict() for one in self.break_away],
             "backward_motion": [
@@ -522,7 +522,7 @@ class CartStudy:
                 }
                 for share in self.shares
             ],
-            "figure_11": [one.to_dict() for one in self.choices],
+            "figure_11": [choice.to_dict() for choice in self.choices],
         }
 
 

@@ -298,6 +298,6 @@ def _saved(values: "pd.Series[Any]") -> Any:
     if values.dtype.kind in "biufM":
         return values.to_numpy()
     missing = values.isna()
-    if all(isinstance(one, int | float | np.number) for one in values[~missing]):
+    if all(isinstance(value, int | float | np.number) for value in values[~missing]):
         return values.astype(float).to_numpy()
     return values.astype(object).where(~missing, "").astype(str).to_numpy(dtype=str)

@@ -122,7 +122,7 @@ def dialect_of(text: str) -> Dialect | None:
     >>> dialect_of("time, success_rate, state.q[0]").title, dialect_of("t,x")
     ('log of libfranka', None)
     """
-    return next((one for one in DIALECTS if one.is_text(text)), None)
+    return next((dialect for dialect in DIALECTS if dialect.is_text(text)), None)
 
 
 # Tables in text files: CSV in its dialects, and what only looks like one.

@@ -946,7 +946,7 @@ def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> Non
     unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
     forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
     turns = unit is not None and is_of(unit, "rad/s") and not is_of(unit, "count")
-    if turns and any(one is not None and is_of(one, "N") for one in forces):
+    if turns and any(force is not None and is_of(force, "N") for force in forces):
         raise InputError(
             f"{frame.file}: the column {shown(name)} is a speed of rotation, and forces are in N:"
             f" name it and give the radius of the contact, as --columns velocity={shown(name)}"
@@ -1379,7 +1379,7 @@ def _is_full(frame: Frame, name: str) -> bool:
 
 def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
-    spelt = [stated] if stated else [m["unit"] for one in STYLES if (m := one.fullmatch(name))]
+    spelt = [stated] if stated else [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
     return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
 
 
@@ -1412,7 +1412,7 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
             f"The column {warm.name!r} changes within a record: it is the temperature on which a"
             f" friction law may depend, such as level + viscous * exponential[temperature]{mean}."
         )
-    for name in (one for one in conditions if warm is None or one != warm.name):
+    for name in (condition for condition in conditions if warm is None or condition != warm.name):
         yield (
             f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"
             " several trials say whether friction depends on it. If it is none, leave it out of"

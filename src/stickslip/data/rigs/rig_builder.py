@@ -209,9 +209,9 @@ def _kind_of_motion(raw: Mapping[str, Any], file: RigFile) -> bool | None:
         return None
     drives = table.get("drive", [])
     parts: list[tuple[str, type, dict[str, Any]]] = [("mechanism", kind, table)]
-    for one in drives if isinstance(drives, list) else [drives]:
-        if isinstance(one, dict) and one.get("type") in DRIVES:
-            parts.append(("mechanism.drive", DRIVES[one["type"]], one))
+    for drive in drives if isinstance(drives, list) else [drives]:
+        if isinstance(drive, dict) and drive.get("type") in DRIVES:
+            parts.append(("mechanism.drive", DRIVES[drive["type"]], drive))
     kinds: dict[bool, str] = {}
     for where, owner, part in parts:
         given = {
@@ -238,7 +238,7 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:
-        yield from (f"{PREFIX}.{one.name}" for one in fields(kind))
+        yield from (f"{PREFIX}.{field.name}" for field in fields(kind))
 
 
 def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:

@@ -157,7 +157,7 @@ class Number:
                 )
             doubt = share * abs(value)
         else:
-            units = (unit, *(one.unit for one in self.alternatives))
+            units = (unit, *(alternative.unit for alternative in self.alternatives))
             doubt = Number(
                 Quantity(symbol, unit),
                 alternatives=tuple(Quantity(symbol, other) for other in units[1:]),

@@ -259,7 +259,7 @@ def choice_section(found: PaperAudit) -> report.Section:
 
 
 def _choice_heading(study: CartStudy) -> str:
-    travels = {one.key: quantity(one.travels[-1], "m") for one in study.choices}
+    travels = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
     if "selected" not in travels:
         return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
     return (
@@ -269,7 +269,7 @@ def _choice_heading(study: CartStudy) -> str:
 
 
 def _choice_text(found: PaperAudit) -> str:
-    named = [one for one in found.cart.choices if one.key == "selected"]
+    named = [choice for choice in found.cart.choices if choice.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
     origin = fitted_text(found) or "assumed"
     cart = "given by `--set`" if found.cart.given else "ours"
@@ -339,7 +339,7 @@ def _choice_figure(study: CartStudy, *, own: bool) -> report.Figure:
 def _return_text(found: PaperAudit) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
     study = found.cart
-    back = [one for one in study.choices if one.mean_return > 0.0]
+    back = [choice for choice in study.choices if choice.mean_return > 0.0]
     if back:
         ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
         return f"The cart slips back in a cycle: {ways}."
@@ -364,7 +364,7 @@ def largest_pull(one: CartRun) -> float:
 
 
 def _normal_text(study: CartStudy) -> str:
-    least = min(one.least_normal_force for one in study.choices)
+    least = min(choice.least_normal_force for choice in study.choices)
     return (
         "The normal force is the same with every law, since the swing is prescribed; it falls to"
         f" {percent(least / study.weight)} of the weight."
@@ -437,7 +437,7 @@ def _rule_name(rule: RestRule) -> report.Name:
 
 def _rest_caption(found: PaperAudit) -> str:
     exact = found.rest_rules[0]
-    wide = [one for one in found.rest_rules if one.band > 0.0 and one.rests]
+    wide = [rest_rule for rest_rule in found.rest_rules if rest_rule.band > 0.0 and rest_rule.rests]
     narrow = [one for one in found.rest_rules if one.band > 0.0 and not one.rests]
     parts = []
     for one in wide:
@@ -498,7 +498,7 @@ def _later(run: CartRun) -> tuple[float, float]:
 
 def _spread(runs: list[CartRun]) -> float:
     """Return by how much travels of later cycles differ between runs, over the travel."""
-    low = min(_later(one)[0] for one in runs)
+    low = min(_later(run)[0] for run in runs)
     high = max(_later(one)[1] for one in runs)
     return (high - low) / abs(high)
 
@@ -548,7 +548,7 @@ def _break_away_caption(found: PaperAudit) -> str:
     parts = []
     for runs in _groups(found):
         kinetic = number(getattr(runs[0].law, "kinetic_coefficient", 0.0))
-        first = [1e3 * one.travels[0] for one in runs]
+        first = [1e3 * run.travels[0] for run in runs]
         ends = f"{interval(min(first), max(first))} mm"
         parts.append(f"at $mu_k$ = {kinetic} the first cycle has {ends}")
     slipping = [one for one in found.cart.break_away if one.mean_return > 0.0]

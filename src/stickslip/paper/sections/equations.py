@@ -198,9 +198,9 @@ def _rule_text(found: PaperAudit) -> str:
     parts = []
     for key in ("coast", "push"):
         right = [
-            f"{one.form.equation} gives {significant(seen.with_rule.criteria.travel, 3)} m"
-            for one in found.consequences
-            if (seen := one.outcome(key)) is not None
+            f"{consequence.form.equation} gives {significant(seen.with_rule.criteria.travel, 3)} m"
+            for consequence in found.consequences
+            if (seen := consequence.outcome(key)) is not None
             and seen.differs
             and not seen.with_rule.errs(seen.corrected)
         ]

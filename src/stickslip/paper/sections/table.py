@@ -264,7 +264,7 @@ def _criteria_text(found: PaperAudit) -> str:
 
 def _ours(found: PaperAudit, row: TableRow) -> str:
     """Say what selection makes of a law: one travel, one value that reproduces it."""
-    named = [one for one in found.verdict.candidates if one.name == row.law.name]
+    named = [candidate for candidate in found.verdict.candidates if candidate.name == row.law.name]
     if not named:
         return "not tried"
     fit = named[0].fit

@@ -90,7 +90,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     points = width * 72 / figure.dpi
     with theme.readers_style(points if given is None else None) as own:
         panels = _drawn(draw, figure, given, narrow=points < NARROW_BELOW)
-        after = {artist for one in (*panels, *figure.legends) for artist in one.findobj()}
+        after = {artist for panel in (*panels, *figure.legends) for artist in panel.findobj()}
         theme.restyle(after - before, own)
         return panels
 

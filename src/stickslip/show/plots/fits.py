@@ -245,7 +245,7 @@ def is_timed(fit: RecordFit) -> bool:
 def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
     if stretches := fit.problem.samples:
-        load = np.concatenate([one.load for one in stretches])
+        load = np.concatenate([stretch.load for stretch in stretches])
         middle = float(np.median(load))
         return MapPoints(
             velocity=np.concatenate([one.velocity for one in stretches]),

@@ -740,7 +740,7 @@ def _travels(seen: Validation) -> Draw:
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         axes = figure.add_subplot()
-        everything = [value for one in travels for value in (one.measured, one.predicted)]
+        everything = [value for travel in travels for value in (travel.measured, travel.predicted)]
         factor, unit = scale_of(everything, travels[0].unit)
         predicted = factor * np.array([one.predicted for one in travels])
         if all(one.low is not None for one in travels):

@@ -451,7 +451,7 @@ def _third(about: RunReport) -> str:
     if measurement is None or not measurement.travelled:
         return "no travel of this rig was measured"
     travels = () if about.validation is None else about.validation.travels
-    errors = [one.relative_error for one in travels if one.relative_error is not None]
+    errors = [travel.relative_error for travel in travels if travel.relative_error is not None]
     if not errors:
         return "the measured travels were not compared"
     what = travels[0].quantity.replace("_", " ")

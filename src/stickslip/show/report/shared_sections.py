@@ -250,8 +250,8 @@ def _balance(*energies: float) -> list[str]:
         return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
     decimals = max(3 - math.floor(math.log10(largest)), 0)
     return [
-        with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
-        for one in energies
+        with_unit(fixed(scale.factor * energy, decimals) if energy else "0", scale.unit)
+        for energy in energies
     ]
 
 

@@ -546,7 +546,7 @@ class _Body:
             ):
                 return self._found(one, word, among, names)
         values = [self._value(node.left, names)]
-        values += [self._value(one, names) for one in node.comparators]
+        values += [self._value(comparator, names) for comparator in node.comparators]
         text = ""
         for op, left, right in zip(node.ops, values, values[1:], strict=False):
             if type(op) not in COMPARISONS or {left.kind, right.kind} & {VECTOR, WHOLES}:
