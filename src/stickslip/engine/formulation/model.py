@@ -145,7 +145,6 @@ def contact_model(
         parameter_paths=(*paths, *law_paths),
         places=tuple(places),
         drives=tuple(symbols.drives),
-        has_slopes=slopes,
         switch_events=tuple(events),
         impact_events=dynamics.impact_events(
             parts.walls, mechanism.coordinates, _only_slip(mechanism)
@@ -512,7 +511,6 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         parameter_paths=tuple(index),
         places=tuple(sizes.first_parameter + i for i in range(len(index))),
         drives=tuple(symbols.drives),
-        has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=dynamics.impact_events(
             mechanics.walls, mechanism.coordinates, mechanics.slip

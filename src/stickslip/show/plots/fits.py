@@ -199,8 +199,6 @@ class MapPoints(NamedTuple):
     """Friction forces (n,) [N]."""
     load: float
     """Normal force [N]; its median where it varies."""
-    load_varies: bool
-    """Whether the normal force varies by more than 5 %."""
     measured: bool
     """Whether friction was measured; if not, it is from inverse dynamics."""
     trend: drawing.Array
@@ -245,13 +243,10 @@ def is_timed(fit: RecordFit) -> bool:
 def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
     if stretches := fit.problem.samples:
-        load = np.concatenate([stretch.load for stretch in stretches])
-        middle = float(np.median(load))
         return MapPoints(
             velocity=np.concatenate([one.velocity for one in stretches]),
             friction=np.concatenate([one.friction for one in stretches]),
-            load=middle,
-            load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
+            load=float(np.median(np.concatenate([stretch.load for stretch in stretches]))),
             measured=fit.friction_was_measured,
             trend=np.concatenate(
                 [
@@ -276,7 +271,6 @@ def map_points(fit: RecordFit) -> MapPoints | None:
         found.velocity,
         found.friction,
         load_now,
-        load_varies=False,
         measured=False,
         trend=trend_of(found.time, found.velocity),
     )
