@@ -420,5 +420,5 @@ def _unknown(path: Path, data: bytes) -> InputError:
         return InputError(
             f"{path} has the root <{root}>; a URDF file has <robot>, an MJCF file <mujoco>."
         )
-    known = "; ".join(one.title for one in CONSUMERS.values())
+    known = "; ".join(consumer.title for consumer in CONSUMERS.values())
     return InputError(f"{path} is none of the files that friction can be written into: {known}.")

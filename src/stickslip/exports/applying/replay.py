@@ -118,7 +118,7 @@ class JointReplay(metaclass=Described):
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
         own = {name: value for name, value in vars(self).items() if name != "rotary"}
-        models = [one.to_dict() for one in self.models]
+        models = [model.to_dict() for model in self.models]
         return own | {"models": models, "sentences": list(self.sentences)}
 
 
@@ -288,7 +288,7 @@ class Replay:
 
         `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
         """
-        places = {self._coordinate(one.subject.contact): one for one in joints}
+        places = {self._coordinate(joint.subject.contact): joint for joint in joints}
         if len(self.contacts) == 1:  # which may have no name
             laws = dict(zip(self.contacts.values(), laws.values(), strict=True))
         near = {**laws, **{self.contacts[along]: one.joint for along, one in places.items()}}
@@ -303,7 +303,7 @@ class Replay:
         }
         constants, rows = {}, {}
         for i, name in enumerate(self.mechanism.coordinates):
-            columns = self._forces(i, name, [forces[one] for one in theirs])
+            columns = self._forces(i, name, [forces[other] for other in theirs])
             measured, own = columns[:2]
             known = len(measured) and not self.commands
             constants[name] = float(np.mean(measured - own)) if known else 0.0
@@ -352,7 +352,7 @@ class Replay:
         law, near = (one.get(contact) for one in self.laws)
         table: list[list[Array]] = []
         for number, piece in enumerate(self.pieces):
-            whole = [one[number][:, i] for one in theirs]
+            whole = [other[number][:, i] for other in theirs]
             measured, own, *rest = piece.compared(i, law, whole)
             _, simple = piece.compared(i, near)
             table.append([measured, own, simple, *rest])
@@ -410,7 +410,7 @@ class Replay:
                 return [None] * (len(self.laws) + len(theirs))
         for there in theirs.values():
             try:
-                moved = [there.moved(one, known, self._command_of(one)) for one in parts]
+                moved = [there.moved(part, known, self._command_of(part)) for part in parts]
                 found.append(np.concatenate(moved))
             except InputError as error:
                 said.append(not_run(error))
@@ -498,7 +498,7 @@ class _Part:
         """Positions and velocities at which it begins (m,)."""
         at, motions = self.rows.start, self.piece.motions
         return (
-            np.array([one.position[at] for one in motions]),
+            np.array([motion.position[at] for motion in motions]),
             np.array([one.velocity[at] for one in motions]),
         )
 

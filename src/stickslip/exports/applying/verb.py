@@ -90,7 +90,7 @@ class AppliedJoint(metaclass=Described):
             "largest": self.largest,
             "unit": turned("N", self.rotary),
             "lost": list(self.lost),
-            "motions": [one.to_dict() for one in self.motions],
+            "motions": [motion.to_dict() for motion in self.motions],
             "record": None if self.replay is None else self.replay.to_dict(),
         }
 
@@ -139,12 +139,12 @@ class Applied(metaclass=Described):
         return {
             "target": self.target,
             "input": str(self.path),
-            "joints": [one.to_dict() for one in self.joints],
+            "joints": [joint.to_dict() for joint in self.joints],
             "remarks": list(self.remarks),
         }
 
     def __repr__(self) -> str:
-        return f"<Applied {self.target}: {', '.join(one.joint for one in self.joints)}>"
+        return f"<Applied {self.target}: {', '.join(joint.joint for joint in self.joints)}>"
 
 
 def check_output(source: Path, path: Path, *, force: bool) -> None:

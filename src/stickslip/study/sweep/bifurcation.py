@@ -464,7 +464,7 @@ def _judged(
 
 def _columns(mechanism: Mechanism) -> list[str]:
     """Return the columns of friction and load that runs have, of one contact and of several."""
-    ends = ["", *(f":{one.name}" for one in mechanism.contacts())]
+    ends = ["", *(f":{contact.name}" for contact in mechanism.contacts())]
     return [f"{kind}{end}" for kind in ("friction", "normal_force") for end in ends]
 
 

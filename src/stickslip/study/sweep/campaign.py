@@ -202,7 +202,7 @@ class CampaignRuns(Tabular):
             if name not in self.columns:
                 raise UnknownNameError(f"column of {self.folder}", name, self.columns)
         wanted = None if columns is None else [*columns]
-        tables = (self._read(one, wanted).to_pandas() for one in self.parts)
+        tables = (self._read(part, wanted).to_pandas() for part in self.parts)
         found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
         return found
 
@@ -753,7 +753,7 @@ def _is_entry(entry: object) -> bool:
         and ".." not in file.split("/")
         and isinstance(sha256, str)
         and isinstance(status, dict)
-        and all(type(one) is int and one >= 0 for one in (*counts, *status.values()))
+        and all(type(count) is int and count >= 0 for count in (*counts, *status.values()))
     )
 
 
