@@ -354,44 +354,37 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
 # The equations of a mechanism with its friction, in the modes and with the flags of the run.
 
 
+def put(one: int, several: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write what equations of one contact, or of several, give for the mode of the run."""
+    if whole[layout.N_CONTACTS] > 0:
+        ask_of(several, t, w, whole, at, to)
+    else:
+        evaluate(one, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+
+
 def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Time derivatives of the states."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(RATES, t, w, whole, at, to)
-    else:
-        evaluate(FIELD, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(FIELD, RATES, t, w, whole, at, to)
 
 
 def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(STATE_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(JACOBIAN, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(JACOBIAN, STATE_SLOPES, t, w, whole, at, to)
 
 
 def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to time."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(TIME_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(TIME_SLOPE, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(TIME_SLOPE, TIME_SLOPES, t, w, whole, at, to)
 
 
 def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `enums`."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(GUARDS_OF, t, w, whole, at, to)
-    else:
-        evaluate(GUARDS, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(GUARDS, GUARDS_OF, t, w, whole, at, to)
 
 
 def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(GUARD_STATES, t, w, whole, at, to)
-    else:
-        evaluate(GUARD_SLOPES, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(GUARD_SLOPES, GUARD_STATES, t, w, whole, at, to)
 
 
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -418,10 +411,7 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Power supplied, power taken by friction."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(POWERS, t, w, whole, at, to)
-    else:
-        evaluate(POWER, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(POWER, POWERS, t, w, whole, at, to)
 
 
 def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -431,18 +421,12 @@ def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(QUANTITY_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(FIELD_SLOPES, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(FIELD_SLOPES, QUANTITY_SLOPES, t, w, whole, at, to)
 
 
 def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to all quantities."""
-    if whole[layout.N_CONTACTS] > 0:
-        ask_of(GUARD_QUANTITIES, t, w, whole, at, to)
-    else:
-        evaluate(GUARD_PARAMETERS, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    put(GUARD_PARAMETERS, GUARD_QUANTITIES, t, w, whole, at, to)
 
 
 def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
