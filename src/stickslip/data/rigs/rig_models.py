@@ -23,7 +23,9 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PlainValidator,
     ValidationError,
+    WithJsonSchema,
     create_model,
     model_validator,
 )
@@ -287,25 +289,23 @@ class _OrSingle:
         return {"anyOf": [several["items"], several], "description": "a list is a sum"}
 
 
-@dataclasses.dataclass(frozen=True)
-class _Numbers:
-    """Annotation of a list of plain numbers in SI."""
+def _numbers(value: object) -> tuple[float, ...]:
+    if not isinstance(value, list):
+        raise ParameterError(f"must be a list of numbers in SI units, got {shown(value)}.")
+    for index, item in enumerate(value):
+        if isinstance(item, bool) or not isinstance(item, int | float):
+            raise ParameterError(
+                f"must be a list of numbers in SI units, got {shown(item)} at index {index}."
+            )
+    return tuple(value)
 
-    def read(self, value: object) -> tuple[float, ...]:
-        if not isinstance(value, list):
-            raise ParameterError(f"must be a list of numbers in SI units, got {shown(value)}.")
-        for index, item in enumerate(value):
-            if isinstance(item, bool) or not isinstance(item, int | float):
-                raise ParameterError(
-                    f"must be a list of numbers in SI units, got {shown(item)} at index {index}."
-                )
-        return tuple(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return {"type": "array", "items": {"type": "number"}}
+Numbers = Annotated[
+    Any,
+    PlainValidator(_numbers),
+    WithJsonSchema({"type": "array", "items": {"type": "number"}}),
+]
+"""A list of plain numbers in SI."""
 
 
 @functools.cache  # Registries do not change while a program runs.
@@ -356,7 +356,7 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         return Annotated[Any, Number(quantity, mark=mark, alternatives=others, measured=measured)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
-        return Annotated[Any, _Numbers()]
+        return Numbers
     if typing.get_origin(hint) is tuple and issubclass(typing.get_args(hint)[0], Parametrised):
         table: Any = _alone(typing.get_args(hint)[0])
         return Annotated[list[table], Field(min_length=1)]
@@ -391,7 +391,7 @@ def _or_in_file(table: type[Table], moved: str) -> type[Table]:
     """Return a table in which a file may stand in place of the samples of a motion."""
     if table.target is not SampledSwing:
         return table
-    samples = {name: (Annotated[Any, _Numbers()], ()) for name in SampledSwing.data_fields}
+    samples = dict.fromkeys(SampledSwing.data_fields, (Numbers, ()))
     of_file = {
         name: (str, Field(default="", description=text))
         for name, text in (

@@ -5,8 +5,17 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    create_model,
+)
+from pydantic_core import PydanticCustomError
 
 from stickslip.data.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.data.readers.columns import MOTORS
@@ -30,6 +39,28 @@ VARY = "vary"
 """Says of a mechanism's parameter that it is to be fitted."""
 
 
+TEXT = {"type": "string"}
+NUMBER = [{"type": "number"}, {**TEXT, "description": "number with a unit"}]
+"""What a number may be: in SI, or a text."""
+
+
+def _table_of(kind: Mapping[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "additionalProperties": kind}
+
+
+Gain = Annotated[Any, PlainValidator(read_gain), WithJsonSchema({"anyOf": NUMBER})]
+"""A scale factor, perhaps with the unit that makes SI of that of a column."""
+PAIR = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
+Columns = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, PAIR, _table_of(TEXT)]})]
+"""A column, or the two with a position in a plane; `Reading`, which knows the quantity, checks."""
+MotorConstant = Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER, _table_of({"anyOf": NUMBER})]})]
+"""A motor constant, or one for each joint; `Reading` checks them."""
+NameOrNames = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, _table_of(TEXT)]})]
+"""A name, or names by contact; `LawEstimates` checks them."""
+Doubt = Annotated[Any, WithJsonSchema({"anyOf": [{**NUMBER[0], "exclusiveMinimum": 0}, NUMBER[1]]})]
+"""An uncertainty in the unit of what it belongs to, with which it is read."""
+
+
 class RunTable(rig_models.Table):
     """How long runs last."""
 
@@ -38,31 +69,6 @@ class RunTable(rig_models.Table):
     initial: dict[str, Any] = Field(
         default={}, description="state: value from which simulated runs begin; trials have theirs"
     )
-
-
-@dataclasses.dataclass(frozen=True)
-class Gain:
-    """Annotation of a scale factor, perhaps with the unit that makes SI of that of a column."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(read_gain)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        text = {"type": "string", "description": "number with a unit"}
-        return {"anyOf": [{"type": "number"}, text]}
-
-
-@dataclasses.dataclass(frozen=True)
-class Columns:
-    """Annotation of the name of a column, or of the two with a position in a plane."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()  # `Reading` checks it, which knows the quantity
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-        joints = {"type": "object", "additionalProperties": {"type": "string"}}
-        return {"anyOf": [{"type": "string"}, pair, joints]}
 
 
 def _by_joint(table: Any) -> Any:
@@ -78,18 +84,6 @@ def _by_joint(table: Any) -> Any:
 
 J = TypeVar("J")
 ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
-
-
-@dataclasses.dataclass(frozen=True)
-class MotorConstant:
-    """Annotation of a motor constant, or of one for each joint; `Reading` checks them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        one = [{"type": "number"}, {"type": "string", "description": "number with a unit"}]
-        return {"anyOf": [*one, {"type": "object", "additionalProperties": {"anyOf": one}}]}
 
 
 class LayoutTable(rig_models.Table):
@@ -112,13 +106,13 @@ class LayoutTable(rig_models.Table):
 class ReadTable(rig_models.Table):
     """How the columns of a file are read."""
 
-    columns: ByJoint[Annotated[Any, Columns()]] = Field(
+    columns: ByJoint[Columns] = Field(
         default={},
         description="quantity: name of its column, of a joint as `force.elbow`; `position`: two"
         " names for motion in a plane",
     )
     units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
-    gain: ByJoint[Annotated[Any, Gain()]] = Field(
+    gain: ByJoint[Gain] = Field(
         default={},
         description="quantity: scale factor, applied after unit conversion if the unit is of the"
         " right kind; otherwise it converts the column to SI, and may have a unit such as N m/A",
@@ -127,36 +121,12 @@ class ReadTable(rig_models.Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )
-    motor_constant: Annotated[Any, MotorConstant()] = Field(
+    motor_constant: MotorConstant = Field(
         default=None,
         description="force or torque per current of the motor with its gears, such as"
         ' `"0.12 N m/A"`: the column `current` is read as the force; `joint`: one each',
     )
     layout: LayoutTable | None = Field(default=None, description="how a text file holds its table")
-
-
-@dataclasses.dataclass(frozen=True)
-class NameOrNames:
-    """Annotation of a name, or of names by contact; `LawEstimates` checks them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        names = {"type": "object", "additionalProperties": {"type": "string"}}
-        return {"anyOf": [{"type": "string"}, names]}
-
-
-@dataclasses.dataclass(frozen=True)
-class Doubt:
-    """Annotation of an uncertainty in the unit of what it belongs to, with which it is read."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        plain = {"type": "number", "exclusiveMinimum": 0}
-        return {"anyOf": [plain, {"type": "string", "description": "number with a unit"}]}
 
 
 class TrialTable(ReadTable):
@@ -172,7 +142,7 @@ class TrialTable(ReadTable):
     travel_per_cycle: Annotated[Any, rig_models.Number(QUANTITIES["travel_per_cycle"])] = None
     """Measured travel per cycle of the drive [m]."""
     file: str = Field(default="", description="file of a record, relative to the rig file")
-    uncertainty: Annotated[Any, Doubt()] = Field(
+    uncertainty: Doubt = Field(
         default=None, description="above 0, in the unit of the measured quantity"
     )
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
@@ -269,7 +239,7 @@ ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_sc
 class EstimatesTable(rig_models.Table):
     """How well the values of a law, or of laws by contact, are known, as fits write it; in SI."""
 
-    law: Annotated[Any, NameOrNames()] = Field(
+    law: NameOrNames = Field(
         description="law to which the values belong; `contact: law` where contacts have laws of"
         " their own, whose parameters are then called as `elbow.kinetic_coefficient`"
     )
