@@ -93,11 +93,10 @@ PARTS_OF_THE_AUDIT = ("requirements", "step_travels", "consequences", "bristle_r
 @pytest.fixture(autouse=True, scope="session")
 def parts_of_the_audit_are_made_once() -> None:
     """Keep what follows from the paper's numbers alone, for all pages of a session."""
-    from stickslip.paper import audit
+    from stickslip.paper import printed
 
-    module = sys.modules[audit.__module__]
     for name in PARTS_OF_THE_AUDIT:
-        setattr(module, name, _remembered(getattr(module, name)))
+        setattr(printed, name, _remembered(getattr(printed, name)))
 
 
 def _remembered(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -207,7 +207,7 @@ def test_every_public_result_is_in_a_table(made):
     slow = {"Plan", "RateStateFit", "RateStateVerdict"}
     results = {"Checks", "Finding"}
     for door in (engine, identify):
-        for name in door.HOMES:
+        for name in door.__all__:
             value = getattr(door, name)
             if inspect.isclass(value) and not issubclass(value, Output):
                 results.add(name)

@@ -24,8 +24,11 @@ def test_each_public_result_with_a_dataframe_is_a_dataset_too():
     found = set()
     for place in PLACES:
         module = importlib.import_module(f"stickslip.{place}")
-        names = getattr(module, "HOMES", None) or module.__all__
-        found |= {one for one in (getattr(module, name) for name in names) if inspect.isclass(one)}
+        found |= {
+            one
+            for one in (getattr(module, name) for name in module.__all__)
+            if inspect.isclass(one)
+        }
     framed = {one for one in found if hasattr(one, "to_dataframe")}
     assert len(framed) > 20
     assert [one.__name__ for one in framed if not hasattr(one, "to_xarray")] == []

@@ -97,6 +97,13 @@ def layout() -> dict[str, list[str]]:
     return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*wholes, *TABLES]}
 
 
+class Bare(ast.NodeTransformer):
+    """Writes names of other modules without the module: `layout.TIME` as `TIME`."""
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        return node if ast.unparse(node.value) == "math" else ast.Name(node.attr, node.ctx)
+
+
 class Kernel:
     """One function of the kernels, with what its names may stand for."""
 
@@ -173,7 +180,7 @@ def kernels() -> dict[str, Kernel]:
         node.name: Kernel(node, slots)
         for module, path in structure.sources().items()
         if module.startswith(f"{KERNELS}.") and module.rpartition(".")[2] not in PYTHON
-        for node in ast.parse(path.read_text("utf-8")).body
+        for node in Bare().visit(ast.parse(path.read_text("utf-8"))).body
         if isinstance(node, ast.FunctionDef)
     }
 

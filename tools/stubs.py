@@ -2,8 +2,9 @@
 
 Before, the names of the entries in `friction.named` are written into the table of that package.
 
-Type checkers and editors do not run `__getattr__`. They read these stubs, which name the same
-modules as the table HOMES that the packages load from.
+Type checkers and editors do not run `__getattr__`. They read these stubs, and so do the packages:
+where a name is stands there alone. What is registered, laws and mechanisms, is put in, and lines
+are put in order.
 
 Constructors of laws, mechanisms and drives take texts with units where they keep numbers. No type
 of a dataclass's field says so: stubs declare such a class as a subclass with a constructor.
@@ -23,6 +24,8 @@ from functools import cache
 from pathlib import Path
 from types import NoneType
 from typing import Any, get_args
+
+from stickslip import lazy
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
@@ -64,6 +67,11 @@ CONSTRUCTED = (
     "stickslip.study.optimisation",
 )
 """Packages of whose classes with quantities the constructors are declared."""
+REGISTERED = {"friction": "LAW_MODULES", "mechanisms": "MECHANISM_MODULES"}
+"""Tables of what is registered by its room, which the top of the package has as well."""
+HEAD = (
+    "# Where each name of the package is; `make stubs` puts lines in order and adds constructors."
+)
 EQUATIONS = {
     "states": "tuple[_Scalar, ...]",
     "rates": "tuple[_Scalar, ...]",
@@ -90,33 +98,37 @@ def folder(package: str) -> Path:
     return SOURCE.joinpath(*package.split("."))
 
 
-def homes(package: str) -> dict[str, str]:
-    """Return the module that defines each public name."""
-    module = importlib.import_module(package)
-    return {**module.HOMES, **getattr(module, "INSIDE", {})}
-
-
-def root(package: str) -> str:
-    """Return the package below which the table names modules: its own, or the whole."""
-    text = (folder(package) / "__init__.py").read_text(encoding="utf-8")
-    return package if "attach(__name__" in text else "stickslip"
+def door(package: str) -> lazy.Door:
+    """Return the names of a package with those of what is registered: laws and mechanisms."""
+    importlib.import_module(package)
+    found = lazy.Door(package)
+    for room, table in REGISTERED.items():
+        own = getattr(importlib.import_module(f"{PACKAGES[0]}.{room}"), table)
+        if package == PACKAGES[0]:
+            found.homes |= dict.fromkeys(own, f"{package}.{room}")
+        elif package == f"{PACKAGES[0]}.{room}":
+            found.homes |= {name: f"{package}.{home}" for name, home in own.items()}
+        else:
+            continue
+        found.public = sorted({*found.public, *own})
+    return found
 
 
 def stub(package: str) -> str:
     """Return the text of the `__init__.pyi` of a package."""
+    names = door(package)
     modules = defaultdict(list)
-    for name, module in homes(package).items():
-        modules[f"{root(package)}.{module}"].append(name)
+    for name, module in names.homes.items():
+        modules[module].append(name)
     extra = EXTRA.get(package, {})
-    found = importlib.import_module(package)
-    namespaces = getattr(found, "NAMESPACES", ())
-    kinds = [getattr(found, name) for name in sorted(homes(package))] * (package in CONSTRUCTED)
+    homes = sorted(names.homes.items()) if package in CONSTRUCTED else ()
+    kinds = [getattr(importlib.import_module(home), name) for name, home in homes]
     made = [one for one in kinds if has_quantities(one)]
     built = [Declaration(one, made) for one in made]
     own = {one.name for one in built}
     needed = {(m, n, alias) for one in built for alias, (m, n) in one.imports.items()}
     lines = [
-        "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
+        HEAD,
         *(["from dataclasses import dataclass", ""] if built else []),
     ]
     lines += sorted(
@@ -128,13 +140,12 @@ def stub(package: str) -> str:
                 if name not in own
             ),
             *(f"from {module} import {name} as {alias}" for module, name, alias in needed),
-            *(f"from {package} import {name} as {name}" for name in namespaces),
+            *(f"from {package} import {name} as {name}" for name in names.namespaces),
         ]
     )
     lines += ["", *(f"{name}: {kind}\n" for name, kind in extra.items())]
     lines += [line for one in built for line in one.lines()]
-    names = importlib.import_module(package).__all__
-    lines += ["__all__ = [", *(f'    "{name}",' for name in names), "]", ""]
+    lines += ["__all__ = [", *(f'    "{name}",' for name in names.public), "]", ""]
     return "\n".join(lines)
 
 

@@ -202,12 +202,14 @@ assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
 
 @pytest.mark.slow
 def test_a_plot_touches_three_places(tree: Tree) -> None:
-    line = "HOMES = {"
+    line = "from stickslip.show.plots.axes import Array as Array"
+    module = "stickslip.show.plots.toy_plot"
     places = contributed(
         tree,
         "toy_plot.py",
         "show/plots/toy_plot.py",
-        ("show/plots/__init__.py", line, '    "plot_toy": "toy_plot",'),
+        ("show/plots/__init__.pyi", line, f"from {module} import plot_toy as plot_toy"),
+        ("show/plots/__init__.pyi", "__all__ = [", '    "plot_toy",'),
     )
     use = """
 from stickslip import Coulomb, SpringBlock, simulate
@@ -280,7 +282,7 @@ assert main(["fit", "rig.toml", "--law", "stribeck", "-o", "law.toml"]) == 0
 
 @pytest.mark.slow  # a kind of another package is used in the same way
 def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
-    registry = "identify/kinds/registry.py"
+    registry, door = "identify/kinds/registry.py", "identify/__init__.pyi"
     places = contributed(
         tree,
         "toy_kind",
@@ -291,7 +293,12 @@ def test_a_kind_is_a_folder_and_touches_three_other_places(tree: Tree) -> None:
             "from stickslip.identify.kinds.travels.kind import TravelKind",
             "from stickslip.identify.kinds.toy.kind import SlideKind",
         ),
-        ("identify/__init__.py", "HOMES = {", '    "SlideFit": "kinds.toy.fit",'),
+        (door, "__all__ = [", '    "SlideFit",'),
+        (
+            door,
+            "from stickslip.identify import kinds as kinds",
+            "from stickslip.identify.kinds.toy.fit import SlideFit as SlideFit",
+        ),
     )
     run(tree, "-c", KIND_USED + "from stickslip.identify import SlideFit\n")
     assert places == 4

@@ -9,6 +9,7 @@ from pathlib import Path
 from tests.support import for_all
 
 import stickslip
+from stickslip.lazy import Door
 
 ROOT = Path(stickslip.__file__).parent
 DOORS = {
@@ -17,13 +18,15 @@ DOORS = {
     if "__all__" in path.read_text(encoding="utf-8")
 }
 """Packages with a door: rooms, and subpackages that have one of their own."""
+LAZY = {
+    room: Door(importlib.import_module(f"stickslip.{room}").__name__)
+    for room in sorted(DOORS)
+    if (ROOT.joinpath(*room.split(".")) / "__init__.pyi").exists()
+}
+"""Those that load their names when they are asked for."""
 OF_MODULES = {"data.catalogue", "engine", "paper", "show"}
 """Those whose modules are doors too: the text of a kernel's module is what is compiled."""
-PUBLIC = {
-    f"{room}.{name}"
-    for room in DOORS
-    for name in getattr(importlib.import_module(f"stickslip.{room}"), "NAMESPACES", ())
-}
+PUBLIC = {f"{room}.{name}" for room, door in LAZY.items() for name in door.namespaces}
 """Modules and subpackages that stand open in a room."""
 FILES = sorted(ROOT.rglob("*.py"))
 TOYS = sorted((Path(__file__).parent / "toys").rglob("*.py"))
@@ -78,8 +81,8 @@ def test_no_import_goes_past_the_door_of_another_room(file: Path) -> None:
 @for_all(sorted(DOORS))
 def test_what_a_door_names_is_there(door: str) -> None:
     module = importlib.import_module(f"stickslip.{door}")
-    table = {**getattr(module, "HOMES", {}), **getattr(module, "INSIDE", {})}
-    for name in {*table, *getattr(module, "__all__", ())}:
+    table = LAZY[door].homes if door in LAZY else {}
+    for name in {*table, *module.__all__}:
         assert getattr(module, name) is not None
 
 
@@ -98,9 +101,8 @@ def taken_from(door: str, file: Path) -> Iterator[str]:
                 yield attribute
 
 
-@for_all(sorted(DOORS))
+@for_all(LAZY)
 def test_what_stands_inside_is_used_by_another_room(door: str) -> None:
-    module = importlib.import_module(f"stickslip.{door}")
     folder = ROOT.joinpath(*door.split("."))
     outside = [one for one in FILES if not one.is_relative_to(folder)]
     below = [  # subpackages, which take from the room that they are in
@@ -118,23 +120,10 @@ def test_what_stands_inside_is_used_by_another_room(door: str) -> None:
             and isinstance(node.value, ast.Call)
             and ast.unparse(node.value) == "plots()"
         }
-    assert set(getattr(module, "INSIDE", {})) <= used
+    assert {*LAZY[door].homes} - {*LAZY[door].public} <= used
 
 
 def test_ten_rooms_and_six_modules_stand_at_the_top() -> None:
     folders = {path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()}
     assert len(folders) <= 10
     assert len({path.stem for path in ROOT.glob("*.py")} - {"__init__"}) <= 6
-
-
-@for_all(["", *sorted(DOORS)])
-def test_the_tables_of_a_door_are_in_the_order_of_their_names(door: str) -> None:
-    tables = {
-        node.targets[0].id: [key.value for key in node.value.keys if isinstance(key, ast.Constant)]
-        for node in tree_of(ROOT.joinpath(*door.split(".")) / "__init__.py").body
-        if isinstance(node, ast.Assign)
-        and isinstance(node.targets[0], ast.Name)
-        and isinstance(node.value, ast.Dict)
-    }
-    for name in {"HOMES", "INSIDE"} & tables.keys():
-        assert tables[name] == sorted(tables[name]), name

@@ -264,7 +264,8 @@ NAMESPACES += [
 PUBLIC = {
     name: getattr(module, name)
     for module in map(importlib.import_module, NAMESPACES)
-    for name in getattr(module, "HOMES", module.__all__)
+    for name in module.__all__
+    if not isinstance(getattr(module, name), ModuleType)
 }
 
 

@@ -77,7 +77,7 @@ def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeyp
     def cancelled(*_arguments, **_settings):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "verdict_page", cancelled)
+    monkeypatch.setattr(command.kinds, "verdict_page", cancelled)
     result = run("select", "rig.toml", "--laws", "coulomb")
     assert result.exit_code == 130
     assert "The verdict is in stickslip-report/verdict.json." in " ".join(result.stderr.split())
@@ -89,7 +89,7 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     def failing(*_arguments, **_settings):
         raise ValueError("no ink")
 
-    monkeypatch.setattr(command, "verdict_page", failing)
+    monkeypatch.setattr(command.kinds, "verdict_page", failing)
     folder = rig.parent / "stickslip-report"
     write_folder(folder, {"index.html": "an earlier page"})
     result = run("select", "rig.toml", "--laws", "coulomb", "--force")

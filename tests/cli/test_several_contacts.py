@@ -239,7 +239,7 @@ rear.kinetic_coefficient = [0.15, 0.25]
 @pytest.mark.slow
 def test_an_ensemble_draws_from_the_laws_of_all_contacts(called, monkeypatch):
     plain = partial(band_of, solver=EventDriven(tier="python"))  # no kernels to compile
-    monkeypatch.setattr("stickslip.cli.simulate.band_of", plain)
+    monkeypatch.setattr("stickslip.cli.simulate.sweep.band_of", plain)
     asked = ("simulate", "rig.toml", "--ensemble", "4", "--seed", "2")
     code, shown, err = called(FEET + ESTIMATES, *asked)
     assert code == 0, err

@@ -10,6 +10,7 @@ from tests.support import for_all
 import stickslip
 from stickslip.friction.notation import PARTS
 from stickslip.identify.kinds.registry import kinds
+from stickslip.lazy import Door
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -30,8 +31,8 @@ NAMES = [name for name in stickslip.__all__ if name != "__version__"]
 NAMES += [
     f"{room}.{name}"
     for room in ROOMS
-    for name in importlib.import_module(f"stickslip.{room}").HOMES
-    if f"{room}.{name}" not in WITHIN
+    for name in importlib.import_module(f"stickslip.{room}").__all__
+    if f"{room}.{name}" not in WITHIN and name in Door(f"stickslip.{room}").homes
 ]
 
 

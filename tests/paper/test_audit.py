@@ -210,16 +210,16 @@ def test_each_misprint_acts_where_it_is_said_to(found):
 @pytest.mark.slow
 def test_what_is_seen_in_the_tests_is_the_equation_and_not_the_step(found, monkeypatch):
     """Half the step gives the same travels, also where printed bristles drive the block."""
-    monkeypatch.setattr(misprints, "STEP", 0.5 * misprints.STEP)
+    monkeypatch.setattr(misprints, "FINE_STEP", 0.5 * misprints.FINE_STEP)
     monkeypatch.setattr(misprints, "BRISTLE_STEP", 0.5 * misprints.BRISTLE_STEP)
     for coarse, fine in zip(found.consequences, consequences(found.values), strict=True):
         for one, other in zip(coarse.outcomes, fine.outcomes, strict=True):
             assert one.differs == other.differs
             if not one.printed.diverged:
                 # friction misses a step in which sgn 0 = 0, and a stop is noticed one step late
-                missed = misprints.STEP * found.values.mu_k * 9.81 * misprints.SECONDS
+                missed = misprints.FINE_STEP * found.values.mu_k * 9.81 * misprints.SECONDS
                 seen = one.printed.criteria  # a block that is driven backwards leaves a step later
-                late = misprints.STEP * max(abs(seen.travel), abs(seen.least_velocity), 0.5)
+                late = misprints.FINE_STEP * max(abs(seen.travel), abs(seen.least_velocity), 0.5)
                 expected = pytest.approx(other.printed.criteria.travel, abs=missed + late)
                 assert seen.travel == expected
     travels = {

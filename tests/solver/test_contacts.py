@@ -38,7 +38,7 @@ from stickslip.engine import EventCount, EventTimes, Status
 from stickslip.engine.formulation import formulate
 from stickslip.engine.kernels import driver
 from stickslip.engine.kernels import state_layout as layout
-from stickslip.engine.kernels.contacts import decisions
+from stickslip.engine.kernels.contacts import assembly
 from stickslip.engine.kernels.contacts.assembly import determinant, refresh
 from stickslip.engine.kernels.guard_roots import NO_GUARD
 from stickslip.engine.solver.event_driven import status_of
@@ -352,7 +352,7 @@ def test_laws_that_are_kept_within_a_decision_are_those_that_would_be_asked_agai
 
     kept = run()
     monkeypatch.setattr(
-        decisions, "reconsider",
+        assembly, "reconsider",
         lambda w, whole: refresh(w[layout.TIME], w, whole, whole[layout.Y]),
     )  # fmt: skip
     afresh = run()

@@ -248,6 +248,8 @@ REFUSED = {
     "w[to] = 'a'": "'a'",
     "w[to] = (mode == 1) + 1.0": "(mode == 1) + 1.0",
     "w[to] = c": "'c' has no value here",
+    "w[to] = w.size": "'w.size' has no value here",
+    "w[to] = layout.TIME": "'layout.TIME' has no value here",
     "w[to] = w": "w[to]",
     "w[t] = 1.0": "'t' is no whole number",
     "w[to:at] = 1.0": "to:at",

@@ -6,15 +6,8 @@ from typing import Any
 
 from rich.text import Text
 
+from stickslip.cli import inputs
 from stickslip.cli.console import print_json, refuse_overwriting, stdout
-from stickslip.cli.inputs import (
-    ChosenLaw,
-    ChosenLaws,
-    friction_of,
-    friction_title,
-    rig_and_friction,
-    rig_content,
-)
 from stickslip.cli.options import AnimateOptions
 from stickslip.cli.progress import Drawing
 from stickslip.data import Rig
@@ -34,8 +27,8 @@ def run(options: AnimateOptions) -> None:
     size = _size(options.size)
     encoder_of(output)
     refuse_overwriting(output, output.parent, force=options.force)
-    rig, chosen = rig_and_friction(options)
-    law = friction_of(chosen)
+    rig, chosen = inputs.rig_and_friction(options)
+    law = inputs.friction_of(chosen)
     end = rig.t_end if options.t_end is None else options.t_end
     start = rig.start(law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
@@ -55,14 +48,18 @@ def run(options: AnimateOptions) -> None:
     if options.as_json:
         print_json(document("animate", _content(rig, chosen, seen, int(count), output)))
     else:
-        _show(rig, friction_title(chosen), seen, int(count), output)
+        _show(rig, inputs.friction_title(chosen), seen, int(count), output)
 
 
 def _content(
-    rig: Rig, chosen: ChosenLaw | ChosenLaws, seen: Trajectory, count: int, output: Path
+    rig: Rig,
+    chosen: inputs.ChosenLaw | inputs.ChosenLaws,
+    seen: Trajectory,
+    count: int,
+    output: Path,
 ) -> dict[str, Any]:
     return {
-        **rig_content(rig, chosen),
+        **inputs.rig_content(rig, chosen),
         "status": seen.status.name,
         "meaning": seen.ending,
         "certified": seen.certificate.certified,

@@ -4,31 +4,8 @@ from typing import Annotated
 
 import typer
 
+from stickslip.cli import options as option_groups
 from stickslip.cli.help import CONTEXT, Panels, command
-from stickslip.cli.options import (
-    AnimateOptions,
-    ApplyOptions,
-    BenchmarkOptions,
-    CharacterizeOptions,
-    CheckOptions,
-    CiteOptions,
-    DemoOptions,
-    ExportOptions,
-    FitOptions,
-    InitOptions,
-    JsonOption,
-    ModelsOptions,
-    OrbitOptions,
-    PaperOptions,
-    PathOptions,
-    PlanOptions,
-    ProfileOptions,
-    RecordOptions,
-    SelectOptions,
-    SimulateOptions,
-    SweepOptions,
-    WarmupOptions,
-)
 
 app = typer.Typer(
     cls=Panels,
@@ -62,7 +39,7 @@ def options(
 
 
 @command(app, "select")
-def select(options: SelectOptions) -> None:
+def select(options: option_groups.SelectOptions) -> None:
     """Compare friction laws on a measurement; write a report.
 
     The verdict names a law and its parameters, gives a 95 % band that holds whichever law does,
@@ -77,7 +54,7 @@ def select(options: SelectOptions) -> None:
 
 
 @command(app, "demo")
-def demo(options: DemoOptions) -> None:
+def demo(options: option_groups.DemoOptions) -> None:
     """Select a law for the rig that comes with the package; write a report.
 
     The rig is that of the source paper, a block that a spring pushes, with one measured travel.
@@ -85,11 +62,11 @@ def demo(options: DemoOptions) -> None:
     """
     from stickslip.cli.judge import run_select
 
-    run_select(SelectOptions(**vars(options)))
+    run_select(option_groups.SelectOptions(**vars(options)))
 
 
 @command(app, "init")
-def init(options: InitOptions) -> None:
+def init(options: option_groups.InitOptions) -> None:
     """Detect the contents of a data file; write a rig file.
 
     Detects code page, separators, decimal comma, lines above the header, a row of units, time
@@ -108,7 +85,7 @@ def init(options: InitOptions) -> None:
 
 
 @command(app, "fit")
-def fit(options: FitOptions) -> None:
+def fit(options: option_groups.FitOptions) -> None:
     """Fit one friction law to measurements.
 
     The parameters are printed with their confidence intervals.
@@ -121,7 +98,7 @@ def fit(options: FitOptions) -> None:
 
 
 @command(app, "check")
-def check(options: CheckOptions) -> None:
+def check(options: option_groups.CheckOptions) -> None:
     """Check the quality of a measurement.
 
     Exits with code 2 if the check finds an error.
@@ -132,7 +109,7 @@ def check(options: CheckOptions) -> None:
 
 
 @command(app, "simulate")
-def simulate(options: SimulateOptions) -> None:
+def simulate(options: option_groups.SimulateOptions) -> None:
     """Simulate the rig with one friction law, or with an equation of the source paper as printed.
 
     Prints the events and the certificate; writes the run and a report on request.
@@ -148,7 +125,7 @@ def simulate(options: SimulateOptions) -> None:
 
 
 @command(app, "export")
-def export(options: ExportOptions) -> None:
+def export(options: option_groups.ExportOptions) -> None:
     """Export a friction law to another program, or a rig with its law as an FMU.
 
     Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
@@ -160,7 +137,7 @@ def export(options: ExportOptions) -> None:
 
 
 @command(app, "apply")
-def apply(options: ApplyOptions) -> None:
+def apply(options: option_groups.ApplyOptions) -> None:
     """Write friction into the joints of a model file, and change nothing else in it.
 
     Prints which parts of the laws the format cannot express, and the resulting error of the
@@ -172,7 +149,7 @@ def apply(options: ApplyOptions) -> None:
 
 
 @command(app, "animate")
-def animate(options: AnimateOptions) -> None:
+def animate(options: option_groups.AnimateOptions) -> None:
     """Animate the rig, simulated with one law.
 
     The mechanism is drawn to scale beside its time plots.
@@ -183,7 +160,7 @@ def animate(options: AnimateOptions) -> None:
 
 
 @command(app, "sweep")
-def sweep(options: SweepOptions) -> None:
+def sweep(options: option_groups.SweepOptions) -> None:
     """Run a campaign, or the mean velocity over a parameter grid.
 
     With --vary: simulates a driven rig at every point of the grid; writes a table and a figure.
@@ -203,7 +180,7 @@ def sweep(options: SweepOptions) -> None:
 
 
 @command(app, "orbits")
-def orbits(options: OrbitOptions) -> None:
+def orbits(options: option_groups.OrbitOptions) -> None:
     """Find periodic orbits over a parameter, stable and unstable.
 
     Branches are followed from settled runs of a driven rig by continuation. Folds, period
@@ -216,7 +193,7 @@ def orbits(options: OrbitOptions) -> None:
 
 
 @command(app, "plan")
-def plan(options: PlanOptions) -> None:
+def plan(options: option_groups.PlanOptions) -> None:
     """Plan travel measurements.
 
     Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
@@ -227,7 +204,7 @@ def plan(options: PlanOptions) -> None:
 
 
 @command(app, "models")
-def models(options: ModelsOptions) -> None:
+def models(options: option_groups.ModelsOptions) -> None:
     """List friction laws and mechanisms, or show one in full.
 
     A single law is shown with its formula, parameters and sources, a mechanism with its parameters.
@@ -238,7 +215,7 @@ def models(options: ModelsOptions) -> None:
 
 
 @command(app, "characterize")
-def characterize(options: CharacterizeOptions) -> None:
+def characterize(options: option_groups.CharacterizeOptions) -> None:
     """Test friction laws on a virtual bench.
 
     Steady curve, presliding and memory, break-away, lag, stick-slip map, drift, creep, hunting,
@@ -251,7 +228,7 @@ def characterize(options: CharacterizeOptions) -> None:
 
 
 @command(app, "paper")
-def paper(options: PaperOptions) -> None:
+def paper(options: option_groups.PaperOptions) -> None:
     """Recompute the results of the source paper, or apply its criteria to your own rig.
 
     Every table and figure is shown beside the printed values. With a rig file: the same models,
@@ -263,7 +240,7 @@ def paper(options: PaperOptions) -> None:
 
 
 @command(app, "benchmark")
-def benchmark(options: BenchmarkOptions) -> None:
+def benchmark(options: option_groups.BenchmarkOptions) -> None:
     """Run the friction benchmark: public records, our laws, other libraries.
 
     Each task fits one part of a record and predicts another. Records are downloaded where they are
@@ -275,7 +252,7 @@ def benchmark(options: BenchmarkOptions) -> None:
 
 
 @command(app, "warmup")
-def warmup(options: WarmupOptions) -> None:
+def warmup(options: option_groups.WarmupOptions) -> None:
     """Compile equations ahead of time.
 
     Intended for container images and continuous integration.
@@ -291,7 +268,7 @@ def warmup(options: WarmupOptions) -> None:
 
 
 @command(app, "doctor")
-def doctor(options: JsonOption) -> None:
+def doctor(options: option_groups.JsonOption) -> None:
     """Check the installation; print what to paste into an issue.
 
     Versions, extras, cache, threads, compiler and folders of data; and a self-test of two closed
@@ -313,7 +290,7 @@ def schema() -> None:
 
 
 @command(app, "cite")
-def cite(options: CiteOptions) -> None:
+def cite(options: option_groups.CiteOptions) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
     from stickslip.cli.models import run_cite
 
@@ -328,7 +305,7 @@ data_commands = typer.Typer(
 
 
 @command(data_commands, "list", group="data")
-def data_list(options: JsonOption) -> None:
+def data_list(options: option_groups.JsonOption) -> None:
     """List the records of the catalogue and where their files are."""
     from stickslip.cli.data import run_list
 
@@ -336,7 +313,7 @@ def data_list(options: JsonOption) -> None:
 
 
 @command(data_commands, "show", group="data")
-def data_show(options: RecordOptions) -> None:
+def data_show(options: option_groups.RecordOptions) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
@@ -344,7 +321,7 @@ def data_show(options: RecordOptions) -> None:
 
 
 @command(data_commands, "path", group="data")
-def data_path(options: PathOptions) -> None:
+def data_path(options: option_groups.PathOptions) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
     from stickslip.cli.data import run_path
 
@@ -359,7 +336,7 @@ profile_commands = typer.Typer(
 
 
 @command(profile_commands, "optimise", group="profile")
-def profile_optimise(options: ProfileOptions) -> None:
+def profile_optimise(options: option_groups.ProfileOptions) -> None:
     """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 
     Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a

@@ -109,7 +109,7 @@ def run(options: SweepOptions) -> None:
         raise typer.Exit(CANCELLED)
     indices = _indices(asked, found, cases)
     if options.as_json:
-        rows = {one.output: one.to_dataframe().to_dict("records") for one in indices}
+        rows = {index.output: index.to_dataframe().to_dict("records") for index in indices}
         content = {
             "runs": len(found),
             "certified": found.certified,
@@ -150,7 +150,7 @@ def _indices(
         except InputError as error:
             note(str(error))
     if indices:
-        table = pd.concat([one.to_dataframe().assign(output=one.output) for one in indices])
+        table = pd.concat([index.to_dataframe().assign(output=index.output) for index in indices])
         size = (SIZE[0], SIZE[1] * len(indices))
         svg = standalone_svg(draw_sensitivity(indices), size=size, title="Sensitivity indices")
         rows = table[["output", *(one for one in table if one != "output")]]
@@ -197,13 +197,13 @@ def _show(
             f"{found.made:,} runs were made in {quantity(took, 's')}, {found.made / took:,.0f} a"
             " second."
         )
-    for one in indices:
-        console.print(f"\n{one.sentence}")
+    for index in indices:
+        console.print(f"\n{index.sentence}")
         rows = [
-            [path, *(one.text_of(name, place) for name in one.indices)]
-            for place, path in enumerate(one.factors)
+            [path, *(index.text_of(name, place) for name in index.indices)]
+            for place, path in enumerate(index.factors)
         ]
-        show_table("", ["factor", *one.indices], rows)
+        show_table("", ["factor", *index.indices], rows)
     console.print(f"\nWritten: {found.folder}")
 
 
@@ -288,7 +288,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         at = f"{name} in {where}"
         if kind is None:
             raise InputError(f"{at} needs values, or low and high, or mean and sd.")
-        fields = {one.name for one in dataclasses.fields(kind)}
+        fields = {field.name for field in dataclasses.fields(kind)}
         _known(own, fields, at)
         for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
             if key in own and not isinstance(own[key], kinds):
@@ -363,7 +363,7 @@ def _outputs(table: object, file: str) -> dict[str, Output] | None:
         kind = next((key for key in KINDS if isinstance(own, dict) and key in own), None)
         if kind is None:
             raise InputError(f'{at} needs one of {", ".join(KINDS)}, such as {{final = "x"}}.')
-        first, *others = [one.name for one in dataclasses.fields(cast("Any", KINDS[kind]))]
+        first, *others = [field.name for field in dataclasses.fields(cast("Any", KINDS[kind]))]
         _known(own, [kind, *others], at)
         if "times" in own and not isinstance(own["times"], list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")

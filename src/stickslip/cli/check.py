@@ -105,7 +105,7 @@ def run(options: CheckOptions) -> None:
 
 def _used(measurement: Measurement) -> Collection[str]:
     """Return the conditions that the kind uses; kinds take seconds to load."""
-    if not any(one.conditions for one in measurement.records()):
+    if not any(record.conditions for record in measurement.records()):
         return ()
     from stickslip.identify.kinds import kind_of
 
@@ -160,7 +160,7 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
     the body rested.
     """
     shared = Counter(f.sentence for f in findings if f.record and f.severity != "info")
-    names = dict.fromkeys(one.record for one in findings if one.record)
+    names = dict.fromkeys(finding.record for finding in findings if finding.record)
     for name in names:
         first, *rest = [one for one in findings if one.record == name]
         said = [one for one in (first, *rest) if shared[one.sentence] == 1 or one.kind == RESTED]

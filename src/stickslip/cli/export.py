@@ -6,29 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.console import (
-    pair_of,
-    print_json,
-    refuse_overwriting,
-    show_table,
-    stdout,
-    with_unit,
-)
+from stickslip import exports
+from stickslip.cli import console as terminal
 from stickslip.cli.inputs import check_named, friction_of, friction_title, rig_and_friction
 from stickslip.cli.options import ApplyOptions, ExportOptions, LawOfFileOptions, LawOptions
 from stickslip.data import LOAD, Measurement, Reading, Rig, load_rig, read_data
 from stickslip.errors import InputError, ParameterError
-from stickslip.exports import (
-    TARGETS,
-    Applied,
-    AppliedJoint,
-    apply,
-    check_output,
-    compiler_here,
-    export,
-    export_fmu,
-    identifier,
-)
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, named, turned
 from stickslip.show.documents import document, regular_bytes
@@ -40,7 +23,7 @@ from stickslip.show.formatting import NO_VALUE, quantity
 def linker() -> str:
     """Return the C compiler that links FMUs, or why there is none."""
     try:
-        return compiler_here()
+        return exports.compiler_here()
     except InputError as error:
         return str(error)
 
@@ -58,7 +41,7 @@ RESULT_FILES = (".json", ".html", ".csv")
 def run_export(options: ExportOptions) -> None:
     """Export the law of a file, and write what its target takes."""
     path, to, output = options.file, options.to, options.output
-    known = named({**TARGETS, FMU: None}, to, "target")
+    known = named({**exports.TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in RESULT_FILES:
         raise InputError(
             f"export takes a TOML file with a law, got {path}: give the law.toml that `stickslip"
@@ -70,14 +53,14 @@ def run_export(options: ExportOptions) -> None:
         _export_fmu(options)
         return
     target = known
-    refuse_overwriting(output, output, force=options.force)
+    terminal.refuse_overwriting(output, output, force=options.force)
     source = law_source(options, path)
     rig = None
     if options.rig is not None:
         rig = load_rig(options.rig, allow_import=options.allow_import)
     load, law_load = loads(options)
     with by_option():
-        found = export(
+        found = exports.export(
             source,
             to,
             name=options.name,
@@ -92,9 +75,9 @@ def run_export(options: ExportOptions) -> None:
     files = found.save(output, force=options.force)
     if options.as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
-        print_json(document("export", content))
+        terminal.print_json(document("export", content))
         return
-    console = stdout()
+    console = terminal.stdout()
     console.print(f"{target.title}: {', '.join(map(str, files))}")
     for remark in found.remarks:
         console.print(f"  {remark}")
@@ -146,15 +129,15 @@ def _export_fmu(options: ExportOptions) -> None:
         of = options.rig
         law_named = f"{options.file}" + (f":{options.law}" if options.law is not None else "")
     name = options.name if options.name is not None else of.stem
-    file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
-    refuse_overwriting(output, file.parent, force=options.force)
+    file = output if output.suffix == ".fmu" else output / f"{exports.identifier(name)}.fmu"
+    terminal.refuse_overwriting(output, file.parent, force=options.force)
     rig, chosen = rig_and_friction(
         LawOptions(
             rig=of, law=law_named, law_load=options.law_load, allow_import=options.allow_import
         )
     )
     law = friction_of(chosen)
-    export_fmu(
+    exports.export_fmu(
         rig.mechanism,
         law,
         file,
@@ -167,16 +150,18 @@ def _export_fmu(options: ExportOptions) -> None:
         force=options.force,
     )
     if options.as_json:
-        print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
+        terminal.print_json(
+            document("export", {"target": FMU, "files": [str(file)], "remarks": []})
+        )
         return
-    stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
+    terminal.stdout().print(f"FMU for FMI {options.fmi}.0: {file}")
 
 
 def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
     for one in given:
-        name, value = pair_of(
+        name, value = terminal.pair_of(
             one, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
         )
         try:
@@ -199,7 +184,7 @@ def by_option() -> Iterator[None]:
 def loads(options: ExportOptions | ApplyOptions) -> tuple[float | None, float | None]:
     """Return the normal forces of the options `--load` and `--law-load`."""
     pairs = (("--load", options.load), ("--law-load", options.law_load))
-    load, law_load = (with_unit(option, text, LOAD) for option, text in pairs)
+    load, law_load = (terminal.with_unit(option, text, LOAD) for option, text in pairs)
     return load, law_load
 
 
@@ -213,11 +198,11 @@ def run_apply(options: ApplyOptions) -> None:
     """Write the laws of a file into a model, and print what that leaves of them."""
     path, model, output = _law_file(options.file), options.model, options.output
     check_named(path)
-    check_output(model, output, force=options.force)
+    exports.check_output(model, output, force=options.force)
     source = law_source(options, path)
     load, law_load = loads(options)
     with by_option():
-        found = apply(
+        found = exports.apply(
             source,
             model,
             joints=_paired(options.joints),
@@ -234,7 +219,7 @@ def run_apply(options: ApplyOptions) -> None:
         )
     found.save(output, force=options.force)
     if options.as_json:
-        print_json(document("apply", {"file": str(output), **found.to_dict()}))
+        terminal.print_json(document("apply", {"file": str(output), **found.to_dict()}))
         return
     _show(found, output)
 
@@ -294,54 +279,54 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
     return pairs
 
 
-def _show(found: Applied, output: Path) -> None:
-    console = stdout()
+def _show(found: exports.Applied, output: Path) -> None:
+    console = terminal.stdout()
     names = ", ".join(one.joint for one in found.joints)
     console.print(f"{output}: {found.path.name} with friction in {names}")
-    for one in found.joints:
-        console.print(f"{one.joint}: {one.law}")
-        for line in one.sentences:
+    for joint in found.joints:
+        console.print(f"{joint.joint}: {joint.law}")
+        for line in joint.sentences:
             console.print(f"  {line}")
     rows = [row for one in found.joints for row in _rows(one)]
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
-        show_table("", heads, rows)
+        terminal.show_table("", heads, rows)
     replays = [row for one in found.joints for row in _replay_rows(one)]
     if replays:
         heads = (
             "joint", "on the record", "error of the force", "from the law", "error of the position",
             "from the law",
         )  # fmt: skip
-        show_table("", heads, replays)
+        terminal.show_table("", heads, replays)
     for remark in found.remarks:
         console.print(remark)
 
 
-def _rows(joint: AppliedJoint) -> list[Sequence[str]]:
+def _rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     length = turned("m", joint.rotary)
     return [
         (
             joint.joint,
-            one.said,
-            one.settings or "of the file",
-            *(quantity(x, length) for x in (one.travel, one.error, one.simplification)),
+            motion.said,
+            motion.settings or "of the file",
+            *(quantity(x, length) for x in (motion.travel, motion.error, motion.simplification)),
         )
-        for one in joint.motions
+        for motion in joint.motions
     ]
 
 
-def _replay_rows(joint: AppliedJoint) -> list[Sequence[str]]:
+def _replay_rows(joint: exports.AppliedJoint) -> list[Sequence[str]]:
     if joint.replay is None:
         return []
     force, length = turned("N", joint.rotary), turned("m", joint.rotary)
     return [
         (
             joint.joint,
-            one.model,
-            quantity(one.force, force),
-            NO_VALUE if one.model == "law" else quantity(one.cost, force),
-            quantity(one.position, length),
-            NO_VALUE if one.model == "law" else quantity(one.drift, length),
+            model.model,
+            quantity(model.force, force),
+            NO_VALUE if model.model == "law" else quantity(model.cost, force),
+            quantity(model.position, length),
+            NO_VALUE if model.model == "law" else quantity(model.drift, length),
         )
-        for one in joint.replay.models
+        for model in joint.replay.models
     ]

@@ -132,8 +132,8 @@ def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
     kinds = [
         one.annotation for one in inspect.signature(function, eval_str=True).parameters.values()
     ]
-    single = [one for kind in (*kinds, QuietOption) for one in _parameters(kind)]
-    several = [one.name for kind in kinds for one in fields(kind) if one.default == ()]
+    single = [parameter for kind in (*kinds, QuietOption) for parameter in _parameters(kind)]
+    several = [field.name for kind in kinds for field in fields(kind) if field.default == ()]
 
     @functools.wraps(function)
     def called(*, quiet: bool, **given: Any) -> None:  # noqa: ARG001  # heeded by its callback
@@ -152,7 +152,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
     is its help.
     """
     hints, texts = get_type_hints(kind, include_extras=True), texts_below(kind)
-    known = {one.name: one for one in fields(kind)}
+    known = {field.name: field for field in fields(kind)}
     for name in dict.fromkeys(
         name for base in kind.__mro__ for name in inspect.get_annotations(base)
     ):

@@ -6,21 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from stickslip import data
 from stickslip.cli.console import check_rig_file, columns_of, print_json, refuse_overwriting, say
 from stickslip.cli.options import InitOptions
-from stickslip.data import (
-    Guess,
-    Reading,
-    data_file,
-    filmed_rig,
-    guess_data,
-    guess_films,
-    guess_robot,
-    guessed_rig,
-    inertia_of,
-    read_data,
-    swing_of,
-)
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.documents import document, write_file
 
@@ -48,12 +36,13 @@ def run(options: InitOptions) -> None:
         raise type(error)(text) from None
     if not options.as_json:  # all of the file is read once more below
         say(str(guess))
-    name = _relative(data_file(file), target)
+    name = _relative(data.data_file(file), target)
     if urdf is None:
-        record = read_data([file], replace(guess.reading, by="options"))
-        text = guessed_rig(guess, name, inertia=inertia_of(record) or 1.0, swing=swing_of(record))
+        record = data.read_data([file], replace(guess.reading, by="options"))
+        inertia, swing = data.inertia_of(record) or 1.0, data.swing_of(record)
+        text = data.guessed_rig(guess, name, inertia=inertia, swing=swing)
     else:
-        text = guessed_rig(guess, name, robot=_relative(urdf, target))
+        text = data.guessed_rig(guess, name, robot=_relative(urdf, target))
     write_file(target, text)
     if options.as_json:
         found: dict[str, Any] = {"file": str(file), "rig": str(target)}
@@ -71,13 +60,14 @@ def run(options: InitOptions) -> None:
     )
 
 
-def _films(options: InitOptions, reading: Reading) -> None:
+def _films(options: InitOptions, reading: data.Reading) -> None:
     """Find out what films of one body show, write its rig file, and print what was found."""
     target = options.output or options.files[0].with_name("capsule.toml")
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=options.force)
-    found = guess_films(options.files, reading)
-    write_file(target, filmed_rig(found, {file: _relative(file, target) for file in options.files}))
+    files = options.files
+    found = data.guess_films(files, reading)
+    write_file(target, data.filmed_rig(found, {file: _relative(file, target) for file in files}))
     if options.as_json:
         runs = [
             {"file": str(run.file), "frequency": run.frequency, "travel": run.travel}
@@ -97,10 +87,10 @@ def _films(options: InitOptions, reading: Reading) -> None:
     )
 
 
-def _guess(file: Path, reading: Reading, urdf: Path | None) -> Guess:
+def _guess(file: Path, reading: data.Reading, urdf: Path | None) -> data.Guess:
     """Return what a file holds of one axis, or of the joints of a robot."""
     if urdf is None:
-        return guess_data(
+        return data.guess_data(
             file,
             columns=reading.columns,
             units=reading.units,
@@ -112,7 +102,7 @@ def _guess(file: Path, reading: Reading, urdf: Path | None) -> Guess:
             "--columns, --gain and --motor-constant are those of one axis: with --urdf, change the"
             " rig file that is written, as columns = { position.elbow = ... }."
         )
-    return guess_robot(file, urdf, units=reading.units)
+    return data.guess_robot(file, urdf, units=reading.units)
 
 
 def _relative(file: Path, target: Path) -> str:

@@ -9,22 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from stickslip.cli.console import (
-    note,
-    number_of,
-    overrides,
-    pair_of,
-    plain,
-    reading_of,
-    show_table,
-    stdout,
-    with_unit,
-)
-from stickslip.cli.options import (
-    LawOptions,
-    MeasuredOptions,
-    RigOptions,
-)
+from stickslip.cli import console as terminal
+from stickslip.cli import options as option_groups
 from stickslip.cli.progress import Interrupts, Searching, Watching
 from stickslip.data import (
     LOAD,
@@ -54,18 +40,8 @@ from stickslip.friction import (
     listed,
     specification,
 )
+from stickslip.identify import fits
 from stickslip.identify.candidates import Wording
-from stickslip.identify.fits import (
-    LAW,
-    AnyLaw,
-    Estimate,
-    RecordSettings,
-    TrialComparison,
-    covers,
-    law_quantities,
-    refuse_of_laws,
-    starting_law,
-)
 from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
 from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
@@ -137,13 +113,13 @@ class ChosenForm:
     """It is from no file."""
 
 
-def rig_and_form(options: LawOptions) -> tuple[Rig, ChosenForm]:
+def rig_and_form(options: option_groups.LawOptions) -> tuple[Rig, ChosenForm]:
     """Return the rig and an equation as printed, with the values that the rig has for its law."""
     assert options.law is not None
     if options.law_load is not None:
         raise InputError("--law-load applies to a law from a file: leave it out.")
     kind = PRINTED_FORMS[options.law]
-    given = overrides(options.changes)
+    given = terminal.overrides(options.changes)
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
     rig = rig_with(options, others, law=kind.corrected.name)
@@ -204,18 +180,18 @@ def rig_content(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm) -> dict[s
     if isinstance(chosen, ChosenLaw):
         head["law"] = chosen.law.name
     else:
-        names = [one.name for one in rig.mechanism.contacts()]
+        names = [contact.name for contact in rig.mechanism.contacts()]
         head["laws"] = {name: chosen.laws.names.get(name) for name in names}
     if chosen.source is not None:
         head["law_file"] = {"file": chosen.source.path, "digest": chosen.source.digest}
-        head["remarks"] = list(map(plain, chosen.remarks))
+        head["remarks"] = list(map(terminal.plain, chosen.remarks))
     return head
 
 
 def show_heading(rig: Rig, friction: str) -> None:
     """Print which rig was run, and with what."""
-    stdout().print(printable(rig.heading), style="bold", end="")
-    stdout().print(f", {friction}")
+    terminal.stdout().print(printable(rig.heading), style="bold", end="")
+    terminal.stdout().print(f", {friction}")
 
 
 def law_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> Law:
@@ -268,7 +244,9 @@ def names_by_contact(text: str) -> dict[str, str]:
     return found
 
 
-def rig_with(options: RigOptions, given: Mapping[str, str], *, law: str | None = None) -> Rig:
+def rig_with(
+    options: option_groups.RigOptions, given: Mapping[str, str], *, law: str | None = None
+) -> Rig:
     """Return the rig of a file under overrides; an unknown one is told what the law at hand has."""
     path, allow_import = options.rig, options.allow_import
     try:
@@ -299,10 +277,10 @@ def rig_with(options: RigOptions, given: Mapping[str, str], *, law: str | None =
         raise own from None
 
 
-def rig_and_friction(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def rig_and_friction(options: option_groups.LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: laws of its contacts, or one."""
     if options.law is None or not FILE.fullmatch(options.law):
-        rig = rig_with(options, overrides(options.changes), law=options.law)
+        rig = rig_with(options, terminal.overrides(options.changes), law=options.law)
         if rig.contacts:
             laws = _by_contact(rig, options)
             known = estimates_by_contact(rig, laws)
@@ -316,7 +294,7 @@ def rig_and_friction(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     return _rig_and_law(options)
 
 
-def _by_contact(rig: Rig, options: LawOptions) -> Laws:
+def _by_contact(rig: Rig, options: option_groups.LawOptions) -> Laws:
     """Return the laws of a rig whose contacts have tables of their own."""
     text = options.law
     if options.law_load is not None:
@@ -338,9 +316,13 @@ def _check_all_used(given: Collection[str], laws: Laws) -> None:
         _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
 
 
-def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
+def _rig_and_law(options: option_groups.LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its law; where that is from another file, so are overrides of friction."""
-    given, law, allow_import = overrides(options.changes), options.law, options.allow_import
+    given, law, allow_import = (
+        terminal.overrides(options.changes),
+        options.law,
+        options.allow_import,
+    )
     file = None if law is None else FILE.fullmatch(law)
     if file is None and law is not None and law.lower().endswith(OTHER_FILES):
         beside = Path(law).with_name("law.toml")
@@ -369,10 +351,10 @@ def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
         if options.law_load is not None:
             raise InputError("--law-load applies to the law of one contact: leave it out.")
         for remark in laws.remarks:
-            note(plain(remark))
+            terminal.note(terminal.plain(remark))
         return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
-    load = with_unit("--law-load", options.law_load, LOAD)
+    load = terminal.with_unit("--law-load", options.law_load, LOAD)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
     if own:
         name = found.law.name
@@ -380,7 +362,7 @@ def _rig_and_law(options: LawOptions) -> tuple[Rig, ChosenLaw | ChosenLaws]:
         source = load_rig(file["path"], overrides=changed, allow_import=allow_import)
         found = carried(source, rig.mechanism, law=name, load=load)
     for remark in found.remarks:
-        note(plain(remark))
+        terminal.note(terminal.plain(remark))
     return rig, ChosenLaw(carried=found, source=source)
 
 
@@ -400,16 +382,16 @@ def laws_drawn(
         laws, error = drawn
         if count > len(laws):
             raise InputError(f"--ensemble takes up to {len(laws)} laws, as {source.path} has.")
-        load = with_unit("--law-load", law_load, LOAD)
+        load = terminal.with_unit("--law-load", law_load, LOAD)
         levels = source.estimates and source.estimates.levels
         own = [
             dataclasses.replace(
                 source,
-                laws={one.name: one},
-                named=(one.name,),
-                estimates=LawEstimates(law=one.name, levels=levels) if levels else None,
+                laws={law.name: law},
+                named=(law.name,),
+                estimates=LawEstimates(law=law.name, levels=levels) if levels else None,
             )
-            for one in laws[:count]
+            for law in laws[:count]
         ]
         return [carried(one, rig.mechanism, load=load).law for one in own], error
     if known is None:
@@ -417,7 +399,9 @@ def laws_drawn(
             "--ensemble needs laws to draw: give the law.toml that `stickslip select` writes as"
             " --law, or a law with estimates."
         )
-    note("No laws were drawn for this law file as it stands: parameters follow their estimates.")
+    terminal.note(
+        "No laws were drawn for this law file as it stands: parameters follow their estimates."
+    )
     values = known.draw(chosen.law, count, seed=seed)
     rows = zip(*(column.tolist() for column in values.values()), strict=True)
     return [vary(chosen.law, "friction", dict(zip(values, row, strict=True))) for row in rows], 0.0
@@ -444,7 +428,7 @@ def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> 
     prefix = f"{FRICTION}{contact}." if contact else FRICTION
     choice = f"{contact}=" if contact else ""
     run = f"the contact {contact!r}" if contact else "the run"
-    known = [one.name for one in dataclasses.fields(law)]
+    known = [field.name for field in dataclasses.fields(law)]
     for path in given:
         if not path.startswith(FRICTION):
             continue
@@ -476,14 +460,14 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
             f"{error.kind}, of the package or of {rig.path}:", name, {*error.known, *rig.tables}
         ) from None
     try:
-        law = dataclasses.replace(starting_law(kind), **given)
+        law = dataclasses.replace(fits.starting_law(kind), **given)
     except ParameterError as error:
         raise ParameterError(
             f"{rig.path} gives only some parameters of {name}, and they are inconsistent with the"
             f" default values of the others: {error} Give all of them."
         ) from None
     lacks = "only some values" if given else "no values"
-    note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
+    terminal.note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
     return _of_rig(rig, law, rig.estimates_of(name, law))
 
 
@@ -517,7 +501,7 @@ def _name(rig: Rig) -> str:
         )
     if rig.laws:
         others = ", ".join(name for name in rig.laws if name != USUAL_LAW)
-        note(
+        terminal.note(
             f"{rig.path} has values for several laws; {USUAL_LAW} is used. --law chooses {others}."
         )
     return USUAL_LAW
@@ -527,14 +511,14 @@ def _name(rig: Rig) -> str:
 
 
 def measured(
-    rig: Rig, options: MeasuredOptions, *, law: Callable[[AnyKind], Law] | None = None
+    rig: Rig, options: option_groups.MeasuredOptions, *, law: Callable[[AnyKind], Law] | None = None
 ) -> tuple[AnyKind, Request, list[Path]]:
     """Return what fits such a measurement, what it is asked, and the data files of the options.
 
     Options for files add to what the rig says of its own. `law` returns the law of a kind.
     """
     said, horizon, validate = options.settings, options.horizon, options.validate
-    data, route, reading = options.data, options.route, reading_of(options)
+    data, route, reading = options.data, options.route, terminal.reading_of(options)
     for name, value in (("horizon", horizon), ("segment", said.get("segment"))):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
@@ -563,7 +547,7 @@ def measured(
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)
     varied, held = _parameters(rig, options.vary, options.fixed, owner)
-    numerics = RecordSettings(**{"hold": rig.hold, **said})
+    numerics = fits.RecordSettings(**{"hold": rig.hold, **said})
     request = Request(
         mechanism=rig.mechanism,
         measurement=measurement,
@@ -571,7 +555,7 @@ def measured(
         vary=varied,
         fixed=held,
         route=route,
-        settings=None if numerics == RecordSettings() else numerics,
+        settings=None if numerics == fits.RecordSettings() else numerics,
         horizon=horizon,
         validate=second,
         assumed=rig.assumed or None,
@@ -598,11 +582,11 @@ def _hashed(given: Sequence[Path]) -> list[Path]:
         return []
     from stickslip.data import log_files  # with pandas, which other rigs do without
 
-    return [one for path in given for one in log_files(path)]
+    return [log_file for path in given for log_file in log_files(path)]
 
 
 def _parameters(
-    rig: Rig, vary: Sequence[str], fixes: Sequence[str], law: AnyLaw
+    rig: Rig, vary: Sequence[str], fixes: Sequence[str], law: fits.AnyLaw
 ) -> tuple[tuple[str, ...], dict[str, float]]:
     """Return what is varied and what fixed, with what the rig file says of both.
 
@@ -613,42 +597,44 @@ def _parameters(
     given: Mapping[str, float] = {}
     if isinstance(law, type) and issubclass(law, FrictionLaw):
         given = rig.given.get(law.name, {})
-    if given and (not names or LAW in names):
+    if given and (not names or fits.LAW in names):
         said = ", ".join(f"{name} = {number(value, 6)}" for name, value in given.items())
-        note(
+        terminal.note(
             f"All parameters of {law.name if law else 'the law'} are fitted, including {said} of"
             " the rig file; --vary adds parameters to the fit, --fixed holds them."
         )
     elif given:
         paths = {f"friction.{name}": value for name, value in given.items()}
-        held = {p: v for p, v in paths.items() if not any(covers(name, p) for name in names)}
+        held = {p: v for p, v in paths.items() if not any(fits.covers(name, p) for name in names)}
         fixed = held | fixed
     marked = (path for path in rig.vary if path not in fixed)
-    return (*(names or (LAW,)), *marked), fixed
+    return (*(names or (fits.LAW,)), *marked), fixed
 
 
-def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
+def _fixed(rig: Rig, texts: Sequence[str], law: fits.AnyLaw) -> dict[str, float]:
     """Return fixed values by path, read with their units."""
     known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
-        name, value = pair_of(part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4")
+        name, value = terminal.pair_of(
+            part, "--fixed takes NAME=VALUE such as viscous_coefficient=0.4"
+        )
         if law is None:
-            refuse_of_laws([name], known)
+            fits.refuse_of_laws([name], known)
         path = full_path(name, known, "parameter in --fixed")
         with concerning(f"--fixed {path}"):
-            found[path] = number_of(value, known[path])
+            found[path] = terminal.number_of(value, known[path])
     return found
 
 
 def _law_quantities(law: Any) -> Mapping[str, Quantity]:
     """Return the parameters of a law by path, or those of laws by contact."""
     if not isinstance(law, Mapping):
-        return law_quantities(law)
+        return fits.law_quantities(law)
     return {
         path.replace("friction.", f"friction.{contact}.", 1): quantity
         for contact, one in law.items()
-        for path, quantity in law_quantities(
+        for path, quantity in fits.law_quantities(
             specification(one).law if isinstance(one, str) else one
         ).items()
     }
@@ -683,10 +669,10 @@ def show_warnings(checks: Checks) -> None:
     """Print what is doubtful about a record."""
     doubts = [finding for finding in checks.findings if finding.severity == "warning"]
     for finding in doubts:
-        stdout().print(f"! {finding}", style="yellow")
+        terminal.stdout().print(f"! {finding}", style="yellow")
 
 
-def show_estimates(estimates: Sequence[Estimate]) -> None:
+def show_estimates(estimates: Sequence[fits.Estimate]) -> None:
     """Print parameters with their intervals, and why one is not bounded."""
     rows = [
         [
@@ -700,38 +686,38 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
     ]
     kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
     heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
-    show_table("", heads, rows, whole=heads[1:])
-    for one in estimates:
-        if one.reason:
-            stdout().print(f"  {one.path}: {plain(one.reason)}")
+    terminal.show_table("", heads, rows, whole=heads[1:])
+    for estimate in estimates:
+        if estimate.reason:
+            terminal.stdout().print(f"  {estimate.path}: {terminal.plain(estimate.reason)}")
 
 
 def show_open(words: Wording) -> None:
     """Print what the data cannot tell and what to measure next."""
-    console = stdout()
+    console = terminal.stdout()
     for title, lines in (("Limitations", words.cannot_tell), ("Measure next", words.measure_next)):
         if lines:
             console.print(f"\n{title}", style="bold")
         for line in lines:
-            console.print(f"  {plain(line)}")
+            console.print(f"  {terminal.plain(line)}")
 
 
-def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+def content_of(comparison: fits.TrialComparison | None) -> Mapping[str, Any]:
     """Return the comparison as a part of what a command writes as JSON."""
     return {} if comparison is None else {"trials": comparison.to_dict()}
 
 
-def show_trials(comparison: TrialComparison | None) -> None:
+def show_trials(comparison: fits.TrialComparison | None) -> None:
     """Print whether the trials share one law, and by trial what was fitted where they do not."""
     if comparison is None:
         return
-    console = stdout()
+    console = terminal.stdout()
     console.print("\nTrials", style="bold")
     for line in comparison.sentences:
-        console.print(f"  {plain(line)}")
+        console.print(f"  {terminal.plain(line)}")
     if not comparison.trials or (comparison.shared and not comparison.conditions):
         return
-    symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
+    symbols = [estimate.quantity.symbol for estimate in comparison.trials[0].estimates]
     heads = ["trial", *map(condition_name, comparison.conditions)]
     heads += [head for symbol in symbols for head in (symbol, "95 %")]
     rows = []
@@ -743,5 +729,5 @@ def show_trials(comparison: TrialComparison | None) -> None:
         for one, error in zip(trial.estimates, trial.errors, strict=True):
             known = math.isfinite(error)
             row += [significant(one.value, 4), one.range if known else "open"]
-        rows.append([plain(cell) for cell in row])
-    show_table("", heads, rows, whole=heads)
+        rows.append([terminal.plain(cell) for cell in row])
+    terminal.show_table("", heads, rows, whole=heads)

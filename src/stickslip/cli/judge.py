@@ -12,72 +12,18 @@ from typing import TYPE_CHECKING, cast
 
 import typer
 
-from stickslip.cli.console import (
-    check_rig_file,
-    command_line,
-    draw_page,
-    folder_of,
-    leave_unless_drawn,
-    note,
-    number_of,
-    overrides,
-    plain,
-    print_json,
-    range_of,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
-from stickslip.cli.inputs import (
-    content_of,
-    law_to_fit,
-    measured,
-    rig_with,
-    show_estimates,
-    show_open,
-    show_trials,
-    show_warnings,
-    watching,
-)
+from stickslip.cli import console as terminal
+from stickslip.cli import inputs
 from stickslip.cli.options import FitOptions, PlanOptions, SelectOptions
 from stickslip.cli.progress import workers
 from stickslip.data import Checks, Rig, check, refusal, refuse_same
 from stickslip.errors import InputError, concerning
 from stickslip.friction import FrictionLaw
+from stickslip.identify import kinds
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, far_above_dry
-from stickslip.identify.kinds import (
-    DOCUMENT,
-    TRAVEL_COLUMN,
-    VERDICT_FILES,
-    AnyKind,
-    FitSummary,
-    Law,
-    Plan,
-    Request,
-    kind_of,
-    kind_of_route,
-    kinds,
-    known_by,
-    plan,
-    refuse_uninformed,
-    refuse_unused,
-    setting_of,
-    tables_of,
-    unused_text,
-    verdict_page,
-    write_verdict,
-)
 from stickslip.quantities import Quantity, parameters
-from stickslip.show.documents import (
-    document,
-    of_files,
-    regular_bytes,
-    with_files,
-    write_file,
-    write_files,
-)
+from stickslip.show import documents
 from stickslip.show.report import Origin, Page, render
 
 if TYPE_CHECKING:
@@ -95,49 +41,55 @@ CRITERIA_FAILED = 4
 
 def run_select(options: SelectOptions) -> None:
     """Select, write the verdict, print it, draw its page; with JSON only into a given folder."""
-    folder = folder_of(options.output, "stickslip-report", as_json=options.as_json)
+    folder = terminal.folder_of(options.output, "stickslip-report", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=options.force, files=VERDICT_FILES)
-    rig = rig_with(options, overrides(options.changes))
-    kind, request, files = measured(rig, options)
-    rig = replace(rig, digest=with_files(rig.digest, files))
+        terminal.refuse_overwriting(folder, folder, force=options.force, files=kinds.VERDICT_FILES)
+    rig = inputs.rig_with(options, terminal.overrides(options.changes))
+    kind, request, files = inputs.measured(rig, options)
+    rig = replace(rig, digest=documents.with_files(rig.digest, files))
     for option, value in (("--workers", options.count), ("--executor", options.executor)):
         if value is not None:
-            refuse_unused(kind, {"executor": option}, request)
+            kinds.refuse_unused(kind, {"executor": option}, request)
     if options.enforce and not kind.has_criteria:
-        users = [one for one in kinds() if one.has_criteria]
-        raise InputError(f"--enforce {unused_text(kind, users)}")
+        users = [one for one in kinds.kinds() if one.has_criteria]
+        raise InputError(f"--enforce {kinds.unused_text(kind, users)}")
     request = replace(request, laws=laws_of(rig, options.laws))
     verdict = _selected(kind, request, options.count or 1, options.executor)
-    content = document("select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()})
+    content = documents.document(
+        "select", {"rig": rig.heading, "digest": rig.digest, **verdict.to_dict()}
+    )
     page_code = 0
     # an earlier report stays until all of this is there
-    if folder is not None and not (folder / DOCUMENT).exists():
-        write_verdict(folder, verdict, content)
+    if folder is not None and not (folder / kinds.DOCUMENT).exists():
+        kinds.write_verdict(folder, verdict, content)
     with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
         if options.as_json:
-            print_json(content)
+            terminal.print_json(content)
         else:
             show_verdict(verdict)
     if folder is not None:
         own = options.rig is None  # the bundled rig
-        page_code = draw_page(
+        page_code = terminal.draw_page(
             folder,
             lambda: render(_page(verdict, rig, files, of_paper=own)),
-            lambda text: write_verdict(folder, verdict, content, page=text),
-            kept=f"The verdict is in {folder / DOCUMENT}.",
+            lambda text: kinds.write_verdict(folder, verdict, content, page=text),
+            kept=f"The verdict is in {folder / kinds.DOCUMENT}.",
             quiet=options.as_json,
         )
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:
-        note(f"Searches that were stopped early may not have converged: {', '.join(ended)}.")
+        terminal.note(
+            f"Searches that were stopped early may not have converged: {', '.join(ended)}."
+        )
     if verdict.best is None or verdict.best.dropped:
-        note("No law is recommended; the verdict states the reason.")
+        terminal.note("No law is recommended; the verdict states the reason.")
         raise typer.Exit(NO_LAW)
     if options.enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
-        note("The recommended law fails a criterion of the paper; the report names the criterion.")
+        terminal.note(
+            "The recommended law fails a criterion of the paper; the report names the criterion."
+        )
         raise typer.Exit(CRITERIA_FAILED)
-    leave_unless_drawn(page_code)
+    terminal.leave_unless_drawn(page_code)
 
 
 def laws_of(
@@ -155,16 +107,18 @@ def laws_of(
     return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
 
 
-def _selected(kind: AnyKind, request: Request, count: int, address: str | None) -> Verdict:
+def _selected(
+    kind: kinds.AnyKind, request: kinds.Request, count: int, address: str | None
+) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
     laws = request.laws
     for measurement in (request.measurement, request.validate):
         if measurement is not None:
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
-            refuse_uninformed(kind, given, request.mechanism, measurement)
+            kinds.refuse_uninformed(kind, given, request.mechanism, measurement)
     names = kind.candidates(laws, request.measurement)
     with (
-        watching(names, kind, request) as watch,
+        inputs.watching(names, kind, request) as watch,
         workers(min(count, len(names)), address) as executor,
     ):
         verdict: Verdict = kind.select(replace(request, progress=watch, executor=executor))
@@ -173,27 +127,27 @@ def _selected(kind: AnyKind, request: Request, count: int, address: str | None) 
 
 def show_verdict(verdict: Verdict) -> None:
     """Print the verdict, the comparison, the parameters of the law that is named, what is open."""
-    words, console = verdict.words, stdout()
-    table = kind_of_route(verdict.route).comparison(verdict)
+    words, console = verdict.words, terminal.stdout()
+    table = kinds.kind_of_route(verdict.route).comparison(verdict)
     if table.checks:
-        show_warnings(table.checks)
-    console.print(f"\n{plain(words.verdict)}", style="bold")
-    console.print(plain(words.lede))
+        inputs.show_warnings(table.checks)
+    console.print(f"\n{terminal.plain(words.verdict)}", style="bold")
+    console.print(terminal.plain(words.lede))
     if words.no_score:
         console.print(words.no_score, style="dim")
     console.print()
-    rows = [[plain(cell) for cell in row] for row in table.rows]
-    show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
+    rows = [[terminal.plain(cell) for cell in row] for row in table.rows]
+    terminal.show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
     if table.notes:
         console.print()
     for line in table.notes:
-        console.print(f"  {plain(line)}")
+        console.print(f"  {terminal.plain(line)}")
     if table.fitted:
         title, estimates = table.fitted
         console.print(f"\n{title}", style="bold")
-        show_estimates(estimates)
-    show_trials(table.trials)
-    show_open(words)
+        inputs.show_estimates(estimates)
+    inputs.show_trials(table.trials)
+    inputs.show_open(words)
 
 
 def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) -> Page:
@@ -203,16 +157,16 @@ def _page(verdict: Verdict, rig: Rig, files: Sequence[Path], *, of_paper: bool) 
         data=rig.subject,
         file=Path(rig.path).name,
         digest=rig.digest,
-        files=of_files(files),
-        commands=(command_line(),),
+        files=documents.of_files(files),
+        commands=(terminal.command_line(),),
     )
     if of_paper:
         from stickslip.paper import beside
 
         own = cast("TravelVerdict", verdict)  # the bundled rig has travels
         remark, lead, extra = beside(rig, own)
-        return verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
-    return verdict_page(verdict, origin)
+        return kinds.verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
+    return kinds.verdict_page(verdict, origin)
 
 
 def _criteria_hold(best: "TravelCandidate | None") -> bool:
@@ -227,12 +181,14 @@ def run_fit(options: FitOptions) -> None:
     """Fit, write the rig file of the fitted law, print its parameters."""
     output = options.output
     if output is not None:
-        check_rig_file(output)
-        refuse_overwriting(output, output.parent, force=options.force)
-    rig = rig_with(options, overrides(options.changes), law=options.law)
+        terminal.check_rig_file(output)
+        terminal.refuse_overwriting(output, output.parent, force=options.force)
+    rig = inputs.rig_with(options, terminal.overrides(options.changes), law=options.law)
     if output is not None:
-        refuse_inputs(output, [rig.path, *rig.files])
-    kind, request, files = measured(rig, options, law=partial(law_to_fit, rig, options.law))
+        terminal.refuse_inputs(output, [rig.path, *rig.files])
+    kind, request, files = inputs.measured(
+        rig, options, law=partial(inputs.law_to_fit, rig, options.law)
+    )
     if output is not None and not kind.simulated:
         raise InputError(
             f"--output writes a law that `simulate` can run; laws of {kind.measured} are not"
@@ -242,33 +198,33 @@ def run_fit(options: FitOptions) -> None:
     result = _fitted(kind, request)
     shown = kind.summary(result, request.validate, request.horizon)
     if output is not None:
-        write_file(output, result.to_toml())
+        documents.write_file(output, result.to_toml())
     if options.as_json:
         content = {
             "rig": rig.heading,
-            "digest": with_files(rig.digest, files),
+            "digest": documents.with_files(rig.digest, files),
             **result.to_dict(),
             "checks": checks.to_dict(),
             "second_record": shown.second,
-            **content_of(shown.trials),
+            **inputs.content_of(shown.trials),
         }
-        print_json(document("fit", content))
+        terminal.print_json(documents.document("fit", content))
         return
-    show_warnings(checks)
+    inputs.show_warnings(checks)
     _show_fit(result, shown)
-    show_trials(shown.trials)
+    inputs.show_trials(shown.trials)
     if output is not None:
-        stdout().print(f"\nRig file of the fitted law: {output}")
+        terminal.stdout().print(f"\nRig file of the fitted law: {output}")
 
 
-def _checked(request: Request) -> Checks:
+def _checked(request: kinds.Request) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
     if request.horizon is not None and request.validate is None:
         raise InputError(
             "--horizon is the prediction length on a second record: give --validate FILE too, or"
             " leave it out."
         )
-    conditions = kind_of(request.measurement).conditions
+    conditions = kinds.kind_of(request.measurement).conditions
     checks = check(
         request.measurement,
         mechanism=request.mechanism,
@@ -276,21 +232,21 @@ def _checked(request: Request) -> Checks:
         conditions=conditions,
     )
     if checks.worst == "error":
-        raise refusal([one for one in checks.findings if one.severity == "error"])
+        raise refusal([finding for finding in checks.findings if finding.severity == "error"])
     if request.validate is not None:
         refuse_same(request.measurement, request.validate)
     return checks
 
 
-def _fitted(kind: AnyKind, request: Request) -> Fit:
+def _fitted(kind: kinds.AnyKind, request: kinds.Request) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
-    law: Law = request.law
+    law: kinds.Law = request.law
     name = _name(law)
     several = isinstance(law, Mapping)
     laws = [one for one in law.values() if one is not None] if several else [law]
-    refuse_uninformed(kind, laws, request.mechanism, request.measurement)
+    kinds.refuse_uninformed(kind, laws, request.mechanism, request.measurement)
     law, vary = kind.law_and_parameters(law, request.vary, request.fixed or ())
-    with watching([name], kind, request) as watch:
+    with inputs.watching([name], kind, request) as watch:
         report = partial(watch, name)
         if not kind.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
@@ -298,7 +254,7 @@ def _fitted(kind: AnyKind, request: Request) -> Fit:
         return fitted
 
 
-def _name(law: Law) -> str:
+def _name(law: kinds.Law) -> str:
     """Return the name of a law, or of those of the contacts."""
     if isinstance(law, Mapping):
         names = {contact: _name(one) for contact, one in law.items() if one is not None}
@@ -306,28 +262,30 @@ def _name(law: Law) -> str:
     return law if isinstance(law, str) else law.name
 
 
-def _show_fit(result: Fit, shown: FitSummary) -> None:
-    console = stdout()
+def _show_fit(result: Fit, shown: kinds.FitSummary) -> None:
+    console = terminal.stdout()
     console.print(f"\n{result.law.title} friction", style="bold")
-    show_estimates(result.shown)
+    inputs.show_estimates(result.shown)
     for line in shown.limits:
-        console.print(f"  {plain(line)}")
+        console.print(f"  {terminal.plain(line)}")
     console.print()
     for line in far_above_dry(result):
-        console.print(f"! {plain(line)}\n", style="yellow")
+        console.print(f"! {terminal.plain(line)}\n", style="yellow")
     if shown.rows:
-        show_table("", shown.heads, [[plain(cell) for cell in row] for row in shown.rows])
+        terminal.show_table(
+            "", shown.heads, [[terminal.plain(cell) for cell in row] for row in shown.rows]
+        )
     for line in shown.lines:
-        console.print(plain(line))
+        console.print(terminal.plain(line))
     if result.cancelled:
-        note("The search was stopped early; this is the best fit so far.")
+        terminal.note("The search was stopped early; this is the best fit so far.")
     for line in shown.findings:
-        console.print(f"\n{plain(line)}")
+        console.print(f"\n{terminal.plain(line)}")
     heading, lines = shown.open
     if lines:
         console.print(f"\n{heading}", style="bold")
     for line in lines:
-        console.print(f"  {plain(line)}")
+        console.print(f"  {terminal.plain(line)}")
 
 
 # ``stickslip plan``.
@@ -337,17 +295,17 @@ def run_plan(options: PlanOptions) -> None:
     """Plan, write the sheet, show."""
     files = _files(options.output)
     for file in files:
-        refuse_overwriting(file, file.parent, force=options.force)
+        terminal.refuse_overwriting(file, file.parent, force=options.force)
     _refuse_filled_in(files[1:])
-    rig = rig_with(options, overrides(options.changes))
+    rig = inputs.rig_with(options, terminal.overrides(options.changes))
     travels = rig.measurement
     if travels is not None and not travels.travelled:
         travels = None
-    setting = setting_of(rig.mechanism, travels, rig.t_end)
+    setting = kinds.setting_of(rig.mechanism, travels, rig.t_end)
     between = _between(setting, rig, options.between)
     if not options.as_json:
-        note("Simulating the predictions of the laws ...")
-    found = plan(
+        terminal.note("Simulating the predictions of the laws ...")
+    found = kinds.plan(
         rig.mechanism,
         laws_of(rig, options.laws),
         measurement=travels,
@@ -361,11 +319,13 @@ def run_plan(options: PlanOptions) -> None:
         _write(found, rig, options.rig, files)
     if options.as_json:
         head = {"rig": rig.heading, "digest": rig.digest}
-        print_json(document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]}))
+        terminal.print_json(
+            documents.document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]})
+        )
         return
     _show_plan(found)
     if files:
-        stdout().print(f"\nWritten: {', '.join(map(str, files))}")
+        terminal.stdout().print(f"\nWritten: {', '.join(map(str, files))}")
 
 
 def _files(output: Path | None) -> list[Path]:
@@ -384,13 +344,15 @@ def _refuse_filled_in(tables: Sequence[Path]) -> None:
     """Refuse to replace a table with measured travels, or another one."""
     for table in filter(Path.exists, tables):
         try:
-            text = regular_bytes(table).decode("utf-8", "replace")
+            text = documents.regular_bytes(table).decode("utf-8", "replace")
             head, *rows = list(csv.reader(text.splitlines())) or [[]]
         except OSError as error:
             raise InputError(f"{table} cannot be read: {error.strerror or error}.") from None
         except csv.Error:  # a cell of megabytes is nobody's empty table
             head, rows = [], []
-        if head[-1:] != [TRAVEL_COLUMN] or any(cell.strip() for row in rows for cell in row[2:]):
+        if head[-1:] != [kinds.TRAVEL_COLUMN] or any(
+            cell.strip() for row in rows for cell in row[2:]
+        ):
             raise InputError(
                 f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"
                 " another -o."
@@ -402,17 +364,17 @@ def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | Non
     if text is None:
         return None
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
-    return range_of("--between", text, known[path])
+    return terminal.range_of("--between", text, known[path])
 
 
 def _uncertainty(text: str | None) -> float | None:
     if text is None:
         return None
     with concerning("--uncertainty"):
-        return number_of(text, Quantity("u_s", "m", above=0))
+        return terminal.number_of(text, Quantity("u_s", "m", above=0))
 
 
-def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
+def _write(found: kinds.Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
     from stickslip.identify.kinds import plan_page
     from stickslip.show.report import render, versions
 
@@ -423,15 +385,15 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
         title=rig.heading,
         subject=rig.subject or rig.path,
         save_as=f"stickslip select{name} --data {table.name}",
-        reproduce=[command_line()],
+        reproduce=[terminal.command_line()],
         versions=versions(),
         digest=rig.digest,
     )
-    write_files({sheet: render(page), table: found.csv()})
+    documents.write_files({sheet: render(page), table: found.csv()})
 
 
-def _show_plan(found: Plan) -> None:
-    console = stdout()
+def _show_plan(found: kinds.Plan) -> None:
+    console = terminal.stdout()
     console.print(found.sentence, style="bold")
     if found.assumed:
         console.print(
@@ -439,22 +401,22 @@ def _show_plan(found: Plan) -> None:
             " give the scatter as --uncertainty."
         )
     if found.repeated:
-        console.print(f"The uncertainty is {known_by(found)}.")
+        console.print(f"The uncertainty is {kinds.known_by(found)}.")
     for line in filter(None, (found.range_source, found.band_sentence)):
-        console.print(plain(line))
+        console.print(terminal.plain(line))
     for line in found.remarks:
-        console.print(f"! {plain(line)}", style="yellow")
+        console.print(f"! {terminal.plain(line)}", style="yellow")
     title = ""
-    for table in tables_of(found):
+    for table in kinds.tables_of(found):
         console.print()
         if table.title != title:
             title = table.title
-            console.print(plain(title), style="bold")
+            console.print(terminal.plain(title), style="bold")
         if table.rows:
-            rows = [[plain(cell) for cell in row.cells] for row in table.rows]
-            show_table("", table.heads, rows, whole=table.heads)
+            rows = [[terminal.plain(cell) for cell in row.cells] for row in table.rows]
+            terminal.show_table("", table.heads, rows, whole=table.heads)
         for head, text in table.lines.items():
-            console.print(f"  {plain(head)}: {plain(text)}")
+            console.print(f"  {terminal.plain(head)}: {terminal.plain(text)}")
     head, *_ = found.csv().splitlines()
     console.print("\nSave the travels as a CSV file with these columns", style="bold")
     console.print(f"  {head}")

@@ -6,23 +6,10 @@ from typing import Any
 
 from rich.text import Text
 
+from stickslip import friction
 from stickslip.cli.console import plain, print_json, show_table, stdout
 from stickslip.cli.options import CiteOptions, ModelsOptions
 from stickslip.errors import UnknownNameError
-from stickslip.friction import (
-    PRINTED_EQUATIONS,
-    PRINTED_FORMS,
-    SOURCES,
-    FrictionLaw,
-    PrintedForm,
-    RightEquation,
-    Typical,
-    is_composition,
-    law_type,
-    laws,
-    listed,
-    said_of,
-)
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity, fields_of
@@ -49,10 +36,12 @@ def run(options: ModelsOptions) -> None:
 def _all(*, as_json: bool) -> None:
     if as_json:
         contacts = {name: kind.contact_names or "one" for name, kind in mechanisms().items()}
-        found = {"laws": [_law(law) for law in laws().values()], "mechanisms": contacts}
+        found = {"laws": [_law(law) for law in friction.laws().values()], "mechanisms": contacts}
         print_json(document("models", found))
         return
-    rows = [[name, one.title, str(one.composition or "")] for name, one in listed().items()]
+    rows = [
+        [name, one.title, str(one.composition or "")] for name, one in friction.listed().items()
+    ]
     show_table("", ["law", "title", "composition"], rows)
     stdout().print()
     names = [[name, kind.contact_names or "one"] for name, kind in mechanisms().items()]
@@ -62,14 +51,14 @@ def _all(*, as_json: bool) -> None:
 
 def _printed(*, as_json: bool) -> None:
     if as_json:
-        forms = list(map(published_dict, PRINTED_EQUATIONS))
+        forms = list(map(published_dict, friction.PRINTED_EQUATIONS))
         print_json(document("models", {"printed": forms}))
         return
-    for form in PRINTED_EQUATIONS:
+    for form in friction.PRINTED_EQUATIONS:
         _show_form(form)
 
 
-def _show_form(form: type[PrintedForm] | RightEquation) -> None:
+def _show_form(form: type[friction.PrintedForm] | friction.RightEquation) -> None:
     console = stdout()
     name = f" ({form.name})" if form.name else ""
     console.print(Text.assemble((f"{form.equation} {form.title}", "bold"), name))
@@ -90,8 +79,8 @@ def _note(text: str, width: int) -> str:
 
 
 def _one(name: str, *, as_json: bool) -> None:
-    if name in PRINTED_FORMS:
-        form = PRINTED_FORMS[name]
+    if name in friction.PRINTED_FORMS:
+        form = friction.PRINTED_FORMS[name]
         if as_json:
             print_json(document("models", published_dict(form)))
         else:
@@ -100,10 +89,10 @@ def _one(name: str, *, as_json: bool) -> None:
     if name in mechanisms():
         _mechanism(mechanisms()[name], as_json=as_json)
         return
-    if name not in laws() and not is_composition(name):
-        known = [*laws(), *PRINTED_FORMS, *mechanisms()]
+    if name not in friction.laws() and not friction.is_composition(name):
+        known = [*friction.laws(), *friction.PRINTED_FORMS, *mechanisms()]
         raise UnknownNameError("friction law or mechanism", name, known)
-    law = law_type(name)
+    law = friction.law_type(name)
     if as_json:
         print_json(document("models", _law(law)))
         return
@@ -117,11 +106,11 @@ def _one(name: str, *, as_json: bool) -> None:
         told = CONTACT_INPUTS[asked]
         text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
         console.print(text, soft_wrap=True)
-    for heading, text in said_of(law):
+    for heading, text in friction.said_of(law):
         console.print(f"{heading}: {text}")
     console.print()
     for key in law.sources:
-        console.print(plain(SOURCES[key]))
+        console.print(plain(friction.SOURCES[key]))
 
 
 def _mechanism(kind: type[Mechanism], *, as_json: bool) -> None:
@@ -156,7 +145,7 @@ def _first_line(kind: type) -> str:
     return (vars(kind).get("__doc__") or "").partition("\n")[0]
 
 
-def _show_parameters(kind: type[FrictionLaw] | type[Mechanism]) -> None:
+def _show_parameters(kind: type[friction.FrictionLaw] | type[Mechanism]) -> None:
     rows = [
         [field, quantity.symbol, quantity.unit, quantity.range, _default(kind, field)]
         for field, quantity in fields_of(kind).items()
@@ -165,14 +154,14 @@ def _show_parameters(kind: type[FrictionLaw] | type[Mechanism]) -> None:
         show_table("", ["parameter", "symbol", "unit", "range", "default"], rows)
 
 
-def _parameters(kind: type[FrictionLaw] | type[Mechanism]) -> dict[str, Any]:
+def _parameters(kind: type[friction.FrictionLaw] | type[Mechanism]) -> dict[str, Any]:
     return {
         field: {**_quantity(quantity), "default": _default(kind, field)}
         for field, quantity in fields_of(kind).items()
     }
 
 
-def _default(law: type[FrictionLaw] | type[Mechanism], field: str) -> str:
+def _default(law: type[friction.FrictionLaw] | type[Mechanism], field: str) -> str:
     default = law.__dataclass_fields__[field].default
     if isinstance(default, (int, float)):
         return number(default)
@@ -183,7 +172,7 @@ def _quantity(quantity: Quantity) -> dict[str, Any]:
     return {"symbol": quantity.symbol, "unit": quantity.unit, "range": quantity.range}
 
 
-def _law(law: type[FrictionLaw]) -> dict[str, Any]:
+def _law(law: type[friction.FrictionLaw]) -> dict[str, Any]:
     return {
         "name": law.name,
         "title": law.title,
@@ -194,7 +183,7 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
             name: {"unit": CONTACT_INPUTS[name].unit, "meaning": CONTACT_INPUTS[name].meaning}
             for name in law.inputs
         },
-        "sources": [SOURCES[key] for key in law.sources],
+        "sources": [friction.SOURCES[key] for key in law.sources],
         "composition": None if law.composition is None else str(law.composition),
         "typical": None if law.typical is None else _typical(law.typical),
         "passive": None if law.passivity is None else law.passivity.condition,
@@ -203,8 +192,8 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
     }
 
 
-def _typical(found: Typical) -> dict[str, Any]:
-    source = SOURCES[found.source] if found.source else None
+def _typical(found: friction.Typical) -> dict[str, Any]:
+    source = friction.SOURCES[found.source] if found.source else None
     return {"values": dict(found.values), "source": source}
 
 
@@ -214,16 +203,18 @@ def run_cite(options: CiteOptions) -> None:
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
     chosen: Any = (
-        [law_type(name) for name in options.laws] if options.laws else list(listed().values())
+        [friction.law_type(name) for name in options.laws]
+        if options.laws
+        else list(friction.listed().values())
     )
-    found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
+    found = {law.name: [friction.SOURCES[key] for key in law.sources] for law in chosen}
     if options.as_json:
-        content = {"software": own, "rig": SOURCES["paper"], "laws": found}
+        content = {"software": own, "rig": friction.SOURCES["paper"], "laws": found}
         print_json(document("cite", content))
         return
     console = stdout()
     console.print(f"Software\n  {own}")
-    console.print(f"Bundled rig\n  {SOURCES['paper']}")
+    console.print(f"Bundled rig\n  {friction.SOURCES['paper']}")
     for law in chosen:
         console.print(law.title)
         for source in found[law.name]:

@@ -268,7 +268,7 @@ class EstimationOptions:
     @property
     def settings(self) -> dict[str, Any]:
         """What is said of the settings of estimates, by their fields."""
-        names = [one.name for one in fields(EstimationOptions)]
+        names = [field.name for field in fields(EstimationOptions)]
         given = {name: getattr(self, name) for name in names if name not in ("horizon", "route")}
         return {name: value for name, value in given.items() if value is not None}
 

@@ -8,21 +8,7 @@ from typing import Final
 
 import typer
 
-from stickslip.cli.console import (
-    command_line,
-    draw_page,
-    folder_of,
-    leave_unless_drawn,
-    note,
-    number_of,
-    overrides,
-    plain,
-    print_json,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
+from stickslip.cli import console
 from stickslip.cli.options import BenchmarkOptions, PaperOptions
 from stickslip.cli.progress import Drawing, Interrupts, Watching, workers
 from stickslip.data import load_rig
@@ -47,12 +33,12 @@ DOCUMENT = "paper.json"
 
 def run_paper(options: PaperOptions) -> None:
     """Recompute the paper, write the page, print Table II."""
-    folder = folder_of(options.output, "stickslip-paper", as_json=options.as_json)
+    folder = console.folder_of(options.output, "stickslip-paper", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
+        console.refuse_overwriting(folder, folder, force=options.force, files=(PAGE, DOCUMENT))
     rig = load_rig(options.rig)
     if folder is not None:
-        refuse_inputs(folder / PAGE, rig.files)
+        console.refuse_inputs(folder / PAGE, rig.files)
     check_form(rig)
     cart = _cart(options.changes)
     doing = "Recomputing the paper:" if options.rig is None else "Recomputing:"
@@ -60,29 +46,31 @@ def run_paper(options: PaperOptions) -> None:
         found = audit(rig, cart=cart, progress=watch)
     content = document("paper", found.to_dict())
     if options.as_json:
-        print_json(content)
+        console.print_json(content)
     else:
         _show(found)
     if folder is None:
         return
     files = {DOCUMENT: json_text(content)}
     kept = f"The numbers are in {folder / DOCUMENT}."
-    page = partial(paper_report, found, command=command_line())
+    page = partial(paper_report, found, command=console.command_line())
 
     def write(text: str | None) -> None:
         write_folder(folder, files if text is None else {PAGE: text} | files, stale=[PAGE])
 
-    leave_unless_drawn(draw_page(folder, page, write, kept=kept, quiet=options.as_json))
+    console.leave_unless_drawn(
+        console.draw_page(folder, page, write, kept=kept, quiet=options.as_json)
+    )
 
 
 def _cart(changes: Sequence[str]) -> PendulumCart:
     """Return the cart with masses and swing from the command line."""
     quantities = {path: quantity for path, quantity, _ in parameters(CART, "cart")}
     values = {}
-    for given, text in overrides(changes).items():
+    for given, text in console.overrides(changes).items():
         path = full_path(given, quantities)
         with concerning(f"--set {given}"):
-            values[path] = number_of(text, quantities[path])
+            values[path] = console.number_of(text, quantities[path])
     return vary(CART, "cart", values)
 
 
@@ -106,18 +94,18 @@ def _show(found: PaperAudit) -> None:
             travel = row.published.travel
             cells.insert(1, "" if travel is None else fixed(travel, 2))
     title = "The models of the paper" if found.own else "Table II"
-    show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
-    stdout().print()
+    console.show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
+    console.stdout().print()
     if len(found.trials) > 1:
         _show_trials(found)
     _show_ranks(found)
     if found.own:
-        stdout().print()
-        stdout().print(plain(found.verdict.words.verdict))
-        stdout().print(plain(found.verdict.words.lede))
+        console.stdout().print()
+        console.stdout().print(console.plain(found.verdict.words.verdict))
+        console.stdout().print(console.plain(found.verdict.words.lede))
     else:
         _show_needs(found)
-    stdout().print()
+    console.stdout().print()
     _show_cart(found.cart, own=found.own)
 
 
@@ -132,8 +120,8 @@ def _show_trials(found: PaperAudit) -> None:
         ]
         for trial in found.trials
     ]
-    show_table("Travels of all trials, m", heads, rows)
-    stdout().print()
+    console.show_table("Travels of all trials, m", heads, rows)
+    console.stdout().print()
 
 
 def _show_ranks(found: PaperAudit) -> None:
@@ -156,27 +144,27 @@ def _show_ranks(found: PaperAudit) -> None:
     ]
     said = "" if found.verdict.ranked else "; select ranks no law on a single travel"
     heads = ["model", *(names[key] for key in keys)]
-    show_table(f"Ranks by the paper's criteria{said}", heads, rows)
+    console.show_table(f"Ranks by the paper's criteria{said}", heads, rows)
 
 
 def _show_needs(found: PaperAudit) -> None:
     """Print what would give the published rows."""
     rows = [_need(need) for need in found.requirements]
-    stdout().print()
+    console.stdout().print()
     heads = ["row", "m", "interpreted as", "needs", "range"]
-    show_table("Parameter values that would reproduce the published rows", heads, rows)
+    console.show_table("Parameter values that would reproduce the published rows", heads, rows)
     rows = [
         [
-            one.row,
-            fixed(one.published, 2),
-            *map(plain, step_cells(one)),
-            plain(values_of(one.law, found.values.load)),
+            step_travel.row,
+            fixed(step_travel.published, 2),
+            *map(console.plain, step_cells(step_travel)),
+            console.plain(values_of(step_travel.law, found.values.load)),
         ]
-        for one in found.step_travels
+        for step_travel in found.step_travels
     ]
-    heads = ["row", "m", *(f"{what}, m" for what in map(plain, RULES.values())), "with"]
-    stdout().print()
-    show_table("The push in steps of 10 ms, by the friction out of rest", heads, rows)
+    heads = ["row", "m", *(f"{what}, m" for what in map(console.plain, RULES.values())), "with"]
+    console.stdout().print()
+    console.show_table("The push in steps of 10 ms, by the friction out of rest", heads, rows)
     rows = [
         [
             row.law,
@@ -188,21 +176,23 @@ def _show_needs(found: PaperAudit) -> None:
         for row in found.bristles
     ]
     heads = ["law", "bristles, N/m", "at the stop", "A push, m", "lowest velocity, mm/s"]
-    stdout().print()
-    show_table("Softer bristles in the same push", heads, rows)
+    console.stdout().print()
+    console.show_table("Softer bristles in the same push", heads, rows)
     rows = [
         [
-            significant(1e3 * one.stribeck_velocity, 4),
-            fixed(one.mean, 2),
-            f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
-            fixed(one.held, 4),
-            fixed(one.fine, 4),
+            significant(1e3 * creep.stribeck_velocity, 4),
+            fixed(creep.mean, 2),
+            f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
+            fixed(creep.held, 4),
+            fixed(creep.fine, 4),
         ]
-        for one in found.creeps
+        for creep in found.creeps
     ]
     heads = ["v_s, mm/s", "10 ms, no rule, m", "scatter, m", "10 ms, rule, m", "1 ms, no rule, m"]
-    stdout().print()
-    show_table("(5) with sgn v added, its exponent as printed, push in fixed steps", heads, rows)
+    console.stdout().print()
+    console.show_table(
+        "(5) with sgn v added, its exponent as printed, push in fixed steps", heads, rows
+    )
 
 
 def _show_cart(study: CartStudy, *, own: bool) -> None:
@@ -225,7 +215,7 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
         f"The cart (masses, length and swing are {origin}): travel in {CYCLES} cycles and"
         " in the last one, back-slip per cycle, lowest velocity"
     )
-    show_table(title, heads, rows)
+    console.show_table(title, heads, rows)
 
 
 def _need(need: Requirement) -> list[str]:
@@ -277,21 +267,21 @@ def run_benchmark(options: BenchmarkOptions) -> None:
             [one.name for one in chosen], folder, peers=asked, executor=pool, progress=progress
         )
     if not found.rows:
-        note("No fit is there yet: the same command begins again.")
+        console.note("No fit is there yet: the same command begins again.")
         raise typer.Exit(CANCELLED)
     heads, cells = ["task", "law of stickslip", "error", *PEERS], summary_rows(found)
     lines = io.StringIO()
     csv.writer(lines, lineterminator="\n").writerows([heads, *cells])
-    page = render(benchmark_page(found, reproduce=[command_line()]))
+    page = render(benchmark_page(found, reproduce=[console.command_line()]))
     write_files({folder / BENCHMARK_PAGE: page, folder / SUMMARY: lines.getvalue()})
     if options.as_json:
         content = {"folder": str(folder), "made": found.made, "complete": found.complete}
-        print_json(document("benchmark-run", content))
+        console.print_json(document("benchmark-run", content))
     else:
-        show_table("", heads, cells, whole=["task"])
-        stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
+        console.show_table("", heads, cells, whole=["task"])
+        console.stdout().print(f"\nReport: {folder / BENCHMARK_PAGE}")
     if not found.complete:
-        note("Not all fits are there: the same command goes on.")
+        console.note("Not all fits are there: the same command goes on.")
         raise typer.Exit(CANCELLED)
 
 
@@ -302,13 +292,13 @@ def _with_data(chosen: Sequence[Task]) -> list[Task]:
         record = one.dataset
 
         def told(text: str, licence: str = record.licence) -> None:
-            note(f"{text} (licence: {licence})")
+            console.note(f"{text} (licence: {licence})")
 
         try:
             for file in one.files:
                 record.path(file, report=told)
         except InputError as error:
-            note(f"{one.name}: left out: {error}")
+            console.note(f"{one.name}: left out: {error}")
         else:
             found.append(one)
     if not found:
@@ -331,7 +321,7 @@ def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
             }
             for one in chosen
         ]
-        print_json(document("benchmark-tasks", {"tasks": rows}))
+        console.print_json(document("benchmark-tasks", {"tasks": rows}))
         return
     cells = [[one.name, one.title, one.fitted, one.judged, one.metric.text] for one in chosen]
-    show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])
+    console.show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])

@@ -11,19 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
-from stickslip.cli.console import (
-    command_line,
-    draw_page,
-    leave_unless_drawn,
-    note,
-    number_of,
-    plain,
-    print_json,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
+from stickslip import mechanisms
+from stickslip.cli import console as terminal
 from stickslip.cli.inputs import (
     ChosenForm,
     ChosenLaw,
@@ -46,14 +35,6 @@ from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identify.candidates import criteria_of
 from stickslip.identify.fits import RecordSettings, inside, with_inputs
 from stickslip.identify.kinds import PAGE, fit
-from stickslip.mechanisms import (
-    Mechanism,
-    cycle_or_none,
-    has_one_slip,
-    input_names,
-    slip_of,
-    slipping,
-)
 from stickslip.quantities import fields_of, named
 from stickslip.show.display import require_library
 from stickslip.show.documents import document, write_file, write_folder
@@ -66,17 +47,7 @@ from stickslip.show.formatting import (
     scale_of,
     within,
 )
-from stickslip.study.sweep import (
-    Band,
-    DrivenCycle,
-    Refit,
-    Spread,
-    Validation,
-    band_of,
-    compare_estimates,
-    cycles_in,
-    validate,
-)
+from stickslip.study import sweep
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,13 +85,13 @@ class Ran:
     """The law, with its estimates; laws by contact where contacts have their own."""
     run: Trajectory
     """The trajectory."""
-    band: Band | None
+    band: sweep.Band | None
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
-    validation: Validation | None = None
+    validation: sweep.Validation | None = None
     """What was measured on the rig beside the prediction; None if that cannot be compared."""
-    refit: Refit | None = None
+    refit: sweep.Refit | None = None
     """The law fitted to that, on request."""
     twin: "Twin | None" = None
     """The run as that of another program, with what it makes of the friction."""
@@ -131,15 +102,17 @@ def run(options: SimulateOptions) -> None:
     output = options.output
     if output is not None:
         check_table(output)
-        refuse_overwriting(output, output.parent, force=options.force)
+        terminal.refuse_overwriting(output, output.parent, force=options.force)
     if options.report is not None:
         page = options.report / PAGE
         option = "--report-to FOLDER"
-        refuse_overwriting(page, options.report, force=options.force, option=option, files=(PAGE,))
+        terminal.refuse_overwriting(
+            page, options.report, force=options.force, option=option, files=(PAGE,)
+        )
     choose = rig_and_form if options.law in PRINTED_FORMS else rig_and_friction
     rig, chosen = choose(options)
     if output is not None:
-        refuse_inputs(output, rig.files)
+        terminal.refuse_inputs(output, rig.files)
     ran = _ran(rig, chosen, options)
     criteria = criteria_of(ran.run, rig.mechanism) if _has_criteria(ran) else None
     if output is not None:
@@ -148,27 +121,29 @@ def run(options: SimulateOptions) -> None:
     if not options.as_json:
         _show(ran, options)
         if output is not None:
-            stdout().print(f"\nWritten: {output}")
+            terminal.stdout().print(f"\nWritten: {output}")
     page_code = 0
     if options.report is not None:
         kept = "The result of the run is not affected."
         drawn = partial(_page, ran, options)
         write = partial(_write_page, options.report)
-        page_code = draw_page(options.report, drawn, write, kept=kept, quiet=options.as_json)
+        page_code = terminal.draw_page(
+            options.report, drawn, write, kept=kept, quiet=options.as_json
+        )
     if options.as_json:
         content = _content(ran, options)
         content |= {} if criteria is None else {"criteria": asdict(criteria)}
         if options.report is not None:
             content["report"] = None if page_code else str(options.report / PAGE)
-        print_json(document("simulate", content))
+        terminal.print_json(document("simulate", content))
     refuse(ran.run, certified=options.exact)
     advances = criteria is None or (
         criteria.velocity_never_negative and criteria.displacement_never_decreases
     )
     if options.enforce and not advances:
-        note("A criterion of the paper fails: the body moves backwards.")
+        terminal.note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
-    leave_unless_drawn(page_code)
+    terminal.leave_unless_drawn(page_code)
 
 
 def _write_page(folder: Path, text: str | None) -> None:
@@ -181,14 +156,14 @@ def _ran(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simulat
         return _ran_as(rig, chosen, options)
     if isinstance(chosen, ChosenForm):
         return _ran_form(rig, chosen, options)
-    if has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
+    if mechanisms.has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
         return _ran_law(rig, chosen, options)
     return _ran_by_contact(rig, chosen, options)
 
 
 def _has_criteria(ran: Ran) -> bool:
     """Whether one contact slips along a coordinate, so that the criteria of the paper apply."""
-    return has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
+    return mechanisms.has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
 
 
 def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
@@ -211,7 +186,7 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
     resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
     for remark in beyond:
-        note(plain(remark))
+        terminal.note(terminal.plain(remark))
     return Ran(
         rig=rig,
         chosen=chosen,
@@ -228,12 +203,12 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     names = tuple(one.name for one in rig.mechanism.contacts())
     laws = assigned(names, friction)
 
-    def lacking(mechanism: Mechanism) -> set[str]:
+    def lacking(mechanism: mechanisms.Mechanism) -> set[str]:
         return {
             name
             for contact in names
             for name in getattr(law_of(contact, laws), "inputs", ())
-            if name not in input_names(mechanism, contact)
+            if name not in mechanisms.input_names(mechanism, contact)
         }
 
     missing = lacking(rig.mechanism)
@@ -245,7 +220,7 @@ def _told(rig: Rig, friction: Friction) -> Rig:
     if lacking(informed):
         return rig
     for name in sorted(missing):
-        note(f"The {name} of the run is that of {record.name or 'the first record'}.")
+        terminal.note(f"The {name} of the run is that of {record.name or 'the first record'}.")
     return replace(rig, mechanism=informed)
 
 
@@ -273,7 +248,7 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simu
     given_values: dict[str, float | str] = {}
     for key, text in values.items():
         with concerning(f"--as {name}: {key}"):
-            given_values[key] = number_of(text, numbers[key]) if key in numbers else text
+            given_values[key] = terminal.number_of(text, numbers[key]) if key in numbers else text
     program = kind(**given_values)
     t_end = rig.t_end if options.t_end is None else options.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
@@ -319,14 +294,14 @@ def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: Simula
         )
 
 
-def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Validation | None:
+def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> sweep.Validation | None:
     """Return what was measured beside the prediction; None, with a note, if that cannot be."""
     if rig.measurement is None:
         return None
     try:
         if options.fixed_step is not None:
             raise InputError("that requires exact events, and --fixed-step locates none.")
-        return validate(
+        return sweep.validate(
             rig.mechanism,
             chosen.law,
             rig.measurement,
@@ -336,11 +311,13 @@ def _validated(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Validat
             seed=options.seed,
         )
     except StickslipError as error:
-        note(plain(f"The prediction was not compared with what was measured: {error}"))
+        terminal.note(
+            terminal.plain(f"The prediction was not compared with what was measured: {error}")
+        )
         return None
 
 
-def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
+def _refitted(rig: Rig, chosen: ChosenLaw) -> sweep.Refit:
     """Fit what is known of the law with an interval, or all of it, to what was measured."""
     assert rig.measurement is not None
     known = chosen.estimates
@@ -356,7 +333,7 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
             settings=RecordSettings(hold=rig.hold) if records else None,
             t_end=None if records else rig.t_end,
         )
-    return Refit(fit=found, parameters=compare_estimates(chosen.law, known, found))
+    return sweep.Refit(fit=found, parameters=sweep.compare_estimates(chosen.law, known, found))
 
 
 def _band(
@@ -366,17 +343,19 @@ def _band(
     run: Trajectory,
     *,
     t_end: float,
-) -> Band | None:
+) -> sweep.Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
     if options.ensemble is None:
         return None
     if not run.status.complete:
-        note("The ensemble was not simulated: the run with the best-fit values ended early.")
+        terminal.note(
+            "The ensemble was not simulated: the run with the best-fit values ended early."
+        )
         return None
     friction = friction_of(chosen)
     with Drawing("Running") as progress:
-        return band_of(
+        return sweep.band_of(
             rig.mechanism,
             friction,
             known,
@@ -392,7 +371,7 @@ def _band(
 
 def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateOptions) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
-    names = ", ".join(one.name for one in rig.mechanism.contacts())
+    names = ", ".join(contact.name for contact in rig.mechanism.contacts())
     if options.enforce:
         raise InputError(
             "--enforce takes a mechanism with one contact that slips along a coordinate, but"
@@ -400,7 +379,9 @@ def _ran_by_contact(rig: Rig, chosen: ChosenLaw | ChosenLaws, options: SimulateO
         )
     _refuse_impossible(rig, chosen, options)
     if rig.measurement is not None:
-        note("The prediction was not compared with what was measured: that takes one contact.")
+        terminal.note(
+            "The prediction was not compared with what was measured: that takes one contact."
+        )
     friction = friction_of(chosen)
     rig = _told(rig, friction)
     t_end = rig.t_end if options.t_end is None else options.t_end
@@ -433,7 +414,7 @@ def _without_fitted_start(rig: Rig) -> Measurement:
     return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
-def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
+def _lengths(mechanism: mechanisms.Mechanism, run: Trajectory) -> dict[str, float]:
     """Return what the headline and the tiles of a run say of its motion, by what it is called."""
     if cycles := _cycles(mechanism, run):
         return {
@@ -444,10 +425,10 @@ def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
     return {"travel": seen.travel, "largest back-slip": seen.largest_return}
 
 
-def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
+def _cycles(mechanism: mechanisms.Mechanism, run: Trajectory) -> tuple[sweep.DrivenCycle, ...]:
     """Return the whole cycles of a run, none where the drives do not repeat themselves."""
-    period = None if not has_one_slip(mechanism) else cycle_or_none(mechanism)
-    return () if period is None else cycles_in(run, mechanism, period)
+    period = None if not mechanisms.has_one_slip(mechanism) else mechanisms.cycle_or_none(mechanism)
+    return () if period is None else sweep.cycles_in(run, mechanism, period)
 
 
 def _table(ran: Ran, samples: int) -> "pd.DataFrame":
@@ -469,7 +450,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}
     digests |= {} if source is None else {"the law": source.digest}
-    if isinstance(ran.chosen, ChosenLaws) or not has_one_slip(ran.rig.mechanism):
+    if isinstance(ran.chosen, ChosenLaws) or not mechanisms.has_one_slip(ran.rig.mechanism):
         return contacts_page(
             ContactsReport(
                 rig=ran.rig,
@@ -477,7 +458,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
                 run=ran.run,
                 estimates=ran.chosen.estimates,
                 band=ran.band,
-                commands=(command_line(),),
+                commands=(terminal.command_line(),),
                 versions=versions(),
                 digests=digests,
             )
@@ -494,7 +475,7 @@ def _page(ran: Ran, options: SimulateOptions) -> str:
             validation=ran.validation,
             refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
             fixed_step=options.fixed_step,
-            commands=(command_line(),),
+            commands=(terminal.command_line(),),
             versions=versions(),
             digests=digests,
         )
@@ -596,10 +577,12 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
         },
     }
     if ran.remarks:
-        content["remarks"] = list(map(plain, ran.remarks))
+        content["remarks"] = list(map(terminal.plain, ran.remarks))
     cycles = _cycles(ran.rig.mechanism, run)
     if cycles:
-        content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
+        content["cycles"] = [
+            asdict(cycle) | {"mean_velocity": cycle.mean_velocity} for cycle in cycles
+        ]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
     if ran.twin is not None:
@@ -612,13 +595,13 @@ def _content(ran: Ran, options: SimulateOptions) -> dict[str, Any]:
 
 
 def _show(ran: Ran, options: SimulateOptions) -> None:
-    console, run = stdout(), ran.run
+    console, run = terminal.stdout(), ran.run
     form = isinstance(ran.chosen, ChosenForm)  # its title says what it is an equation of
     show_heading(ran.rig, friction_title(ran.chosen) + ("" if form else " friction"))
     console.print(f"{run.ending}{_still_moving(ran)}")
     if run.events:
         contact = ["contact"] if run.contacts else []
-        show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
+        terminal.show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
     ends = run.at(run.span)
     shown = run.names[: 2 * len(ran.rig.mechanism.coordinates)] if run.contacts else run.names[:2]
     left = len(shown) - MOST_STATES
@@ -665,7 +648,7 @@ def _still_moving(ran: Ran) -> str:
     run, mechanism = ran.run, ran.rig.mechanism
     if not isinstance(ran.chosen, ChosenForm) or run.status is not Status.END_TIME:
         return ""
-    rate = mechanism.rates[mechanism.coordinates.index(slip_of(mechanism))]
+    rate = mechanism.rates[mechanism.coordinates.index(mechanisms.slip_of(mechanism))]
     speed = float(run[rate][-1])
     if speed == 0.0:
         return ""
@@ -675,16 +658,16 @@ def _still_moving(ran: Ran) -> str:
 def _cycles_lines(ran: Ran) -> str:
     """Return what moves in a cycle of the drives, and how fast on average, a line each."""
     mechanism = ran.rig.mechanism
-    period = cycle_or_none(mechanism)
+    period = mechanisms.cycle_or_none(mechanism)
     if period is None:
         return ""
-    names = [name for name in slipping(mechanism) if name not in mechanism.guided()]
+    names = [name for name in mechanisms.slipping(mechanism) if name not in mechanism.guided()]
     names = names[:MOST_STATES]
     return "".join(_cycles_line(ran, period, name, alone=len(names) == 1) for name in names)
 
 
 def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
-    cycles = cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
+    cycles = sweep.cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
     if not cycles:
         return ""
     one, unit = cycles[-1], ran.run.units[name]
@@ -701,7 +684,7 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
 
 def _show_twin(found: "Twin") -> None:
     """Print what another program makes of the friction, and settings that come closer."""
-    console = stdout()
+    console = terminal.stdout()
     console.print("\nBeside the exact run", style="bold")
     for line in found.sentences:
         console.print(line)
@@ -712,13 +695,18 @@ def _show_twin(found: "Twin") -> None:
             console.print(line)
 
 
-def _show_validation(seen: Validation) -> None:
+def _show_validation(seen: sweep.Validation) -> None:
     """Print what was measured beside the prediction, and what to think of it."""
-    console = stdout()
+    console = terminal.stdout()
     console.print("\nPrediction and measurement", style="bold")
     if seen.travels:
-        rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
-        show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
+        rows = [
+            [travel.name, travel.quantity.replace("_", " "), *travel.cells()]
+            for travel in seen.travels
+        ]
+        terminal.show_table(
+            "", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows
+        )
     for line in seen.sentences():
         console.print(line)
 
@@ -742,7 +730,7 @@ def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
 
 
-def _show_band(band: Band) -> None:
+def _show_band(band: sweep.Band) -> None:
     """Print the spread of the motion over draws of the parameters of the law, or of the laws."""
     rows = []
     for name, travel in list(band.travels.items())[:MOST_STATES]:
@@ -755,14 +743,14 @@ def _show_band(band: Band) -> None:
             if k in (0, len(cycles) - 1)
         ]
         rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
-    stdout().print()
+    terminal.stdout().print()
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
-    show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
+    terminal.show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
     for reason in band.reasons:
-        stdout().print(reason)
+        terminal.stdout().print(reason)
 
 
-def _cells(spread: Spread, unit: str) -> list[str]:
+def _cells(spread: sweep.Spread, unit: str) -> list[str]:
     factor, unit = scale_of([spread.median, spread.low, spread.high], unit)
     median, low, high = (factor * one for one in (spread.median, spread.low, spread.high))
     return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]

@@ -8,34 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.cli.console import (
-    command_line,
-    folder_of,
-    note,
-    number_of,
-    plain,
-    print_json,
-    range_of,
-    refuse_inputs,
-    refuse_overwriting,
-    show_table,
-    stdout,
-)
-from stickslip.cli.inputs import (
-    friction_of,
-    friction_title,
-    laws_drawn,
-    rig_and_friction,
-    rig_content,
-    show_heading,
-)
-from stickslip.cli.options import (
-    CharacterizeOptions,
-    LawOptions,
-    OrbitOptions,
-    ProfileOptions,
-    SweepOptions,
-)
+from stickslip.cli import console as terminal
+from stickslip.cli import inputs
+from stickslip.cli import options as option_groups
 from stickslip.cli.progress import Drawing, Improving, Interrupts, workers
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.data import Rig, load_rig, read_number, settled_speed
@@ -46,16 +21,8 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 from stickslip.show.documents import document, json_text, write_files, write_folder
 from stickslip.show.formatting import joined, number, quantity
+from stickslip.study import optimisation
 from stickslip.study.characterization import TESTS, Characterization, characterize
-from stickslip.study.optimisation import (
-    GOALS,
-    Limits,
-    Margin,
-    Optimum,
-    ScoredMotion,
-    optimise_profile,
-    units_of_limits,
-)
 from stickslip.study.sweep import (
     OrbitDiagram,
     VelocityBand,
@@ -81,11 +48,11 @@ def _figure_beside(output: Path, *, force: bool) -> Path:
     check_table(output)
     figure = output.with_suffix(".svg")
     for file in (output, figure):
-        refuse_overwriting(file, output.parent, force=force)
+        terminal.refuse_overwriting(file, output.parent, force=force)
     return figure
 
 
-def run_sweep(options: SweepOptions) -> None:
+def run_sweep(options: option_groups.SweepOptions) -> None:
     """Run the grid, write table and figure, show."""
     if options.dry_run:
         raise InputError("--dry-run applies to campaign files, not to --vary: leave it out.")
@@ -97,16 +64,18 @@ def run_sweep(options: SweepOptions) -> None:
         raise InputError("--ensemble takes one --vary, and no --coordinate.")
     if draws is not None and (count is not None or executor is not None):
         raise InputError("--ensemble runs in one process: leave --workers and --executor out.")
-    rig, chosen = rig_and_friction(options)
-    refuse_inputs(output, rig.files)
-    law = friction_of(chosen)
+    rig, chosen = inputs.rig_and_friction(options)
+    terminal.refuse_inputs(output, rig.files)
+    law = inputs.friction_of(chosen)
     settings: dict[str, Any] = {"cycles": options.cycles, "settle": options.settle}
     settings["y0"] = rig.start(law)
     turns: Sequence[float] = []
     measured: list[tuple[float, float]] = []
     found: VelocityMap | VelocityBand
     if draws is not None:
-        laws, settings["error"] = laws_drawn(rig, chosen, options.law_load, draws, options.seed)
+        laws, settings["error"] = inputs.laws_drawn(
+            rig, chosen, options.law_load, draws, options.seed
+        )
         ((name, values),) = axes.items()
         measured = _filmed(rig, name, values)
         values = np.union1d(
@@ -133,16 +102,18 @@ def run_sweep(options: SweepOptions) -> None:
     _write_map(found, measured, output, figure)
     if options.as_json:
         files = [str(output), str(figure)]
-        print_json(document("sweep", rig_content(rig, chosen) | content | {"files": files}))
+        terminal.print_json(
+            document("sweep", inputs.rig_content(rig, chosen) | content | {"files": files})
+        )
         return
     if isinstance(found, VelocityBand):
         counts = [f"{name} {times}" for name, times in content["laws"].items()]
-        show_heading(rig, f"laws drawn: {joined(counts)}")
+        inputs.show_heading(rig, f"laws drawn: {joined(counts)}")
         _show_band(found, measured)
     else:
-        show_heading(rig, f"{friction_title(chosen)} friction")
+        inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
         _show_map(found, turns)
-    stdout().print(f"\nWritten: {output}, {figure}")
+    terminal.stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _filmed(rig: Rig, name: str, values: Array) -> list[tuple[float, float]]:
@@ -167,7 +138,7 @@ def _band_content(
         "velocity_unit": found.velocity_unit,
         "level": found.level,
         "error": found.error,
-        "laws": dict(Counter(one.name for one in laws)),
+        "laws": dict(Counter(law.name for law in laws)),
         "measured": [list(pair) for pair in measured],
         "early_ends": list(found.reasons),
     }
@@ -206,18 +177,20 @@ def _write_map(
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
-    stdout().print(str(found))
+    terminal.stdout().print(str(found))
     ends = zip(found.low, found.high, strict=True)
     band = dict(zip(found.values.tolist(), ends, strict=True))
     seen = [(at, band[at][0] <= speed <= band[at][1]) for at, speed in measured]
     if seen:
         off = [number(at, 6) for at, inside in seen if not inside]
         where = f", not at {joined(off)} {found.unit}" if off else ""
-        stdout().print(f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}.")
+        terminal.stdout().print(
+            f"{len(seen) - len(off)} of {len(seen)} measured speeds lie in it{where}."
+        )
 
 
 def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
-    console = stdout()
+    console = terminal.stdout()
     rows = []
     for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
         if not np.isfinite(found.velocity).any():
@@ -229,7 +202,7 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
         ]
         rows.append([word, f"{number(found.velocity[place] + 0.0, 6)}", *at])
     if rows:
-        show_table("", ["mean velocity", found.unit, *found.axes], rows)
+        terminal.show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
         (unit,) = found.units.values()
         console.print(f"The mean velocity changes sign at about {quantity(turn, unit, 3)}.")
@@ -266,14 +239,14 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
 DIAGRAM_SIZE = (880, 400)
 
 
-def run_orbits(options: OrbitOptions) -> None:
+def run_orbits(options: option_groups.OrbitOptions) -> None:
     """Find the branches, write table and figure, show."""
     output = options.output
     figure = _figure_beside(output, force=options.force)
     name, between = _range(options.vary)
-    rig, chosen = rig_and_friction(options)
-    refuse_inputs(output, rig.files)
-    law = friction_of(chosen)
+    rig, chosen = inputs.rig_and_friction(options)
+    terminal.refuse_inputs(output, rig.files)
+    law = inputs.friction_of(chosen)
     with Drawing("Running", "values") as progress:
         found = orbit_diagram(
             rig.mechanism,
@@ -288,12 +261,12 @@ def run_orbits(options: OrbitOptions) -> None:
         )
     _write_diagram(found, output, figure)
     if options.as_json:
-        content = rig_content(rig, chosen) | _diagram_content(found)
-        print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
+        content = inputs.rig_content(rig, chosen) | _diagram_content(found)
+        terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
-    show_heading(rig, f"{friction_title(chosen)} friction")
+    inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
     _show_diagram(found)
-    stdout().print(f"\nWritten: {output}, {figure}")
+    terminal.stdout().print(f"\nWritten: {output}, {figure}")
 
 
 def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
@@ -344,15 +317,19 @@ def _show_diagram(found: OrbitDiagram) -> None:
         ]
     name = found.path.rpartition(".")[2]
     if rows:
-        show_table("Branches of periodic orbits", ["branch", "period", name, "stable"], rows)
+        terminal.show_table(
+            "Branches of periodic orbits", ["branch", "period", name, "stable"], rows
+        )
     if events:
-        show_table("What changes along them", ["branch", name, "event", "what changes"], events)
+        terminal.show_table(
+            "What changes along them", ["branch", name, "event", "what changes"], events
+        )
     ends = [
         f"Branch {index}: {' '.join(dict.fromkeys(branch.ends))}"
         for index, branch in enumerate(found.branches)
     ]
     for sentence in (*ends, *found.costs()):
-        stdout().print(sentence)
+        terminal.stdout().print(sentence)
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
@@ -384,13 +361,13 @@ OPTIONS = {
 FILES = {"rig.toml", "profile.svg", "optimum.json"}
 
 
-def run_profile(options: ProfileOptions) -> None:
+def run_profile(options: option_groups.ProfileOptions) -> None:
     """Search, write rig file, figure and numbers, print what was found."""
-    folder = folder_of(options.output, "stickslip-profile", as_json=options.as_json)
+    folder = terminal.folder_of(options.output, "stickslip-profile", as_json=options.as_json)
     if folder is not None:
-        refuse_overwriting(folder, folder, force=options.force, files=FILES)
-    rig, chosen = rig_and_friction(
-        LawOptions(
+        terminal.refuse_overwriting(folder, folder, force=options.force, files=FILES)
+    rig, chosen = inputs.rig_and_friction(
+        option_groups.LawOptions(
             rig=options.rig,
             changes=options.changes,
             law=options.law,
@@ -399,28 +376,28 @@ def run_profile(options: ProfileOptions) -> None:
     )
     laws = None
     if options.draws is not None:
-        laws, _ = laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
-    found = _found(rig, friction_of(chosen), laws, options)
-    content = document("profile", rig_content(rig, chosen) | found.to_dict())
+        laws, _ = inputs.laws_drawn(rig, chosen, options.law_load, options.draws, options.seed)
+    found = _found(rig, inputs.friction_of(chosen), laws, options)
+    content = document("profile", inputs.rig_content(rig, chosen) | found.to_dict())
     if folder is not None:
         write_folder(folder, _files(found, content))
     if options.as_json:
-        print_json(content)
+        terminal.print_json(content)
     else:
         _show_optimum(found)
-        stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
+        terminal.stdout().print(f"\nWritten: {folder} ({', '.join(sorted(FILES))})")
     if found.cancelled:
-        note("The search was stopped early; this is the best motion so far.")
+        terminal.note("The search was stopped early; this is the best motion so far.")
 
 
 def _found(
     rig: Rig,
     law: FrictionLaw | Laws,
     laws: Sequence[FrictionLaw] | None,
-    options: ProfileOptions,
-) -> Optimum:
+    options: option_groups.ProfileOptions,
+) -> optimisation.Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
-    goal = named(GOALS, options.goal, "goal")
+    goal = named(optimisation.GOALS, options.goal, "goal")
     limits = _limits(rig.mechanism, options)
     interval = dict(_interval(rig.mechanism, law, text) for text in options.interval)
     with (
@@ -428,7 +405,7 @@ def _found(
         Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
         workers(options.count or 1, options.executor) as executor,
     ):
-        return optimise_profile(
+        return optimisation.optimise_profile(
             rig.mechanism,
             law,
             limits=limits,
@@ -453,10 +430,10 @@ def _quantile(text: str) -> float | Literal["mean"]:
         return read_number(text, Quantity("quantile", low=0, high=1))
 
 
-def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
+def _limits(mechanism: Mechanism, options: option_groups.ProfileOptions) -> optimisation.Limits:
     """Read the limits, each in its unit."""
-    units, values = units_of_limits(mechanism), {}
-    quantities = dict(fields_of(Limits))
+    units, values = optimisation.units_of_limits(mechanism), {}
+    quantities = dict(fields_of(optimisation.Limits))
     values["position"] = _position(options, quantities.pop("position"), units["position"])
     for name, limit in quantities.items():
         text: str | None = getattr(options, name)
@@ -465,10 +442,10 @@ def _limits(mechanism: Mechanism, options: ProfileOptions) -> Limits:
         own = Quantity(limit.symbol, units[name], low=limit.low, high=limit.high, above=limit.above)
         with concerning(OPTIONS[name]):
             values[name] = read_number(text, own)
-    return Limits(**values)
+    return optimisation.Limits(**values)
 
 
-def _position(options: ProfileOptions, quantity: Quantity, unit: str) -> float:
+def _position(options: option_groups.ProfileOptions, quantity: Quantity, unit: str) -> float:
     """Return the largest distance from the middle, by the option of its kind of motion."""
     of_angle = unit == "rad"
     option, wrong = ("--angle", "--stroke") if of_angle else ("--stroke", "--angle")
@@ -500,10 +477,10 @@ def _interval(
         for full, quantity, _ in parameters(root, prefix)
     }
     full = full_path(path.strip(), known)
-    return full, range_of(f"--interval {full}", ends, known[full])
+    return full, terminal.range_of(f"--interval {full}", ends, known[full])
 
 
-def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
+def _files(found: optimisation.Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
     from stickslip.show.plots import PROFILE_SIZES, draw_profile, standalone_svg
 
     figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
@@ -514,8 +491,8 @@ def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]
     }
 
 
-def _show_optimum(found: Optimum) -> None:
-    console, goal = stdout(), found.goal
+def _show_optimum(found: optimisation.Optimum) -> None:
+    console, goal = terminal.stdout(), found.goal
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, style="bold")
     if len(found.scenarios) > 1:
@@ -532,12 +509,12 @@ def _show_optimum(found: Optimum) -> None:
         ]
         for m in found.margins
     ]
-    show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
+    terminal.show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
     console.print()
     others = [("three-phase, optimised", found.three_phase, found.factor)]
     others.append(("as given in the rig file", found.start, found.factor_over_start))
     shown = [_compared(name, judged, factor) for name, judged, factor in others]
-    show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
+    terminal.show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
     if found.best is found.start:
         how = "the motion as given"
     else:
@@ -547,7 +524,9 @@ def _show_optimum(found: Optimum) -> None:
     )
 
 
-def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> list[str]:
+def _compared(
+    name: str, judged: optimisation.ScoredMotion | None, factor: float | None
+) -> list[str]:
     if judged is None:
         return [name, "", "", "none satisfies the limits"]
     remark = "" if judged.feasible else _broken(judged)
@@ -559,7 +538,7 @@ def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> l
     ]
 
 
-def _broken(judged: ScoredMotion) -> str:
+def _broken(judged: optimisation.ScoredMotion) -> str:
     """Say what a motion breaks."""
     if judged.early_end:
         return judged.early_end
@@ -569,7 +548,7 @@ def _broken(judged: ScoredMotion) -> str:
     return f"violates {', '.join(names)}"
 
 
-def _limit_word(margin: Margin) -> str:
+def _limit_word(margin: optimisation.Margin) -> str:
     """Return what a limit is of; the place of an inner mass is counted from its middle."""
     if margin.name == "position":
         return "angle" if margin.unit == "rad" else "half the stroke"
@@ -579,13 +558,13 @@ def _limit_word(margin: Margin) -> str:
 # ``stickslip characterize``.
 
 
-def run_characterize(options: CharacterizeOptions) -> None:
+def run_characterize(options: option_groups.CharacterizeOptions) -> None:
     """Try the laws, write the page, show."""
     report, tests = options.report, options.tests
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise InputError(f"--report must be an .html file, got {report}.")
-        refuse_overwriting(report, report.parent, force=options.force)
+        terminal.refuse_overwriting(report, report.parent, force=options.force)
     mechanism = None if options.rig is None else load_rig(options.rig).mechanism
     given = [_law(text) for text in options.laws]
     chosen = None if tests is None else [name.strip() for name in tests.split(",")]
@@ -604,11 +583,11 @@ def run_characterize(options: CharacterizeOptions) -> None:
         _write(found, report)
     if options.as_json:
         files = [] if report is None else [str(report)]
-        print_json(document("characterize", {**found.to_dict(), "files": files}))
+        terminal.print_json(document("characterize", {**found.to_dict(), "files": files}))
         return
     _show(found)
     if report is not None:
-        stdout().print(f"\nReport: {report}")
+        terminal.stdout().print(f"\nReport: {report}")
 
 
 def _law(text: str) -> FrictionLaw | str:
@@ -629,7 +608,7 @@ def _law(text: str) -> FrictionLaw | str:
 def _load(text: str | None, mechanism: Mechanism | None) -> float:
     if text is not None:
         with concerning("--load"):
-            return number_of(text, Quantity("N", "N", above=0))
+            return terminal.number_of(text, Quantity("N", "N", above=0))
     (contact,) = mechanism.contacts()[:1] if mechanism is not None else (None,)
     prescribed = None if contact is None else contact.load
     return 1.0 if prescribed is None else float(prescribed)
@@ -654,19 +633,21 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
 def _write(found: Characterization, report: Path) -> None:
     from stickslip.show.report import characterization_page, render, versions
 
-    page = characterization_page(found, reproduce=[command_line()], versions=versions())
+    page = characterization_page(found, reproduce=[terminal.command_line()], versions=versions())
     write_files({report: render(page)})
 
 
 def _show(found: Characterization) -> None:
     for i, one in enumerate(found.all):
         if i:
-            stdout().print()
-        stdout().print(one.title, style="bold")
-        stdout().print(f"{one.law}")
+            terminal.stdout().print()
+        terminal.stdout().print(one.title, style="bold")
+        terminal.stdout().print(f"{one.law}")
         if one.matched:
-            stdout().print(one.matched)
+            terminal.stdout().print(one.matched)
         names = [name for name in TESTS if name in one.results or name in one.failed]
-        show_table("", ["test", "result"], [[name, plain(one.told(name))] for name in names])
+        terminal.show_table(
+            "", ["test", "result"], [[name, terminal.plain(one.told(name))] for name in names]
+        )
         for name, why in one.failed.items():
-            stdout().print(f"{name}: {why}")
+            terminal.stdout().print(f"{name}: {why}")

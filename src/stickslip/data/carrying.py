@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.data.estimates import LOAD, LawEstimates, equated, unit_on
+from stickslip.data import estimates
 from stickslip.data.measurement import Levels, levels_at
 from stickslip.data.rig import Rig
 from stickslip.engine.trajectory import Trajectory
@@ -37,7 +37,7 @@ class CarriedLaw:
 
     law: FrictionLaw
     """The law, its levels over the normal force where the mechanism has one."""
-    estimates: LawEstimates | None
+    estimates: estimates.LawEstimates | None
     """How well it is known, if its file says so."""
     remarks: tuple[str, ...]
     """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
@@ -53,7 +53,7 @@ class CarriedLaws:
 
     laws: Laws
     """The laws of the contacts that rub."""
-    estimates: LawEstimates | None
+    estimates: estimates.LawEstimates | None
     """How well they are known, if their file says so."""
     remarks: tuple[str, ...]
     """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
@@ -106,7 +106,7 @@ def carried_by_contact(
     return CarriedLaws(laws=found, estimates=known, remarks=remarks, source=rig.path)
 
 
-def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
+def estimates_by_contact(rig: Rig, laws: Laws) -> estimates.LawEstimates | None:
     """Return how well laws by contact are known; None where a rig's estimates are of others."""
     known = rig.estimates
     named = {} if known is None or isinstance(known.law, str) else known.law
@@ -120,7 +120,7 @@ def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
     }
     if not stated:
         return known
-    known = known or LawEstimates(law=laws.names, levels=levels_at(rig.mechanism))
+    known = known or estimates.LawEstimates(law=laws.names, levels=levels_at(rig.mechanism))
     return known.stating(laws, stated)
 
 
@@ -235,7 +235,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
 
 
 def unfitted_bristles(
-    law: FrictionLaw, known: LawEstimates | None, distance: float, mechanism: Mechanism
+    law: FrictionLaw, known: estimates.LawEstimates | None, distance: float, mechanism: Mechanism
 ) -> tuple[str, ...]:
     """Return the bristle parameters that decide a distance and that no measurement determined.
 
@@ -265,7 +265,7 @@ def unfitted_bristles(
     if give < DECIDES * abs(distance):
         return ()
     return tuple(
-        f"${one.symbol}$ = {quantity(value, unit_on(mechanism, one))}"
+        f"${one.symbol}$ = {quantity(value, estimates.unit_on(mechanism, one))}"
         for name, one, value in found
         if name not in fitted
     )
@@ -273,7 +273,7 @@ def unfitted_bristles(
 
 def bristle_remark(
     law: FrictionLaw,
-    known: LawEstimates | None,
+    known: estimates.LawEstimates | None,
     distances: Mapping[str, float],
     mechanism: Mechanism,
 ) -> str:
@@ -369,7 +369,7 @@ def _is_of_bristles(quantity: Quantity) -> bool:
 
 
 def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
-    found = LOAD.check("carried", "load", load)
+    found = estimates.LOAD.check("carried", "load", load)
     if levels == "per load":
         raise ParameterError(
             f"{rig.path}: the levels of its law are already coefficients (per normal force); leave"
@@ -411,7 +411,9 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     return []
 
 
-def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool) -> list[str]:
+def _about_viscosity(
+    law: FrictionLaw, known: estimates.LawEstimates | None, turning: bool
+) -> list[str]:
     found = [
         f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for path, one, value in parameters(law, "friction")
@@ -448,7 +450,7 @@ def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
 def _about_rest(law: FrictionLaw) -> list[str]:
     return [
         f"${own}$ was neither measured nor given: it is set equal to ${other}$."
-        for own, other in equated(law).values()
+        for own, other in estimates.equated(law).values()
     ]
 
 
@@ -456,7 +458,7 @@ def _said(levels: Levels) -> str:
     return "coefficients" if levels == "per load" else levels
 
 
-def _about_doubt(law: FrictionLaw | Laws, known: LawEstimates | None) -> list[str]:
+def _about_doubt(law: FrictionLaw | Laws, known: estimates.LawEstimates | None) -> list[str]:
     if known is None:
         return []
     symbols, values = {}, {}

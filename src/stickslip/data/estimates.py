@@ -211,7 +211,7 @@ class LawEstimates:
         prefix = f"{contact}."
 
         def own(names: Iterable[str]) -> list[str]:
-            return [one for one in names if one.startswith(prefix)]
+            return [name for name in names if name.startswith(prefix)]
 
         def table(values: Mapping[str, T]) -> dict[str, T]:
             return {one.removeprefix(prefix): values[one] for one in own(values)}

@@ -506,8 +506,8 @@ class Measurement(Tabular, InPanels):
         ('temperature',)
         """
         found = [
-            {name for own in (one, *one.joints.values()) for name in own.contact_inputs()}
-            for one in self.records()
+            {name for own in (record, *record.joints.values()) for name in own.contact_inputs()}
+            for record in self.records()
         ]
         # In the order of the table of inputs, whatever order records have.
         return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
@@ -633,7 +633,7 @@ class Measurement(Tabular, InPanels):
         >>> Measurement(travel=0.2).joint_names()
         ()
         """
-        return tuple(dict.fromkeys(name for one in self.records() for name in one.joints))
+        return tuple(dict.fromkeys(name for record in self.records() for name in record.joints))
 
     def unit(self, quantity: str) -> str:
         """Return the SI unit of a quantity: of an angle or torque where the record is `turning`.
@@ -687,7 +687,7 @@ class Measurement(Tabular, InPanels):
         if self.kind != "scalars":
             sizes = [len(one.to_dataframe()) for one in records]
             rows.append(("samples", " + ".join(map(str, sizes)) if len(sizes) < 6 else sum(sizes)))
-        times = [one.time for one in records if one.time is not None]
+        times = [record.time for record in records if record.time is not None]
         if times:
             first, last = min(t[0] for t in times), max(t[-1] for t in times)
             rows.append(("time", f"{number(first, 4)} to {number(last, 4)} s"))
@@ -711,7 +711,7 @@ class Measurement(Tabular, InPanels):
 
     def _extent(self, quantity_name: str) -> str:
         """Return the range of the values of a quantity, with its unit, and its uncertainty."""
-        found = [one for one in self.records() if quantity_name in one.quantities()]
+        found = [record for record in self.records() if quantity_name in record.quantities()]
         values = np.concatenate([np.atleast_1d(one.values(quantity_name)) for one in found])
         text = span(float(values.min()), float(values.max()), self.unit(quantity_name))
         doubts = {
@@ -726,8 +726,8 @@ class Measurement(Tabular, InPanels):
         """Return the range of a contact input, with its unit."""
         values = [
             np.atleast_1d(own.contact_inputs()[name])
-            for one in self.records()
-            for own in (one, *one.joints.values())
+            for record in self.records()
+            for own in (record, *record.joints.values())
             if name in own.contact_inputs()
         ]
         low, high = (float(f(np.concatenate(values))) for f in (np.min, np.max))
@@ -943,7 +943,7 @@ def as_turning(measurement: Measurement, units: Collection[str]) -> Measurement:
     """
     if measurement.turning or {*units} != {"rad"} or measurement.joint_names():
         return measurement
-    trials = tuple(replace(one, turning=True) for one in measurement.trials)
+    trials = tuple(replace(trial, turning=True) for trial in measurement.trials)
     return replace(measurement, trials=trials, turning=True)
 
 

@@ -488,7 +488,7 @@ class _Files:
                 self.one(_table(one), f"table {place}") if _is_table(one) else self.one(one, "")
                 for place, one in enumerate(paths, 1)
             ]
-            return Measurement(trials=tuple(r for one in parts for r in one.records()), name=name)
+            return Measurement(trials=tuple(r for part in parts for r in part.records()), name=name)
         stems = [Path(path).stem for path in paths]
         # Files of one name in several folders are told apart by these.
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]

@@ -15,33 +15,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import friction, mechanisms
 from stickslip.data.estimates import LawEstimates
 from stickslip.data.measurement import ELECTRIC, Measurement, levels_at
 from stickslip.data.readers.columns import Reading
 from stickslip.data.travels import scale_of
 from stickslip.errors import InputError, UnknownNameError, check_size, concerning
-from stickslip.friction import (
-    FrictionLaw,
-    Laws,
-    bristle_names,
-    is_composition,
-    law_type,
-    laws,
-    listed,
-)
-from stickslip.mechanisms import (
-    LINKS,
-    PREFIX,
-    CurrentLoop,
-    DCMotor,
-    LoopMemory,
-    Mechanism,
-    PositionLoop,
-    SampledLoop,
-    canonical_path,
-    motor_of,
-    quantity_at,
-)
 from stickslip.quantities import Quantity, vary
 from stickslip.show.described import Described
 
@@ -81,7 +60,7 @@ class Published:
 
     def __post_init__(self) -> None:
         """Check that the law is known."""
-        law_type(self.law)
+        friction.law_type(self.law)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +89,7 @@ class KnownLaws:
     'coulomb'
     """
 
-    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    laws: Mapping[str, friction.FrictionLaw] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -142,9 +121,9 @@ class KnownLaws:
         ('level + power + drag', 'coulomb-viscous', 'lugre')
         """
         name = self.tables.get(text, text)
-        return law_type(name).name if is_composition(name) else name
+        return friction.law_type(name).name if friction.is_composition(name) else name
 
-    def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
+    def chosen(self, contact: str, name: str | None = None) -> friction.FrictionLaw:
         """Return the law of a contact: that of a name, the only one, or the usual one of several.
 
         Parameters
@@ -259,8 +238,8 @@ class Rig(metaclass=Described):
     title: str = ""
     subject: str = ""
     source: str = ""
-    mechanism: Mechanism
-    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    mechanism: mechanisms.Mechanism
+    laws: Mapping[str, friction.FrictionLaw] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -289,12 +268,16 @@ class Rig(metaclass=Described):
 
     def __post_init__(self) -> None:
         """Check that laws, trials and mechanism fit each other."""
-        if not isinstance(self.mechanism, Mechanism):
+        if not isinstance(self.mechanism, mechanisms.Mechanism):
             raise InputError(f"Rig.mechanism must be a Mechanism, got {self.mechanism!r}.")
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
         for name, law in self.laws.items():
-            kind = type(law) if name not in laws() and _is_called(law, name) else law_type(name)
+            kind = (
+                type(law)
+                if name not in friction.laws() and _is_called(law, name)
+                else friction.law_type(name)
+            )
             if not isinstance(law, kind):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in (None, "zero", "first"):
@@ -310,11 +293,14 @@ class Rig(metaclass=Described):
             if name in self.laws:
                 self.estimates_of(name)
         paths = tuple(
-            name if name == LINKS else canonical_path(self.mechanism, name) for name in self.vary
+            name if name == mechanisms.LINKS else mechanisms.canonical_path(self.mechanism, name)
+            for name in self.vary
         )
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
-        uncertainties = {canonical_path(self.mechanism, name): one for name, one in stated}
+        uncertainties = {
+            mechanisms.canonical_path(self.mechanism, name): one for name, one in stated
+        }
         object.__setattr__(self, "parameter_uncertainties", uncertainties)
         if self.measurement is not None and uncertainties:
             object.__setattr__(self, "measurement", self.with_uncertainties(self.measurement))
@@ -331,7 +317,7 @@ class Rig(metaclass=Described):
 
     def law_by_contact(
         self, names: str | Mapping[str, str] | None = None
-    ) -> dict[str, FrictionLaw | None]:
+    ) -> dict[str, friction.FrictionLaw | None]:
         """Return the law of each of several contacts, as `simulate` takes them.
 
         Parameters
@@ -376,7 +362,9 @@ class Rig(metaclass=Described):
         except InputError as error:
             raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
 
-    def estimates_of(self, name: str, law: FrictionLaw | None = None) -> LawEstimates | None:
+    def estimates_of(
+        self, name: str, law: friction.FrictionLaw | None = None
+    ) -> LawEstimates | None:
         """Return how well a law is known: as it was fitted, and as single parameters are stated.
 
         Parameters
@@ -428,7 +416,7 @@ class Rig(metaclass=Described):
             },
         )
 
-    def start(self, law: FrictionLaw | Laws) -> dict[str, float]:
+    def start(self, law: friction.FrictionLaw | friction.Laws) -> dict[str, float]:
         """Return how the first trial, or else the rig, begins; bristles of other laws are left out.
 
         Parameters
@@ -451,7 +439,9 @@ class Rig(metaclass=Described):
         initial = dict(self.initial)
         if self.measurement is not None:
             initial |= self.measurement.records()[0].initial
-        bristles = bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
+        bristles = friction.bristle_names(
+            tuple(contact.name for contact in self.mechanism.contacts()), law
+        )
         known = (*self.mechanism.coordinates, *self.mechanism.rates, *bristles)
         return {name: value for name, value in initial.items() if name in known}
 
@@ -485,15 +475,15 @@ class Rig(metaclass=Described):
 
 def estimated_law(
     asked: str | Mapping[str, str],
-    known: Mapping[str, FrictionLaw],
+    known: Mapping[str, friction.FrictionLaw],
     contacts: Mapping[str, KnownLaws | None],
-) -> FrictionLaw | Laws:
+) -> friction.FrictionLaw | friction.Laws:
     """Return the law that estimates name, or those that they name by contact."""
     rubbing = {name: own for name, own in contacts.items() if own is not None}
     if rubbing:
         names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
         _check_names("contact in estimates.law", names, rubbing)
-        return Laws(
+        return friction.Laws(
             members=tuple((name, rubbing[name].chosen(name, law)) for name, law in names.items())
         )
     if not isinstance(asked, str):
@@ -512,10 +502,10 @@ def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> Non
 
 
 def _is_called(law: object, name: str) -> bool:
-    return isinstance(law, FrictionLaw) and law.name == name
+    return isinstance(law, friction.FrictionLaw) and law.name == name
 
 
-def state_units(mechanism: Mechanism) -> dict[str, str]:
+def state_units(mechanism: mechanisms.Mechanism) -> dict[str, str]:
     """Return the units of all states a trial may start from, bristles of all laws included.
 
     Examples
@@ -524,22 +514,22 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
     >>> [state_units(SpringBlock(mass=1.0))[name] for name in ("z", "x", "v")]
     ['m', 'm', 'm/s']
     """
-    units = {state: "m" for law in listed().values() for state in law.states}
+    units = {state: "m" for law in friction.listed().values() for state in law.states}
     contacts = mechanism.contacts()
     if len(contacts) > 1:
-        units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}
+        units = {f"{z}:{contact.name}": unit for z, unit in units.items() for contact in contacts}
     units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return units | {
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
 
 
-def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
+def check_record(mechanism: mechanisms.Mechanism, record: Measurement, label: str) -> None:
     """Check that what a record overrides and starts from exists in the mechanism."""
     for path in record.overrides:
-        quantity_at(mechanism, path)
+        mechanisms.quantity_at(mechanism, path)
     with concerning(f"{label}:"):
-        vary(mechanism, PREFIX, record.overrides)
+        vary(mechanism, mechanisms.PREFIX, record.overrides)
     if record.initial:
         _check_names(f"state in initial of {label}:", record.initial, state_units(mechanism))
 
@@ -567,7 +557,7 @@ def command_of(record: Measurement) -> str:
     return next((name for name in COMMANDS if name in known), "")
 
 
-def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
+def as_recorded(mechanism: mechanisms.Mechanism, record: Measurement) -> mechanisms.Mechanism:
     """Return a mechanism as it was in a record; its motor takes what was recorded as its command.
 
     Examples
@@ -585,7 +575,7 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     what = command_of(record)
     if record.overrides:
         mechanism = vary(mechanism, "mechanism", record.overrides)
-    motor: Any = motor_of(mechanism)
+    motor: Any = mechanisms.motor_of(mechanism)
     if motor is None:
         if what in ELECTRIC:
             raise InputError(
@@ -603,14 +593,16 @@ def as_recorded(mechanism: Mechanism, record: Measurement) -> Mechanism:
     return replace(mechanism, drive=_taking(motor, what))  # type: ignore[call-arg]  # it has one
 
 
-def _taking(motor: DCMotor, what: str) -> DCMotor:
+def _taking(motor: mechanisms.DCMotor, what: str) -> mechanisms.DCMotor:
     """Return a motor whose command is what was recorded."""
     if what == "current":
-        return replace(motor, loop=CurrentLoop(), supply=None, supply_resistance=None)
+        return replace(motor, loop=mechanisms.CurrentLoop(), supply=None, supply_resistance=None)
     if what == "voltage":  # limited already, but by no droop
         limited = motor.supply_resistance is not None
         return replace(motor, loop=None, supply=motor.supply if limited else None)
-    if what == "reference" and not isinstance(motor.loop, PositionLoop | SampledLoop):
+    if what == "reference" and not isinstance(
+        motor.loop, mechanisms.PositionLoop | mechanisms.SampledLoop
+    ):
         raise InputError(
             "a record with a reference, and neither voltage nor current, is one of a position loop:"
             " give the DCMotor this loop, PositionLoop(gain=...) in V/rad or SampledLoop(...)."
@@ -630,9 +622,11 @@ class LoopSamples:
     """Measured positions (n,)."""
 
     @lru_cache(maxsize=8)  # noqa: B019  # a few values of few records, which fits ask for again
-    def commands(self, loop: SampledLoop, limit: float) -> tuple[Array, tuple[LoopMemory, ...]]:
+    def commands(
+        self, loop: mechanisms.SampledLoop, limit: float
+    ) -> tuple[Array, tuple[mechanisms.LoopMemory, ...]]:
         """Return the voltages (n,) [V] of a loop and what it remembers before each sample."""
-        memory: LoopMemory = None
+        memory: mechanisms.LoopMemory = None
         found, memories = [], [memory]
         for goal, position in zip(self.goal.tolist(), self.position.tolist(), strict=True):
             voltage, memory = loop.sampled(goal, position, memory, limit=limit)
@@ -641,15 +635,17 @@ class LoopSamples:
         return np.array(found), tuple(memories)
 
 
-def loop_samples(mechanism: Mechanism, record: Measurement, hold: str) -> LoopSamples | None:
+def loop_samples(
+    mechanism: mechanisms.Mechanism, record: Measurement, hold: str
+) -> LoopSamples | None:
     """Return what the loop of a motor saw in a record that it drives; None if none that samples.
 
     It samples from the first time of the record on. Goals are held between rows unless `hold` says
     ``"first"``, and positions go straight.
     """
-    motor = motor_of(mechanism)
+    motor = mechanisms.motor_of(mechanism)
     loop = None if motor is None else motor.loop
-    if not isinstance(loop, SampledLoop) or command_of(record) != "reference":
+    if not isinstance(loop, mechanisms.SampledLoop) or command_of(record) != "reference":
         return None
     if "position" not in record.quantities() or len(mechanism.coordinates) != 1:
         raise InputError(
@@ -667,7 +663,7 @@ def loop_samples(mechanism: Mechanism, record: Measurement, hold: str) -> LoopSa
     )
 
 
-def with_voltage(mechanism: Mechanism, record: Measurement, hold: str) -> Measurement:
+def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str) -> Measurement:
     """Return a record with the voltage that a loop which samples made of what it measured.
 
     Examples
@@ -684,7 +680,7 @@ def with_voltage(mechanism: Mechanism, record: Measurement, hold: str) -> Measur
     seen = loop_samples(set_up, record, hold)
     if seen is None:
         return record
-    motor: Any = motor_of(set_up)
+    motor: Any = mechanisms.motor_of(set_up)
     told, _ = seen.commands(motor.loop, motor.largest_voltage)
     acts = seen.time + motor.loop.delay
     last = np.searchsorted(acts, np.asarray(record.time) + SAME * motor.loop.period, side="right")

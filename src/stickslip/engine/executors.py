@@ -119,8 +119,8 @@ def on_threads(work: Callable[[S], T], items: Sequence[S]) -> list[T]:
         # errors of floating point are handled as they are here
         others = [pool.submit(copy_context().run, take) for _ in range(count - 1)]
         take()
-    for one in others:
-        one.result()
+    for other in others:
+        other.result()
     return found
 
 

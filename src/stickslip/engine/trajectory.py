@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, OnAxes, Summary, require_library
 from stickslip.show.formatting import number, quantity, residue
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas as pd
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
@@ -230,8 +231,6 @@ class Trajectory(InPanels):
         InputError
             If a time is no number, or lies outside the run.
         """
-        import numpy as np
-
         try:
             times = np.atleast_1d(np.asarray(t, dtype=np.float64))
         except (TypeError, ValueError):
@@ -291,8 +290,6 @@ class Trajectory(InPanels):
 
     def sampled(self, count: int = 400) -> "Trajectory":
         """Return the run at evenly spaced times, ends included."""
-        import numpy as np
-
         check_size("samples of a run", count * len(self.names), "ask for fewer")
         return self.at(np.linspace(*self.span, count))
 

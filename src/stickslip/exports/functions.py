@@ -399,7 +399,7 @@ class _Writer:
             )
         values = [one.subs({z: end}) for one in rates]
         rest = slip.rest[1 + place].subs({LOAD: NORMAL, z: end})
-        ahead, back, still = (Assign(("rate",), (one,)) for one in (*values, rest))
+        ahead, back, still = (Assign(("rate",), (value,)) for value in (*values, rest))
         evaluated = _loaded((_senses(ahead, back, still),))
         miss = Assign(("miss",), (end - z - PERIOD * se.Symbol("rate"),))
         return (

@@ -9,31 +9,16 @@ from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 
+from stickslip import mechanisms
 from stickslip.data import levels_at
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import BreakAway, FixedStep, SoftConstraint, Solver
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError, SimulationError
-from stickslip.exports.joints import (
-    HARD,
-    SOFT,
-    TIMESTEP,
-    Simplified,
-    as_lugre,
-    bristle_step,
-    inertia_of,
-    simplified,
-)
+from stickslip.exports import joints
 from stickslip.exports.program import Subject
 from stickslip.friction import FrictionLaw
 from stickslip.friction import law as composed
-from stickslip.mechanisms import (
-    Mechanism,
-    has_one_slip,
-    slip_names,
-    slips_by_angle,
-    static_normal_force,
-)
 from stickslip.quantities import Parametrised, Quantity, named, turned
 from stickslip.show.described import Described
 from stickslip.show.formatting import number, percent, quantity
@@ -152,14 +137,14 @@ def _steady_speed(subject: Subject, taken: Taken, force: float, fastest: float) 
     return float(brentq(excess, 0.0, fastest, xtol=1e-15, rtol=1e-12))
 
 
-def _kept(found: Simplified) -> tuple[str, ...]:
+def _kept(found: joints.Simplified) -> tuple[str, ...]:
     """Return what is lost by a smooth law, which friction has that grows with the load."""
     return tuple(line for line in found.lost if not line.startswith("Dependence on the normal"))
 
 
-def _level_and_damping(subject: Subject) -> tuple[Simplified, float]:
+def _level_and_damping(subject: Subject) -> tuple[joints.Simplified, float]:
     """Return level and damping of a law, and its largest force at rest."""
-    found = simplified(subject)
+    found = joints.simplified(subject)
     # Bodies at rest are held in both senses: the larger level counts.
     rest = max(float(subject.law.towards(side).break_away(found.load)) for side in (1, -1))
     return found, max(rest, found.joint.level)
@@ -197,7 +182,7 @@ class MuJoCo(Program):
         return 2.0 / (self.largest_impedance * max(self.time_constant, 2.0 * self.timestep))
 
     def taken(self, subject: Subject) -> Taken:
-        found = simplified(subject)
+        found = joints.simplified(subject)
         solver = FixedStep(
             dt=self.timestep,
             method="semi-implicit",
@@ -209,7 +194,7 @@ class MuJoCo(Program):
         return Taken(law=found.joint, solver=solver, level=found.joint.level, lost=lost)
 
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
-        inertia = inertia_of(subject)
+        inertia = joints.inertia_of(subject)
         if inertia is None:
             return math.nan
         # Largest impedance enters by b alone; the soft constraint acts at the first one.
@@ -226,9 +211,9 @@ class MuJoCo(Program):
         )
 
     def stiffer(self, subject: Subject) -> "MuJoCo":
-        time_constant, _, impedance, largest, _ = map(float, f"{SOFT} {HARD}".split())
+        time_constant, _, impedance, largest, _ = map(float, f"{joints.SOFT} {joints.HARD}".split())
         return MuJoCo(
-            timestep=min(self.timestep, TIMESTEP),
+            timestep=min(self.timestep, joints.TIMESTEP),
             time_constant=time_constant,
             impedance=impedance,
             largest_impedance=largest,
@@ -254,7 +239,7 @@ class MuJoCoMotor(Program):
     """Option ``timestep``."""
 
     def taken(self, subject: Subject) -> Taken:
-        found = as_lugre(subject.law)
+        found = joints.as_lugre(subject.law)
         if found is None:
             raise InputError(
                 f"{self.name}: dcmotor has LuGre friction with an exponent of 2 and linear viscous"
@@ -277,10 +262,10 @@ class MuJoCoMotor(Program):
         return f'timestep="{self.timestep:g}" integrator="Euler"'
 
     def stiffer(self, subject: Subject) -> "MuJoCoMotor":
-        found, inertia = as_lugre(subject.law), inertia_of(subject)
-        step = TIMESTEP
+        found, inertia = joints.as_lugre(subject.law), joints.inertia_of(subject)
+        step = joints.TIMESTEP
         if found is not None and inertia is not None:
-            step = bristle_step(found, subject.needed_load(), inertia)[0]
+            step = joints.bristle_step(found, subject.needed_load(), inertia)[0]
         # A tenth of a step that is merely stable: errors are proportional to it.
         return MuJoCoMotor(timestep=min(self.timestep, step) / 10.0)
 
@@ -311,7 +296,7 @@ class Drake(Program):
                 f"{self.name}: joints of Drake have no dry friction, and its contact friction acts"
                 " along a line, not about an axis: choose another program."
             )
-        found = simplified(subject)
+        found = joints.simplified(subject)
         values = {
             "kinetic_coefficient": found.joint.level / found.load,
             "smoothing_velocity": self.stiction_tolerance,
@@ -420,7 +405,7 @@ class Karnopp(Program):
                 " choose another program."
             )
         level = max(float(subject.law.towards(side).break_away(load)) for side in (1, -1))
-        inertia = inertia_of(subject)
+        inertia = joints.inertia_of(subject)
         if self.band is None and inertia is None:
             raise InputError(f"{self.name}: the inertia of the slip is not known: give a band.")
         # Wider than what one step changes, so that a body cannot step over the band.
@@ -472,7 +457,7 @@ class Twin(metaclass=Described):
     """The run with the law, events located."""
     run: Trajectory
     """The run that the program makes."""
-    mechanism: Mechanism
+    mechanism: mechanisms.Mechanism
     """What moves."""
     y0: Mapping[str, float] | None
     """Initial states by name, as they were given."""
@@ -549,7 +534,7 @@ class Twin(metaclass=Described):
 
 
 def twin(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     law: FrictionLaw,
     program: str | Program,
     *,
@@ -606,12 +591,12 @@ def twin(
     (True, True)
     """
     chosen = named(PROGRAMS, program, "program")() if isinstance(program, str) else program
-    if not has_one_slip(mechanism):
+    if not mechanisms.has_one_slip(mechanism):
         raise InputError(
             f"a twin is of one contact that slips along a coordinate, which {mechanism.name} does"
             " not have."
         )
-    slip, rate = slip_names(mechanism)
+    slip, rate = mechanisms.slip_names(mechanism)
     exact = simulate(mechanism, law, t_end=t_end, y0=y0)
     # Even times beside those of the steps, between which extremes may lie.
     even = np.linspace(0.0, t_end, TIMES)
@@ -620,9 +605,9 @@ def twin(
         law=law,
         name=law.name,
         mechanism=mechanism,
-        rotary=slips_by_angle(mechanism),
+        rotary=mechanisms.slips_by_angle(mechanism),
         levels=levels,
-        load=static_normal_force(mechanism) if levels == "per load" else 1.0,
+        load=mechanisms.static_normal_force(mechanism) if levels == "per load" else 1.0,
         # A body that never moves has no range: any speed serves.
         largest_speed=float(np.abs(exact.at(even)[rate]).max()) or REFERENCE_SPEED,
     )
@@ -674,7 +659,7 @@ def twin(
 
 
 def _begun(
-    y0: Mapping[str, float] | None, mechanism: Mechanism, law: FrictionLaw
+    y0: Mapping[str, float] | None, mechanism: mechanisms.Mechanism, law: FrictionLaw
 ) -> Mapping[str, float] | None:
     """Return initial states without those of bristles that a program's friction does not have."""
     if y0 is None:

@@ -9,17 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
-from stickslip.data import (
-    LOAD,
-    CarriedLaw,
-    KnownLaws,
-    LawEstimates,
-    Levels,
-    Rig,
-    carried,
-    levels_at,
-    unit_of_input,
-)
+from stickslip import data, mechanisms
 from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.exports.joints import Mjcf, Urdf
@@ -28,19 +18,12 @@ from stickslip.exports.targets import CCode, CsvTable, JsonDocument, Matlab, Mod
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit
-from stickslip.mechanisms import (
-    Mechanism,
-    input_field,
-    slip_names,
-    slips_by_angle,
-    static_normal_force,
-)
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Given, Quantity, named, turned
 
 if TYPE_CHECKING:
-    Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | Rig
+    Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | data.Rig
 
 TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
     {
@@ -66,7 +49,7 @@ def export(
     load: float | None = None,
     largest_speed: Given | None = None,
     law_load: float | None = None,
-    rig: Rig | None = None,
+    rig: data.Rig | None = None,
     rotary: bool | None = None,
     at: Mapping[str, Given] | None = None,
 ) -> Export:
@@ -168,7 +151,7 @@ def subject_of(
     *,
     evaluates: bool,
     name: str | None = None,
-    rig: Rig | None,
+    rig: data.Rig | None,
 ) -> Subject:
     """Return the law of a source as a target takes it, evaluated at its contact inputs or not."""
     rotary, law_load = asked.rotary, asked.law_load
@@ -203,10 +186,10 @@ def evaluated(subject: Subject, title: str, given: Mapping[str, Given]) -> Subje
     _check_inputs(law, given)
     known: dict[str, float] = {}
     for name in law.inputs:
-        unit = unit_of_input(name, turning=subject.rotary)
+        unit = data.unit_of_input(name, turning=subject.rotary)
         quantity = CONTACT_INPUTS[name].quantity(unit)
-        fields = [input_field(one, name) for one in (subject.contact, "")]
-        own = next((getattr(told, one) for one in fields if hasattr(told, one)), None)
+        fields = [mechanisms.input_field(one, name) for one in (subject.contact, "")]
+        own = next((getattr(told, field) for field in fields if hasattr(told, field)), None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
             raise InputError(
@@ -224,7 +207,7 @@ def _check_inputs(law: FrictionLaw, given: Mapping[str, Given]) -> None:
             raise UnknownNameError(f"contact input of {law.name}", name, law.inputs)
 
 
-def law_or_rig(source: "Source") -> FrictionLaw | Rig:
+def law_or_rig(source: "Source") -> FrictionLaw | data.Rig:
     """Return a law as it is, and a rig with its law for all that has one."""
     if isinstance(source, Verdict):
         if source.best is None or source.best.fit is None:
@@ -245,65 +228,67 @@ def law_or_rig(source: "Source") -> FrictionLaw | Rig:
             f"{getattr(fitted, 'title', fitted)} cannot be exported: the logarithm of the speed"
             " knows no rest. `to_dict()` of the fit has its numbers."
         )
-    return Rig(mechanism=source.mechanism, estimates=source.law_estimates(), **own)
+    return data.Rig(mechanism=source.mechanism, estimates=source.law_estimates(), **own)
 
 
-def _known(law: FrictionLaw) -> KnownLaws:
-    return KnownLaws(laws={law.name: law}, named=(law.name,))
+def _known(law: FrictionLaw) -> data.KnownLaws:
+    return data.KnownLaws(laws={law.name: law}, named=(law.name,))
 
 
-def laws_by_contact(rig: Rig, law: str | None = None) -> dict[str, FrictionLaw]:
+def laws_by_contact(rig: data.Rig, law: str | None = None) -> dict[str, FrictionLaw]:
     """Return the laws of the contacts that have their own; `law` names one where there are more."""
     return {name: one for name, one in rig.law_by_contact(law).items() if one is not None}
 
 
-def _taken(given: "Source", asked: Asked, rig: Rig | None) -> Subject:
+def _taken(given: "Source", asked: Asked, rig: data.Rig | None) -> Subject:
     """Return the law of what was given."""
     source, contact = law_or_rig(given), asked.contact
-    if isinstance(source, Rig) and source.contacts:
+    if isinstance(source, data.Rig) and source.contacts:
         return _of_contact(
             laws_by_contact(source, asked.law), source.estimates, source.mechanism, contact
         )
-    if not isinstance(source, Rig | FrictionLaw):
+    if not isinstance(source, data.Rig | FrictionLaw):
         raise InputError(f"export takes a friction law, a fit, a verdict or a rig, got {source!r}.")
     if contact is not None:
         raise InputError(
             f"contact={contact!r} chooses between laws by contact, but this is one law: leave it"
             " out."
         )
-    if isinstance(source, Rig):
+    if isinstance(source, data.Rig):
         return _carried(source, asked.law, rig, asked.law_load)
     if asked.law is not None or asked.law_load is not None:
         raise InputError(
             "law and law_load choose and divide the law of a rig: leave them out for a law itself."
         )
     if rig is None:
-        levels: Levels = "torques" if asked.rotary else "per load"
+        levels: data.Levels = "torques" if asked.rotary else "per load"
         return Subject(law=source, name="", rotary=bool(asked.rotary), levels=levels)
     return Subject(
         law=source,
         name="",
         rig=rig,
         mechanism=rig.mechanism,
-        rotary=slips_by_angle(rig.mechanism),
-        levels=levels_at(rig.mechanism),
+        rotary=mechanisms.slips_by_angle(rig.mechanism),
+        levels=data.levels_at(rig.mechanism),
     )
 
 
-def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | None) -> Subject:
+def _carried(
+    source: data.Rig, law: str | None, rig: data.Rig | None, law_load: float | None
+) -> Subject:
     onto = source.mechanism if rig is None else rig.mechanism
-    found: CarriedLaw = carried(source, onto, law=law, load=law_load)
+    found: data.CarriedLaw = data.carried(source, onto, law=law, load=law_load)
     origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"
     known = found.estimates
-    levels = levels_at(onto) if known is None else known.levels
+    levels = data.levels_at(onto) if known is None else known.levels
     return Subject(
         law=found.law,
         name="",
         estimates=known,
         mechanism=onto,
-        rotary=slips_by_angle(onto),
+        rotary=mechanisms.slips_by_angle(onto),
         levels=levels if law_load is None else "per load",
         source=origin,
         rig=rig,
@@ -313,8 +298,8 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
 
 def _of_contact(
     laws: dict[str, FrictionLaw],
-    known: LawEstimates | None,
-    mechanism: Mechanism,
+    known: data.LawEstimates | None,
+    mechanism: mechanisms.Mechanism,
     contact: str | None,
 ) -> Subject:
     """Return the law of one of several contacts, with what is known of it."""
@@ -326,8 +311,8 @@ def _of_contact(
     if contact not in laws:
         raise UnknownNameError("contact with a law", contact, laws)
     (one,) = (one for one in mechanism.contacts() if one.name == contact)
-    rotary = slips_by_angle(mechanism, one)
-    said = LawEstimates(law={contact: laws[contact].name}, levels=levels_at(mechanism))
+    rotary = mechanisms.slips_by_angle(mechanism, one)
+    said = data.LawEstimates(law={contact: laws[contact].name}, levels=data.levels_at(mechanism))
     if known is not None and not isinstance(known.law, str) and contact in known.law:
         said = known
     own = said.of_contact(contact, rotary=rotary)
@@ -351,13 +336,13 @@ def _load(subject: Subject, given: float | None) -> float | None:
                 f"--load (in Python load): the levels of {subject.law.name} are {subject.levels},"
                 f" which have no normal force: leave it out{cure}."
             )
-        return LOAD.check("export", "load", given)
+        return data.LOAD.check("export", "load", given)
     if subject.levels != "per load":
         return 1.0
     mechanism = subject.mechanism
     if mechanism is None or len(mechanism.contacts()) != 1:
         return None
-    return static_normal_force(mechanism)
+    return mechanisms.static_normal_force(mechanism)
 
 
 def _speed(subject: Subject, given: Given | None) -> float | None:
@@ -376,9 +361,9 @@ def _speed(subject: Subject, given: Given | None) -> float | None:
     return known
 
 
-def _fastest(subject: Subject, rig: Rig) -> float | None:
+def _fastest(subject: Subject, rig: data.Rig) -> float | None:
     """Return the largest slip speed of a rig with a law; None where nothing moves."""
-    _, rate = slip_names(rig.mechanism)
+    _, rate = mechanisms.slip_names(rig.mechanism)
     run = simulate(rig.mechanism, subject.law, t_end=rig.t_end, y0=rig.start(subject.law))
     times = np.union1d(np.linspace(0.0, rig.t_end, SAMPLES), run.t)
     return float(np.abs(run.at(times)[rate]).max()) or None

@@ -10,19 +10,8 @@ from types import MappingProxyType
 from typing import Any, cast, final
 
 from stickslip.errors import InputError, nearest
+from stickslip.friction import base as laws
 from stickslip.friction import notation
-from stickslip.friction.base import (
-    ALWAYS,
-    BOUND,
-    BristleLaw,
-    Containment,
-    FrictionLaw,
-    Passivity,
-    SetValuedLaw,
-    anywhere,
-    bound,
-    is_bound,
-)
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf, formula_of
 from stickslip.friction.containment import nearest_contained
 from stickslip.friction.parts.base import (
@@ -293,7 +282,7 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
         if kind.states:
             values["static_switch"] = self.static_switch
         one: Any = unchecked(kind, **values)
-        return bound(one, vars(self)[BOUND]) if is_bound(self) else one
+        return laws.bound(one, vars(self)[laws.BOUND]) if laws.is_bound(self) else one
 
     return towards
 
@@ -404,7 +393,7 @@ def _dispatching(
             values[name] = value
         told = {name: Written(f"x_{name}") for name in law.inputs}
         lines += [f"    x_{name} = law.contact({name!r})\n" for name in law.inputs]
-        twin: Any = bound(unchecked(kind, **values), told)
+        twin: Any = laws.bound(unchecked(kind, **values), told)
         given = [
             tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
             if name == "states"
@@ -451,14 +440,14 @@ class Entry:
         """Return what the entry says; what it leaves out is as in all laws."""
         if name.startswith("_") or name == "statement":
             raise AttributeError(name)
-        return getattr(self.statement if hasattr(self.statement, name) else FrictionLaw, name)
+        return getattr(self.statement if hasattr(self.statement, name) else laws.FrictionLaw, name)
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the contact."""
         heads = (part for part in notation.read(self.composition).parts() if part.role == "memory")
         return tuple(
-            state for one in heads for state in cast(Memory, one.part).states(one.argument)
+            state for head in heads for state in cast(Memory, head.part).states(head.argument)
         )
 
     @property
@@ -479,7 +468,7 @@ class Entry:
         return own and all(head.part.compared for head in notation.read(self.composition).parts())
 
     @functools.cached_property
-    def law(self) -> type[FrictionLaw]:
+    def law(self) -> type[laws.FrictionLaw]:
         """The class of the law."""
         said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
         space = {**said, "__module__": PUBLIC}
@@ -488,7 +477,7 @@ class Entry:
         made.__doc__ = self._documented(made)
         return made
 
-    def _documented(self, law: type[FrictionLaw]) -> str:
+    def _documented(self, law: type[laws.FrictionLaw]) -> str:
         """Return the docstring of the class: what is known of it, and an example with values."""
         prose, mark, example = inspect.cleandoc(self.statement.__doc__ or "").partition(">>> ")
         notes = "\n\n".join([f".. math:: {law.formula}", *(f"{k}: {v}" for k, v in said_of(law))])
@@ -566,14 +555,14 @@ class Contained:
             lambda kind: tuple(nearest_contained(composition, kind, known()))
         )
 
-    def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
+    def __get__(self, law: object, kind: type[laws.FrictionLaw]) -> tuple[laws.Containment, ...]:
         return self._found(kind)
 
 
-def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionLaw]:
+def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[laws.FrictionLaw]:
     """Return the class of a composition, with what is said of it."""
-    without: Any = FrictionLaw if c.directional else SetValuedLaw
-    base: Any = BristleLaw if c.memory is not None else without
+    without: Any = laws.FrictionLaw if c.directional else laws.SetValuedLaw
+    base: Any = laws.BristleLaw if c.memory is not None else without
     kind: Any = type(base)(name, (base,), dict(space))
     for field, hint in inspect.get_annotations(kind).items():
         c.fields[field] = Parameter(name=field, hint=hint, default=dataclasses.MISSING)
@@ -606,7 +595,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     return made  # type: ignore[no-any-return]  # a class made by a call
 
 
-def _passivity(c: Composition) -> Passivity | None:
+def _passivity(c: Composition) -> laws.Passivity | None:
     """Return when the parts of a composition take energy alone; None where they do not tell."""
     parts = [head.part for head in c.term.parts()]
     doubtful = [part for part in parts if not (part.opposes or getattr(part, "dissipates", False))]
@@ -615,26 +604,26 @@ def _passivity(c: Composition) -> Passivity | None:
     if (c.memory and c.inputs) or "" in conditions:
         return None
     if not doubtful:
-        return ALWAYS
+        return laws.ALWAYS
 
     def holds(law: Any, _load: float) -> bool:
-        given = anywhere(law)
+        given = laws.anywhere(law)
         return all(
             cast(Factor, leaf.part).positive(leaf.told(given, STILL, way)[0])
             for leaf in c.factors.values()
             for way in (lambda forward, _: forward, lambda _, backward: backward)
         )
 
-    return Passivity(condition=" and ".join(sorted(conditions)), holds=holds)
+    return laws.Passivity(condition=" and ".join(sorted(conditions)), holds=holds)
 
 
-def class_of(term: notation.Term) -> type[FrictionLaw]:
+def class_of(term: notation.Term) -> type[laws.FrictionLaw]:
     """Return the class of a term: that with a name, or one that has its text as name."""
     return _by_text(str(term))
 
 
 @functools.cache
-def _by_text(text: str) -> type[FrictionLaw]:
+def _by_text(text: str) -> type[laws.FrictionLaw]:
     c = Composition(notation.read(text))  # refuses what cannot stand together
     entry = _by_parts().get(notation.canonical(c.term))
     if entry is not None:

@@ -5,20 +5,9 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
+from stickslip.friction import notation
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.composition import SIDES, Composition
-from stickslip.friction.notation import (
-    OPTIONAL,
-    Around,
-    Name,
-    Product,
-    Sum,
-    Term,
-    canonical,
-    summed,
-    terms_of,
-    without_optional,
-)
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
@@ -26,7 +15,7 @@ from stickslip.quantities import fields_of
 
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
-Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
+Reduction: TypeAlias = tuple[notation.Term, Values, tuple[str, ...]]
 """A simpler term, what leads there, and what goes to infinity for it."""
 
 
@@ -68,28 +57,28 @@ def _below(kind: type[FrictionLaw]) -> Mapping[str, tuple[Values, tuple[str, ...
         below: list[Reduction] = []
         for term, values, limits in level:
             for simpler, more, lost in _reductions(term):
-                form = canonical(simpler)
-                if form not in found and form != canonical(c.term):
+                form = notation.canonical(simpler)
+                if form not in found and form != notation.canonical(c.term):
                     found[form] = {**values, **more}, (*limits, *lost)
                     below.append((simpler, *found[form]))
         level = below
     return found
 
 
-def _forms(term: Term, kind: type[FrictionLaw]) -> Iterator[str]:
+def _forms(term: notation.Term, kind: type[FrictionLaw]) -> Iterator[str]:
     """Yield the compositions of a law: its own, and those that exponents at their defaults make.
 
     Optional parts that are not given are not there either.
     """
-    yield canonical(term)
+    yield notation.canonical(term)
     given = [
         parameter.name
         for name in term.parts()
-        if name.name in OPTIONAL
+        if name.name in notation.OPTIONAL
         for parameter in name.parameters
     ]
     if given and all(getattr(kind, name, dataclasses.MISSING) is None for name in given):
-        yield canonical(without_optional(term))
+        yield notation.canonical(notation.without_optional(term))
     for simpler, values, limits in _reductions(term):
         here = {one: value for one, value in values.items() if one in kind.made_of.fields}
         shapes = (kind.made_of.fields[name].quantity.structural for name in here)
@@ -112,9 +101,9 @@ def nearest_contained(
         if one.name not in found:
             found[one.name] = one.law, _containment(c, one.law, values, limits)
 
-    def named(term: Term) -> Any:
+    def named(term: notation.Term) -> Any:
         """Return the law of a term, or of the same with a power of the speed that is 1."""
-        plain, raised = (known.get(canonical(one)) for one in (term, _with_power(term)))
+        plain, raised = (known.get(notation.canonical(one)) for one in (term, _with_power(term)))
         return plain if plain is not None or raised is None or raised.name == kind.name else raised
 
     same = named(c.term)
@@ -122,14 +111,14 @@ def nearest_contained(
     if same is not None and same.name != kind.name:
         find(same, dict(_vanished(c.term)), ())
     level: list[Reduction] = [(c.term, {}, ())]
-    seen = {canonical(c.term)}
+    seen = {notation.canonical(c.term)}
     while level:
         below: list[Reduction] = []
         for term, values, limits in level:
             for simpler, more, lost in _reductions(term):
-                if canonical(simpler) in seen:
+                if notation.canonical(simpler) in seen:
                     continue
-                seen.add(canonical(simpler))
+                seen.add(notation.canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
                 there = named(simpler)
                 # without its optional parts it is itself; a law that is tried only on request
@@ -145,17 +134,17 @@ def nearest_contained(
     yield from (one for law, one in found.values() if law.name not in within)
 
 
-def _with_power(term: Term) -> Term:
+def _with_power(term: notation.Term) -> notation.Term:
     """Return a term with a power of the speed in place of a viscous part."""
     match term:
-        case Name(name="viscous"):
-            return Name("power")
-        case Sum(items=items):
-            return Sum(tuple(map(_with_power, items)))
-        case Around(head=head, inner=inner):
-            return Around(head, _with_power(inner))
-        case Product(first=first, factors=factors):
-            return Product(_with_power(first), factors)
+        case notation.Name(name="viscous"):
+            return notation.Name("power")
+        case notation.Sum(items=items):
+            return notation.Sum(tuple(map(_with_power, items)))
+        case notation.Around(head=head, inner=inner):
+            return notation.Around(head, _with_power(inner))
+        case notation.Product(first=first, factors=factors):
+            return notation.Product(_with_power(first), factors)
         case _:
             return term
 
@@ -166,10 +155,10 @@ def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[s
         yield from _all_within(known[one.law].law, known)
 
 
-def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:
+def _vanished(term: notation.Term) -> Iterator[tuple[str, float | str]]:
     """Yield the values for which optional parts are not there."""
     for name in term.parts():
-        if name.name in OPTIONAL:
+        if name.name in notation.OPTIONAL:
             yield from _vanishing(name).items()
 
 
@@ -212,56 +201,60 @@ def _containment(
     )
 
 
-def _reductions(term: Term) -> Iterator[Reduction]:
+def _reductions(term: notation.Term) -> Iterator[Reduction]:
     """Yield the terms one step simpler."""
     match term:
-        case Sum(items=items):
+        case notation.Sum(items=items):
             yield from _without(items)
             for index, item in enumerate(items):
                 for simpler, values, limits in _reductions(item):
                     yield (
-                        summed((*items[:index], *terms_of(simpler), *items[index + 1 :])),
+                        notation.summed(
+                            (*items[:index], *notation.terms_of(simpler), *items[index + 1 :])
+                        ),
                         values,
                         limits,
                     )
-        case Around(head=Name(name="both_ways"), inner=inner):
+        case notation.Around(head=notation.Name(name="both_ways"), inner=inner):
             yield from _of_both_ways(term.head, inner)
-        case Around(head=head, inner=inner):
+        case notation.Around(head=head, inner=inner):
             for becoming in head.part.becomes:
                 name, values, limits = _became(head, becoming)
-                yield inner if name is None else Around(name, inner), values, limits
+                yield inner if name is None else notation.Around(name, inner), values, limits
             for simpler, values, limits in _reductions(inner):
-                yield Around(head, simpler), values, limits
-        case Product():
+                yield notation.Around(head, simpler), values, limits
+        case notation.Product():
             yield from _of_product(term)
-        case Name():
+        case notation.Name():
             for becoming in term.part.becomes:
                 name, values, limits = _became(term, becoming)
                 assert name is not None  # only what stands around a term leaves it
                 yield name, values, limits
 
 
-def _became(name: Name, one: Becomes) -> tuple[Name | None, Values, tuple[str, ...]]:
+def _became(
+    name: notation.Name, one: Becomes
+) -> tuple[notation.Name | None, Values, tuple[str, ...]]:
     """Return the simpler part, None where what stands in the brackets is left."""
     kept = name.argument if one.name in PARTS and PARTS[one.name].argument else ""
-    simpler = Name(one.name, one.argument or kept) if one.name else None
+    simpler = notation.Name(one.name, one.argument or kept) if one.name else None
     values = {name.meaning(own): value for own, value in one.values.items()}
     return simpler, values, tuple(map(name.meaning, one.limits))
 
 
-def _vanishing(name: Name, stem: str = "") -> dict[str, float | str]:
+def _vanishing(name: notation.Name, stem: str = "") -> dict[str, float | str]:
     """Return the values for which a part is not there, or a factor is 1."""
     return {name.meaning(own, stem): value for own, value in (name.part.vanishes or {}).items()}
 
 
-def _of_product(term: Product) -> Iterator[Reduction]:
+def _of_product(term: notation.Product) -> Iterator[Reduction]:
     """Yield a product without one of its factors, and with less that they multiply."""
     for index, factor in enumerate(term.factors):
         others = (*term.factors[:index], *term.factors[index + 1 :])
-        left = Product(term.first, others) if others else term.first
+        left = notation.Product(term.first, others) if others else term.first
         yield left, _vanishing(factor, term.stem(factor)), ()
     for simpler, values, limits in _reductions(term.first):
-        product = Product(simpler, term.factors)
+        product = notation.Product(simpler, term.factors)
         known = {one for name in simpler.parts() for one in map(name.meaning, _own(name))}
         if not all(one.modulated in known for one in term.factors if one.modulated):
             continue  # a factor of a parameter that is not there any more
@@ -275,11 +268,11 @@ def _of_product(term: Product) -> Iterator[Reduction]:
         yield product, {**values, **same}, limits
 
 
-def _own(name: Name) -> tuple[str, ...]:
+def _own(name: notation.Name) -> tuple[str, ...]:
     return tuple(parameter.name for parameter in name.part.parameters)
 
 
-def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
+def _of_both_ways(head: notation.Name, inner: notation.Term) -> Iterator[Reduction]:
     """Yield what is left where both directions are equal, or lose the same part."""
     # without a prefix as well: [levels] leaves some parameters to both directions
     prefixes = [*(prefix for prefix, _ in SIDES.values()), ""]
@@ -292,32 +285,32 @@ def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
             for side in prefixes
         }
         yield (
-            Around(head, simpler),
+            notation.Around(head, simpler),
             both,
             tuple(side + limit for limit in limits for side in prefixes),
         )
 
 
-def _without(items: tuple[Term, ...]) -> Iterator[Reduction]:
+def _without(items: tuple[notation.Term, ...]) -> Iterator[Reduction]:
     """Yield a sum without one of its parts, and without what stands on this one."""
     for index, item in enumerate(items):
-        name = item.first if isinstance(item, Product) else item
-        if not isinstance(name, Name) or name.part.vanishes is None:
+        name = item.first if isinstance(item, notation.Product) else item
+        if not isinstance(name, notation.Name) or name.part.vanishes is None:
             continue
         others = (*items[:index], *items[index + 1 :])
-        rest = tuple(one for one in others if _named(one) not in name.part.below)
+        rest = tuple(other for other in others if _named(other) not in name.part.below)
         left = {own for one in rest for part in one.parts() for own in _own(part)}
         needed = {own for one in rest for part in one.parts() for own in part.part.needs}
         surplus = any(isinstance(part.part, Surplus) for one in rest for part in _levels(one))
         if rest and needed <= left and not (name.name == "level" and surplus):
-            yield summed(rest), _vanishing(name), ()
+            yield notation.summed(rest), _vanishing(name), ()
 
 
-def _named(term: Term) -> str:
+def _named(term: notation.Term) -> str:
     """Return the name of the part that a term is, with factors or without; empty of others."""
-    first = term.first if isinstance(term, Product) else term
-    return first.name if isinstance(first, Name) else ""
+    first = term.first if isinstance(term, notation.Product) else term
+    return first.name if isinstance(first, notation.Name) else ""
 
 
-def _levels(term: Term) -> Iterator[Name]:
+def _levels(term: notation.Term) -> Iterator[notation.Name]:
     return (name for name in term.parts() if name.role == "level")

@@ -8,16 +8,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, cos, sin
-from stickslip.mechanisms.base import (
-    BoundedMechanism,
-    Contact,
-    ContactInputs,
-    LinearOrRotary,
-    Mechanism,
-    Stop,
-    gear_inputs,
-    stops_between,
-)
+from stickslip.mechanisms import base
 from stickslip.mechanisms.drives import Drive
 from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
 from stickslip.quantities import Quantity
@@ -26,7 +17,7 @@ from stickslip.quantities import Quantity
 
 
 @dataclass(frozen=True, kw_only=True)
-class Axis(LinearOrRotary, BoundedMechanism):
+class Axis(base.LinearOrRotary, base.BoundedMechanism):
     """An inertia with a drive, a spring and a damper; linear or rotary.
 
     With the default load of 1, friction levels read as forces [N] or torques [N m].
@@ -86,8 +77,8 @@ class Axis(LinearOrRotary, BoundedMechanism):
         return {"x": force - self.damping * q_dot["x"] - self.offset}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", load=self.load),)
+    def contacts(self) -> tuple[base.Contact, ...]:
+        return (base.Contact(slip="x", load=self.load),)
 
     @override
     def contact_inputs(
@@ -96,14 +87,14 @@ class Axis(LinearOrRotary, BoundedMechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         external = -self.stiffness * q["x"] - self.damping * q_dot["x"] - self.offset
         force = driving_force(self.drive, drives, q["x"], q_dot["x"])
-        return gear_inputs(force, external, position=q["x"])
+        return base.gear_inputs(force, external, position=q["x"])
 
     @override
-    def stops(self) -> tuple[Stop, ...]:
-        return stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
+    def stops(self) -> tuple[base.Stop, ...]:
+        return base.stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -114,7 +105,7 @@ class Axis(LinearOrRotary, BoundedMechanism):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoMassAxis(LinearOrRotary):
+class TwoMassAxis(base.LinearOrRotary):
     """A motor that drives a load through a spring and a damper: a belt, a shaft, a screw.
 
     Where one of the two rubs, `x` is the place of that one and `other` that of the other. Where
@@ -205,12 +196,12 @@ class TwoMassAxis(LinearOrRotary):
         return {motor: force - damped, load: damped - self.offset}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[base.Contact, ...]:
         if self.rubs != "both":
-            return (Contact(slip="x", load=self.load),)
+            return (base.Contact(slip="x", load=self.load),)
         return (
-            Contact(name="load", slip="x", load=self.load),
-            Contact(name="motor", slip="other", load=self.load),
+            base.Contact(name="load", slip="x", load=self.load),
+            base.Contact(name="motor", slip="other", load=self.load),
         )
 
     @override
@@ -220,14 +211,14 @@ class TwoMassAxis(LinearOrRotary):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         motor, load = self._sides
         # What joins both sides drives the load, and is an external force to the motor.
         wound = self.stiffness * (q[motor] - q[load])
         wound = wound + self.damping * (q_dot[motor] - q_dot[load])
         sides = {
-            "load": gear_inputs(wound, -self.offset, position=q[load]),
-            "motor": gear_inputs(
+            "load": base.gear_inputs(wound, -self.offset, position=q[load]),
+            "motor": base.gear_inputs(
                 driving_force(self.drive, drives, q[motor], q_dot[motor]),
                 -wound,
                 position=q[motor],
@@ -244,7 +235,7 @@ class TwoMassAxis(LinearOrRotary):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pendulum(Mechanism):
+class Pendulum(base.Mechanism):
     """A hanging pendulum with friction in its pivot.
 
     The angle `theta` is counted from below, or from the zero of an encoder (`rest_angle`). With
@@ -308,8 +299,8 @@ class Pendulum(Mechanism):
         return {"theta": torque - self.damping * q_dot["theta"]}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="theta", load=self.load),)
+    def contacts(self) -> tuple[base.Contact, ...]:
+        return (base.Contact(slip="theta", load=self.load),)
 
     @override
     def contact_inputs(
@@ -318,9 +309,9 @@ class Pendulum(Mechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         weight = -self.mass * self.gravity * self.length * sin(self._leaning(q))
-        return gear_inputs(
+        return base.gear_inputs(
             driving_force(self.drive, drives, q["theta"], q_dot["theta"]),
             weight - self.damping * q_dot["theta"],
             gravity=weight,

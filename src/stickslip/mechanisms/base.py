@@ -10,25 +10,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Literal, TypeAlias, TypeVar, final
 
+import numpy as np
 from typing_extensions import override
 
+from stickslip import quantities
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.mechanisms.drives import Drive, parts_of
-from stickslip.quantities import (
-    Parametrised,
-    Quantity,
-    all_paths,
-    full_path,
-    is_rotary,
-    motion_kinds,
-    vary,
-)
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
 
-Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
+Incline: TypeAlias = Annotated[float, quantities.Quantity("beta", "rad", low=-1.57, high=1.57)]
 """Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
 
 
@@ -136,7 +129,7 @@ class Guide(metaclass=Described):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mechanism(Parametrised, ABC):
+class Mechanism(quantities.Parametrised, ABC):
     """A mechanism without its friction, given by Lagrange's method.
 
     The equations use `stickslip.maths` and are derived, not typed: mass matrix, forces, normal
@@ -361,8 +354,10 @@ class LinearOrRotary(Mechanism, ABC):
             raise ParameterError(
                 f"{type(self).__name__}.rotary must be True or False, got {self.rotary!r}."
             )
-        kinds = motion_kinds(type(self), vars(self))
-        object.__setattr__(self, "rotary", is_rotary(kinds, True if self.rotary else None))
+        kinds = quantities.motion_kinds(type(self), vars(self))
+        object.__setattr__(
+            self, "rotary", quantities.is_rotary(kinds, True if self.rotary else None)
+        )
         super().__post_init__()
 
     @property
@@ -559,12 +554,12 @@ def canonical_path(mechanism: Mechanism, path: str) -> str:
     >>> canonical_path(SpringBlock(mass=1.0), "compression")
     'mechanism.compression'
     """
-    return full_path(path, all_paths(mechanism, PREFIX))
+    return quantities.full_path(path, quantities.all_paths(mechanism, PREFIX))
 
 
-def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
+def quantity_at(mechanism: Mechanism, path: str) -> quantities.Quantity:
     """Return the quantity at a full path, or say which known paths are nearest."""
-    known = all_paths(mechanism, PREFIX)
+    known = quantities.all_paths(mechanism, PREFIX)
     if path not in known:
         raise UnknownNameError("parameter", path, known)
     return known[path]
@@ -775,8 +770,6 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
     >>> {name: round(force, 9) for name, force in static_normal_forces(body).items()}
     {'front': 7.848, 'rear': 11.772}
     """
-    import numpy as np
-
     contacts = mechanism.contacts()
     if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
         return {contacts[0].name: static_normal_force(mechanism)}
@@ -821,7 +814,7 @@ def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> 
     fields = mechanism.__dataclass_fields__
     pressing = {f"{PREFIX}.{name}" for name in PRESSING if name in fields}
     own = {path: value for path, value in overrides.items() if path in pressing}
-    varied = vary(mechanism, PREFIX, own)
+    varied = quantities.vary(mechanism, PREFIX, own)
     loads = [contact.load for contact in varied.contacts()]
     if len(loads) != 1 or not isinstance(loads[0], int | float) or loads[0] <= 0.0:
         return None

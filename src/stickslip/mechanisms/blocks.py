@@ -9,17 +9,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin, where
-from stickslip.mechanisms.base import (
-    BoundedMechanism,
-    Contact,
-    ContactInputs,
-    Incline,
-    Mechanism,
-    Stop,
-    gear_inputs,
-    height,
-    stops_between,
-)
+from stickslip.mechanisms import base
 from stickslip.mechanisms.drives import Drive
 from stickslip.quantities import Quantity
 from stickslip.show.formatting import number
@@ -28,7 +18,7 @@ from stickslip.show.formatting import number
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpringBlock(BoundedMechanism):
+class SpringBlock(base.BoundedMechanism):
     """A block that a compressed spring, a force, or both set in motion.
 
     The state `x` is the travel from the start, where the block is at rest. The spring pushes with
@@ -66,7 +56,7 @@ class SpringBlock(BoundedMechanism):
     """Force on the block [N]."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
-    incline: Incline = 0.0
+    incline: base.Incline = 0.0
     """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
     """Hard stop that x does not fall below; none if not given."""
@@ -99,7 +89,7 @@ class SpringBlock(BoundedMechanism):
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         m, g, k, gap = self.mass, self.gravity, self.stiffness, self.compression - q["x"]
         spring = self._touching(gap, 0.5 * k * gap * gap)
-        return m * g * height(self.incline, q["x"], q["y"]) + spring
+        return m * g * base.height(self.incline, q["x"], q["y"]) + spring
 
     def _touching(self, gap: Scalar, of_spring: Scalar) -> Scalar:
         """Return what the spring does: nothing where the block has left it."""
@@ -120,8 +110,8 @@ class SpringBlock(BoundedMechanism):
         return {"x": drives.get("drive", 0.0)}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", normal="y"),)
+    def contacts(self) -> tuple[base.Contact, ...]:
+        return (base.Contact(slip="x", normal="y"),)
 
     @override
     def contact_inputs(
@@ -130,10 +120,10 @@ class SpringBlock(BoundedMechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         gap = self.compression - q["x"]
         weight = -self.mass * self.gravity * sin(self.incline)
-        return gear_inputs(
+        return base.gear_inputs(
             drives.get("drive", 0.0),
             self._touching(gap, self.stiffness * gap) + weight,
             gravity=weight,
@@ -141,8 +131,8 @@ class SpringBlock(BoundedMechanism):
         )
 
     @override
-    def stops(self) -> tuple[Stop, ...]:
-        return stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
+    def stops(self) -> tuple[base.Stop, ...]:
+        return base.stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -153,7 +143,7 @@ class SpringBlock(BoundedMechanism):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TowedBlock(Mechanism):
+class TowedBlock(base.Mechanism):
     """A block on rough ground, pulled by a spring and a damper whose far end moves steadily.
 
     Examples
@@ -211,10 +201,10 @@ class TowedBlock(Mechanism):
         return found
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[base.Contact, ...]:
         if self.modulation is not None:
-            return (Contact(slip="x", normal="y"),)
-        return (Contact(slip="x", load=self.steady_load),)
+            return (base.Contact(slip="x", normal="y"),)
+        return (base.Contact(slip="x", load=self.steady_load),)
 
     @property
     def steady_load(self) -> float:
@@ -228,10 +218,10 @@ class TowedBlock(Mechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         pull = self.stiffness * (self.speed * t - q["x"])
         pull = pull + self.damping * (self.speed - q_dot["x"])
-        return gear_inputs(pull, 0.0, position=q["x"])
+        return base.gear_inputs(pull, 0.0, position=q["x"])
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -242,7 +232,7 @@ class TowedBlock(Mechanism):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoFeet(Mechanism):
+class TwoFeet(base.Mechanism):
     """A body that slides on a front and a rear foot.
 
     Its height `y` and its tilt `phi` are held at 0, and what each foot carries follows from both:
@@ -306,12 +296,12 @@ class TwoFeet(Mechanism):
         return {"x": drives.get("drive", 0.0) - self.damping * q_dot["x"]}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[base.Contact, ...]:
         # Friction acts below the centre of mass, and so turns the body.
         slip = {"x": 1.0, "phi": self.height}
         return (
-            Contact(slip=slip, normal={"y": 1.0, "phi": self.front}, name="front"),
-            Contact(slip=slip, normal={"y": 1.0, "phi": -1.0 * self.rear}, name="rear"),
+            base.Contact(slip=slip, normal={"y": 1.0, "phi": self.front}, name="front"),
+            base.Contact(slip=slip, normal={"y": 1.0, "phi": -1.0 * self.rear}, name="rear"),
         )
 
     @override
@@ -325,9 +315,9 @@ class TwoFeet(Mechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         others = -self.stiffness * q["x"] - self.damping * q_dot["x"]
-        both = gear_inputs(drives.get("drive", 0.0), others, position=q["x"])
+        both = base.gear_inputs(drives.get("drive", 0.0), others, position=q["x"])
         return {"front": both, "rear": both}
 
     @override
@@ -342,7 +332,7 @@ MOST_BLOCKS = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
-class BlockChain(Mechanism):
+class BlockChain(base.Mechanism):
     """Blocks in a row on a belt or on the ground, joined by springs.
 
     The places `x1`, `x2` and so on are counted from where the blocks stand while no spring is
@@ -434,9 +424,9 @@ class BlockChain(Mechanism):
         return {x: -self.damping * (q_dot[x] + belt) for x in self.coordinates}
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[base.Contact, ...]:
         return tuple(
-            Contact(slip=x, load=self.load, name=f"block-{i + 1}")
+            base.Contact(slip=x, load=self.load, name=f"block-{i + 1}")
             for i, x in enumerate(self.coordinates)
         )
 
@@ -447,7 +437,7 @@ class BlockChain(Mechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         belt = 0.0 if self.speed is None else self.speed
         pulls = [
             -self.stiffness * (q[x] + belt * t) - self.damping * (q_dot[x] + belt)
@@ -458,7 +448,7 @@ class BlockChain(Mechanism):
             pulls[i], pulls[i + 1] = pulls[i] + pull, pulls[i + 1] - pull
         named = zip(self.coordinates, pulls, strict=True)
         return {
-            f"block-{i}": gear_inputs(0.0, pull, position=q[x])
+            f"block-{i}": base.gear_inputs(0.0, pull, position=q[x])
             for i, (x, pull) in enumerate(named, 1)
         }
 

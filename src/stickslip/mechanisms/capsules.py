@@ -10,18 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, cos, sin, where
-from stickslip.mechanisms.base import (
-    BoundedMechanism,
-    Contact,
-    ContactInputs,
-    Guide,
-    Incline,
-    Mechanism,
-    Stop,
-    gear_inputs,
-    height,
-    stops_between,
-)
+from stickslip.mechanisms import base
 from stickslip.mechanisms.drives import Drive, Profile, Sine
 from stickslip.quantities import Parametrised, Quantity
 
@@ -74,7 +63,7 @@ class Motor(Parametrised, ABC):
         """
 
     @abstractmethod
-    def guide(self, effort: str, unit: str) -> Guide | None:
+    def guide(self, effort: str, unit: str) -> base.Guide | None:
         """Return how the coordinate is guided, None where a force moves it.
 
         Parameters
@@ -127,8 +116,8 @@ class Prescribed(Motor):
         return {coordinate: self.profile.start_position, rate: self.profile.start_rate}
 
     @override
-    def guide(self, effort: str, unit: str) -> Guide | None:
-        return Guide(drive=DRIVE, effort=effort, unit=unit)
+    def guide(self, effort: str, unit: str) -> base.Guide | None:
+        return base.Guide(drive=DRIVE, effort=effort, unit=unit)
 
     @override
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
@@ -175,7 +164,7 @@ class Torque(Motor):
         return {}
 
     @override
-    def guide(self, effort: str, unit: str) -> Guide | None:
+    def guide(self, effort: str, unit: str) -> base.Guide | None:
         return None
 
     @override
@@ -250,7 +239,7 @@ def soft_stops(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Capsule(BoundedMechanism):
+class Capsule(base.BoundedMechanism):
     """A capsule on rough ground with a mass inside that moves along it.
 
     The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it. A
@@ -289,7 +278,7 @@ class Capsule(BoundedMechanism):
     """Damper between the two."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
-    incline: Incline = 0.0
+    incline: base.Incline = 0.0
     """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     lower_stop: Annotated[float, Quantity("xi_l", "m")] | None = None
     """Hard stop that xi does not fall below; none if not given."""
@@ -427,8 +416,8 @@ class Capsule(BoundedMechanism):
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        capsule = self.capsule_mass * height(self.incline, q["x"], q["y"])
-        inner = self.inner_mass * height(self.incline, q["x"] + q["xi"], q["y"])
+        capsule = self.capsule_mass * base.height(self.incline, q["x"], q["y"])
+        inner = self.inner_mass * base.height(self.incline, q["x"] + q["xi"], q["y"])
         springs = 0.5 * self.stiffness * q["xi"] * q["xi"]
         for stop, side, events in soft_stops(self.lower_soft_stop, self.upper_soft_stop):
             springs = springs + stop.energy(q["xi"], side, events)
@@ -451,8 +440,8 @@ class Capsule(BoundedMechanism):
         return {"xi": between} | ({"x": drive} if self.drive_on == "inner mass" else {})
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", normal="y"),)
+    def contacts(self) -> tuple[base.Contact, ...]:
+        return (base.Contact(slip="x", normal="y"),)
 
     @override
     def contact_inputs(
@@ -461,13 +450,13 @@ class Capsule(BoundedMechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         whole = self.capsule_mass + self.inner_mass
         return {"gravity": -whole * self.gravity * sin(self.incline), "position": q["x"]}
 
     @override
-    def stops(self) -> tuple[Stop, ...]:
-        return stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
+    def stops(self) -> tuple[base.Stop, ...]:
+        return base.stops_between("xi", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -478,7 +467,7 @@ class Capsule(BoundedMechanism):
         return self.drive.start("xi", "xi_dot")
 
     @override
-    def guided(self) -> Mapping[str, Guide]:
+    def guided(self) -> Mapping[str, base.Guide]:
         guide = self.drive.guide("force", "N")
         return {} if guide is None else {"xi": guide}
 
@@ -527,7 +516,7 @@ class InnerMass(Parametrised):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoMassCapsule(BoundedMechanism):
+class TwoMassCapsule(base.BoundedMechanism):
     """A capsule on rough ground with two masses inside.
 
     The places `xi` and `zeta` of both are counted from the capsule, each along its own line. One
@@ -563,7 +552,7 @@ class TwoMassCapsule(BoundedMechanism):
     """The mass at `zeta`."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
-    incline: Incline = 0.0
+    incline: base.Incline = 0.0
     """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     squeeze: Annotated[float, Quantity("F_h", "N", low=0)] = 0.0
     """Force beside the weight that presses it on its ground, as the hoop stress of a bowel."""
@@ -586,10 +575,12 @@ class TwoMassCapsule(BoundedMechanism):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         x, y = q["x"], q["y"]
-        found = self.gravity * self.capsule_mass * height(self.incline, x, y) + self.squeeze * y
+        found = (
+            self.gravity * self.capsule_mass * base.height(self.incline, x, y) + self.squeeze * y
+        )
         for name, place, _, one in self._inner():
             along, up = x + cos(one.angle) * q[place], y + sin(one.angle) * q[place]
-            found = found + self.gravity * one.mass * height(self.incline, along, up)
+            found = found + self.gravity * one.mass * base.height(self.incline, along, up)
             found = found + 0.5 * one.stiffness * q[place] * q[place]
             for stop, side, events in one.soft_stops(name):
                 found = found + stop.energy(q[place], side, events)
@@ -613,8 +604,8 @@ class TwoMassCapsule(BoundedMechanism):
         return found
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", normal="y"),)
+    def contacts(self) -> tuple[base.Contact, ...]:
+        return (base.Contact(slip="x", normal="y"),)
 
     @override
     def contact_inputs(
@@ -623,16 +614,16 @@ class TwoMassCapsule(BoundedMechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         mass = self.capsule_mass + self.first.mass + self.second.mass
         return {"gravity": -mass * self.gravity * sin(self.incline), "position": q["x"]}
 
     @override
-    def stops(self) -> tuple[Stop, ...]:
+    def stops(self) -> tuple[base.Stop, ...]:
         return tuple(
             stop
             for _, place, _, one in self._inner()
-            for stop in stops_between(place, one.lower_stop, one.upper_stop, one.restitution)
+            for stop in base.stops_between(place, one.lower_stop, one.upper_stop, one.restitution)
         )
 
     @override
@@ -652,13 +643,13 @@ class TwoMassCapsule(BoundedMechanism):
         }
 
     @override
-    def guided(self) -> Mapping[str, Guide]:
+    def guided(self) -> Mapping[str, base.Guide]:
         found = {}
         for name, place, _, one in self._inner():
             guide = one.drive.guide(f"{name}_force", "N")
             if guide is not None:
                 drive = f"{name}_{guide.drive}"
-                found[place] = Guide(drive=drive, effort=guide.effort, unit=guide.unit)
+                found[place] = base.Guide(drive=drive, effort=guide.effort, unit=guide.unit)
         return found
 
     @override
@@ -678,7 +669,7 @@ GROUND = "ground"
 
 
 @dataclass(frozen=True, kw_only=True)
-class PendulumCart(Mechanism):
+class PendulumCart(base.Mechanism):
     """A cart on rough ground with an inverted pendulum, a ball on a light rod.
 
     The angle `theta` is that of the rod from the normal of the ground, which is the upright where
@@ -732,7 +723,7 @@ class PendulumCart(Mechanism):
     pivot does not rub."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
-    incline: Incline = 0.0
+    incline: base.Incline = 0.0
     """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     wheelbase: Annotated[float, Quantity("b", "m", above=0)] | None = None
     """Distance of the outer wheels; a cart without one does not tip."""
@@ -770,8 +761,8 @@ class PendulumCart(Mechanism):
         tilt = q.get("tilt", 0.0)
         h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
         x, y, angle = q["x"], q["y"], q["theta"] + tilt
-        cart = height(self.incline, x - h_c * sin(tilt), y + h_c * cos(tilt))
-        ball = height(
+        cart = base.height(self.incline, x - h_c * sin(tilt), y + h_c * cos(tilt))
+        ball = base.height(
             self.incline,
             x - h_p * sin(tilt) - l * sin(angle),
             y + h_p * cos(tilt) + l * cos(angle),
@@ -802,12 +793,12 @@ class PendulumCart(Mechanism):
         return self.ball_mass * drives.get(GROUND, 0.0) * self.length * sin(angle)
 
     @override
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[base.Contact, ...]:
         if self.pivot_load is None:
-            return (Contact(slip="x", normal="y"),)
+            return (base.Contact(slip="x", normal="y"),)
         return (
-            Contact(slip="x", normal="y", name="wheels"),
-            Contact(slip="theta", load=self.pivot_load, name="pivot"),
+            base.Contact(slip="x", normal="y", name="wheels"),
+            base.Contact(slip="theta", load=self.pivot_load, name="pivot"),
         )
 
     @override
@@ -817,7 +808,7 @@ class PendulumCart(Mechanism):
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> ContactInputs:
+    ) -> base.ContactInputs:
         whole = self.cart_mass + self.ball_mass
         slope = -whole * self.gravity * sin(self.incline)
         wheels: dict[str, Scalar] = {"gravity": slope, "position": q["x"]}
@@ -830,7 +821,7 @@ class PendulumCart(Mechanism):
             wound = self.pivot_stiffness * (q["theta"] - self.pivot_angle)
             others = weight - wound - self.pivot_damping * q_dot["theta"]
             others = others + self._shaken(q, drives)
-            pivot = gear_inputs(self.pendulum.force(drives), others, **pivot)
+            pivot = base.gear_inputs(self.pendulum.force(drives), others, **pivot)
         return {"wheels": wheels, "pivot": pivot}
 
     @override
@@ -842,7 +833,7 @@ class PendulumCart(Mechanism):
         return self.pendulum.start("theta", "omega")
 
     @override
-    def guided(self) -> Mapping[str, Guide]:
+    def guided(self) -> Mapping[str, base.Guide]:
         guide = self.pendulum.guide("torque", "N m")
         return {} if guide is None else {"theta": guide}
 

@@ -10,26 +10,11 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.maths import Scalar
+from stickslip.mechanisms import rigid_bodies
 from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.mechanisms.brakes import checked_parts
 from stickslip.mechanisms.drives import Drive
 from stickslip.mechanisms.electric_motor import DCMotor, driving, driving_force, driving_inertia
-from stickslip.mechanisms.rigid_bodies import (
-    BASE,
-    NONE,
-    UNIT,
-    Body,
-    JointedMechanism,
-    Matrix,
-    Vector,
-    about,
-    both,
-    mass_matrix_of,
-    plus,
-    symmetric,
-    times,
-    turned,
-)
 from stickslip.quantities import Parametrised, Quantity, unchecked
 
 # An arm of links in a row, in a vertical plane.
@@ -81,9 +66,9 @@ class Link(Parametrised):
             )
 
 
-def planar_bodies(links: Sequence[Link]) -> list[Body]:
+def planar_bodies(links: Sequence[Link]) -> list[rigid_bodies.Body]:
     """Return links in a row, each along its x-axis, which turn about parallel axes."""
-    found: list[Body] = []
+    found: list[rigid_bodies.Body] = []
     reach: Scalar = 0.0
     for i, link in enumerate(links):
         # Of motion in a plane, the inertia about the axis is all that counts.
@@ -91,13 +76,17 @@ def planar_bodies(links: Sequence[Link]) -> list[Body]:
         place, moment = (reach, 0.0, 0.0), (link.mass * link.centre, 0.0, 0.0)
         motor = link.torque if isinstance(link.torque, DCMotor) else link
         rotor, gear = motor.rotor_inertia, motor.gear_ratio
-        found.append(Body(i - 1, UNIT, place, link.mass, moment, inertia, rotor=rotor, gear=gear))
+        found.append(
+            rigid_bodies.Body(
+                i - 1, rigid_bodies.UNIT, place, link.mass, moment, inertia, rotor=rotor, gear=gear
+            )
+        )
         reach = link.length
     return found
 
 
 @dataclass(frozen=True, kw_only=True)
-class SerialArm(JointedMechanism):
+class SerialArm(rigid_bodies.JointedMechanism):
     """Links in a row in a vertical plane, with friction in each joint.
 
     The angles `q1`, `q2` and so on are 0 where the arm hangs; each but the first is relative to the
@@ -147,11 +136,11 @@ class SerialArm(JointedMechanism):
         return ("rad",) * len(self.links)
 
     @override
-    def bodies(self) -> Sequence[Body]:
+    def bodies(self) -> Sequence[rigid_bodies.Body]:
         return planar_bodies(self.links)
 
     @override
-    def free_fall(self) -> Vector:
+    def free_fall(self) -> rigid_bodies.Vector:
         return (self.gravity, 0.0, 0.0)
 
     @override
@@ -187,7 +176,7 @@ class SerialArm(JointedMechanism):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoLinkArm(JointedMechanism):
+class TwoLinkArm(rigid_bodies.JointedMechanism):
     """Two links in a vertical plane with friction in both joints.
 
     Both angles are 0 where the arm hangs; that of the elbow is relative to the upper link. Drives
@@ -250,7 +239,7 @@ class TwoLinkArm(JointedMechanism):
     """Acceleration of free fall."""
 
     @override
-    def bodies(self) -> Sequence[Body]:
+    def bodies(self) -> Sequence[rigid_bodies.Body]:
         motor = {"rotor_inertia": self.rotor_inertia, "gear_ratio": self.gear_ratio}
         upper = unchecked(
             Link,
@@ -273,7 +262,7 @@ class TwoLinkArm(JointedMechanism):
         return planar_bodies((upper, lower))
 
     @override
-    def free_fall(self) -> Vector:
+    def free_fall(self) -> rigid_bodies.Vector:
         return (self.gravity, 0.0, 0.0)
 
     @override
@@ -459,7 +448,7 @@ class RobotJoint(Parametrised):
         return found
 
     @property
-    def rotation(self) -> Matrix:
+    def rotation(self) -> rigid_bodies.Matrix:
         """The orientation as rows."""
         a = self.orientation
         return (a[0], a[1], a[2]), (a[3], a[4], a[5]), (a[6], a[7], a[8])
@@ -476,11 +465,11 @@ class RobotJoint(Parametrised):
         return name if name[0].isalpha() else f"joint-{name}"
 
     @property
-    def own_axes(self) -> Matrix:
+    def own_axes(self) -> rigid_bodies.Matrix:
         """Axes of `body`, row by row, in those of the link: the third is the joint's."""
         return _with_z_along(self.axis)
 
-    def body(self, parent: int, carrier_axes: Matrix) -> Body:
+    def body(self, parent: int, carrier_axes: rigid_bodies.Matrix) -> rigid_bodies.Body:
         """Return the link as a body whose z-axis is that of the joint.
 
         Parameters
@@ -496,23 +485,27 @@ class RobotJoint(Parametrised):
             The body.
         """
         axes = self.own_axes
-        frame = tuple(times(carrier_axes, times(self.rotation, row)) for row in axes)
+        frame = tuple(
+            rigid_bodies.times(carrier_axes, rigid_bodies.times(self.rotation, row)) for row in axes
+        )
         centre = (self.centre_x, self.centre_y, self.centre_z)
         more = (self.added_moment_x, self.added_moment_y, self.added_moment_z)
-        moment = plus([self.mass * c for c in centre], more)
+        moment = rigid_bodies.plus([self.mass * c for c in centre], more)
         own, added = (
-            symmetric(*(getattr(self, f"{name}_{entry}") for entry in ENTRIES))
+            rigid_bodies.symmetric(*(getattr(self, f"{name}_{entry}") for entry in ENTRIES))
             for name in ("inertia", "added_inertia")
         )
         # About the joint: that about the centre of mass, and mass times distance squared.
-        inertia = both(both(own, about(self.mass, NONE, centre)), added)
-        return Body(
+        inertia = rigid_bodies.both(
+            rigid_bodies.both(own, rigid_bodies.about(self.mass, rigid_bodies.NONE, centre)), added
+        )
+        return rigid_bodies.Body(
             parent,
             tuple(tuple(map(_exact, row)) for row in frame),
-            times(carrier_axes, self.place),
+            rigid_bodies.times(carrier_axes, self.place),
             self.mass,
-            times(axes, moment),
-            turned(axes, inertia),
+            rigid_bodies.times(axes, moment),
+            rigid_bodies.turned(axes, inertia),
             slides=self.kind == "prismatic",
             armature=self.armature + self.added_armature + driving_inertia(self.effort),
         )
@@ -534,12 +527,12 @@ def _exact(x: float) -> float:
     return float(round(x)) if abs(x - round(x)) < EXACT else x
 
 
-def _determinant(m: Matrix) -> float:
+def _determinant(m: rigid_bodies.Matrix) -> float:
     (a, b, c), (d, e, f), (g, h, i) = m
     return float(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g))
 
 
-def _with_z_along(axis: Sequence[float]) -> Matrix:
+def _with_z_along(axis: Sequence[float]) -> rigid_bodies.Matrix:
     """Return axes, row by row, whose third is along a given one.
 
     Along one of the old axes the others are old ones too, so that nothing but their names changes.
@@ -559,7 +552,7 @@ def _crossed(a: Sequence[float], b: Sequence[float]) -> list[float]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Robot(BoundedMechanism, JointedMechanism):
+class Robot(BoundedMechanism, rigid_bodies.JointedMechanism):
     """Rigid links in a tree, joined by joints that turn or slide, with friction in each.
 
     `read_urdf` makes one of a robot description. Coordinates have the names of the joints, with
@@ -620,7 +613,9 @@ class Robot(BoundedMechanism, JointedMechanism):
         """Refuse a joint that moves no mass: its acceleration would not be determined."""
         # Away from 0, where links may line up so that a joint moves nothing in that pose alone.
         places = [0.3 + 0.1 * i for i in range(len(self.joints))]
-        rows = [[float(x) for x in row] for row in mass_matrix_of(self.bodies(), places)]
+        rows = [
+            [float(x) for x in row] for row in rigid_bodies.mass_matrix_of(self.bodies(), places)
+        ]
         largest = max(rows[i][i] for i in range(len(rows)))
         # elimination from the ends of the tree: a pivot is what a joint moves by itself
         for k in reversed(range(len(rows))):
@@ -658,10 +653,10 @@ class Robot(BoundedMechanism, JointedMechanism):
         return tuple("m" if joint.kind == "prismatic" else "rad" for joint in self.joints)
 
     @override
-    def bodies(self) -> Sequence[Body]:
+    def bodies(self) -> Sequence[rigid_bodies.Body]:
         index = {joint.joint: i for i, joint in enumerate(self.joints)}
-        index[""] = BASE
-        axes = {one.joint: one.own_axes for one in self.joints} | {"": UNIT}
+        index[""] = rigid_bodies.BASE
+        axes = {one.joint: one.own_axes for one in self.joints} | {"": rigid_bodies.UNIT}
         return [one.body(index[one.parent], axes[one.parent]) for one in self.joints]
 
     @override
@@ -679,7 +674,7 @@ class Robot(BoundedMechanism, JointedMechanism):
         return list(rows.values())
 
     @override
-    def free_fall(self) -> Vector:
+    def free_fall(self) -> rigid_bodies.Vector:
         return (0.0, 0.0, -1.0 * self.gravity)
 
     @override

@@ -12,40 +12,7 @@ from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.identify.candidates import FixedStepRow, compare_fixed_steps, largest_step
 from stickslip.identify.kinds import TravelVerdict, select_travels
 from stickslip.mechanisms import PendulumCart, SpringBlock
-from stickslip.paper.printed import (
-    BREAK_AWAY_RULES,
-    CART_STEP,
-    STIFFNESS,
-    BristleRow,
-    Consequence,
-    Creep,
-    PrintedRun,
-    Requirement,
-    Springback,
-    StepTravel,
-    bristle_rows,
-    consequences,
-    lugre_row,
-    requirements,
-    springbacks,
-    step_travels,
-    stribeck_creeps,
-)
-from stickslip.paper.rigs import (
-    CART,
-    CartStudy,
-    Excitation,
-    PaperValues,
-    RestRule,
-    StickSlip,
-    adopted,
-    check_form,
-    excitations,
-    rest_rules,
-    rigs,
-    stick_slip,
-    study_cart,
-)
+from stickslip.paper import printed, rigs
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.show.report import published_dict
 
@@ -58,7 +25,7 @@ class TableRow:
     """The row's law, with the paper's values."""
     published: Published
     """What the paper prints in the row."""
-    readings: tuple[Excitation, ...]
+    readings: tuple[rigs.Excitation, ...]
     """The row's law in the readings A, B and C."""
     coarse: Mapping[BreakAway, float]
     """Travel of the push by forward Euler in steps of 10 ms, with the stick rule [m], by the
@@ -66,7 +33,7 @@ class TableRow:
     largest_step: float | None
     """Step above which they do so [s]; None for laws without bristles."""
 
-    def reading(self, key: str) -> Excitation:
+    def reading(self, key: str) -> rigs.Excitation:
         """Return the reading A, B or C."""
         return next(one for one in self.readings if one.key == key)
 
@@ -91,40 +58,40 @@ class PaperAudit:
     """The rig, with a law for each row."""
     own: bool
     """Whether it is another rig than that of the paper, of which nothing was published."""
-    values: PaperValues
+    values: rigs.PaperValues
     """The rig's numbers in the paper's terms."""
     measured: float
     """Measured travel [m]."""
     table: tuple[TableRow, ...]
     """Table II."""
-    requirements: tuple[Requirement, ...]
+    requirements: tuple[printed.Requirement, ...]
     """What the unpublished parameters would have to be."""
-    step_travels: tuple[StepTravel, ...]
+    step_travels: tuple[printed.StepTravel, ...]
     """What steps of 10 ms make of the push."""
     viscous_travels: Mapping[str, float]
     """Travel in reading B [m] of the laws whose viscous part was left out, with that of (10)."""
-    consequences: tuple[Consequence, ...]
+    consequences: tuple[printed.Consequence, ...]
     """What the printed equations do where they are wrong."""
     fixed_steps: tuple[FixedStepRow, ...]
     """The released spring with fixed steps and exactly."""
-    bristles: tuple[BristleRow, ...]
+    bristles: tuple[printed.BristleRow, ...]
     """Travels by the stiffness of the bristles."""
-    springbacks: tuple[Springback, ...]
+    springbacks: tuple[printed.Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
-    creeps: tuple[Creep, ...]
+    creeps: tuple[printed.Creep, ...]
     """What (5) makes of the push in steps of 10 ms, with the sgn that it lacks."""
-    rest_rules: tuple[RestRule, ...]
+    rest_rules: tuple[rigs.RestRule, ...]
     """Zero-velocity bands and other rules for rest, beside the exact switch."""
     trials: tuple[TrialTravels, ...]
     """Each trial with the travels of all laws."""
-    stick_slip: StickSlip | None
+    stick_slip: rigs.StickSlip | None
     """The block pulled slowly by its spring; None of another rig."""
-    cart: CartStudy
+    cart: rigs.CartStudy
     """The pendulum-driven cart."""
     verdict: TravelVerdict
     """What our selection says of the rig."""
 
-    def requirement(self, law: str) -> Requirement | None:
+    def requirement(self, law: str) -> printed.Requirement | None:
         """Return what would give the published travel of a law; None if nothing does.
 
         That of reading A, in which the other values are nearest; that of B if A has none.
@@ -219,7 +186,7 @@ class PaperAudit:
         }
 
 
-def _stick_slip_dict(pulled: StickSlip) -> dict[str, Any]:
+def _stick_slip_dict(pulled: rigs.StickSlip) -> dict[str, Any]:
     return {
         "speed": pulled.mechanism.speed,
         "stick_time": pulled.stick_time,
@@ -228,7 +195,7 @@ def _stick_slip_dict(pulled: StickSlip) -> dict[str, Any]:
     }
 
 
-def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
+def _consequence_dict(consequence: printed.Consequence) -> dict[str, Any]:
     return {
         **published_dict(consequence.form),
         "values": {path: value for path, _, value in parameters(consequence.printed, "printed")},
@@ -236,18 +203,18 @@ def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
             path: value for path, _, value in parameters(consequence.corrected, "corrected")
         },
         "tests": {
-            one.test: {
-                "printed": _printed_dict(one.printed),
-                "with_stick_rule": _printed_dict(one.with_rule),
-                "corrected": _finite(asdict(one.corrected)),
-                "differs": one.differs,
+            outcome.test: {
+                "printed": _printed_dict(outcome.printed),
+                "with_stick_rule": _printed_dict(outcome.with_rule),
+                "corrected": _finite(asdict(outcome.corrected)),
+                "differs": outcome.differs,
             }
-            for one in consequence.outcomes
+            for outcome in consequence.outcomes
         },
     }
 
 
-def _printed_dict(run: PrintedRun) -> dict[str, Any]:
+def _printed_dict(run: printed.PrintedRun) -> dict[str, Any]:
     return {**asdict(run), "criteria": _finite(asdict(run.criteria))}
 
 
@@ -263,7 +230,7 @@ def audit(
     rig: Rig | None = None,
     *,
     verdict: TravelVerdict | None = None,
-    cart: PendulumCart = CART,
+    cart: PendulumCart = rigs.CART,
     progress: Callable[[str, float], object] | None = None,
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
@@ -277,40 +244,40 @@ def audit(
     rig = paper if rig is None else rig
     own = rig.digest != paper.digest
     if own:
-        check_form(rig)
+        rigs.check_form(rig)
     if verdict is None and rig.measurement is not None:
         verdict = select_travels(
             rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
         )
     assert verdict is not None
-    rig = adopted(rig, verdict) if own else rig
-    values = PaperValues.of(rig)
+    rig = rigs.adopted(rig, verdict) if own else rig
+    values = rigs.PaperValues.of(rig)
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     rows = tuple(_row(rig, values, published.get(name) or Published(law=name)) for name in MODELS)
-    creeps = () if own else stribeck_creeps(values, t_end=rig.t_end)
+    creeps = () if own else printed.stribeck_creeps(values, t_end=rig.t_end)
     return PaperAudit(
         rig=rig,
         own=own,
         values=values,
         measured=values.measured,
         table=rows,
-        requirements=requirements(values, travels, t_end=rig.t_end),
-        step_travels=step_travels(values, travels, creeps, t_end=rig.t_end),
+        requirements=printed.requirements(values, travels, t_end=rig.t_end),
+        step_travels=printed.step_travels(values, travels, creeps, t_end=rig.t_end),
         viscous_travels=_viscous_travels(rig, values),
-        consequences=consequences(values),
+        consequences=printed.consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
-        bristles=() if own else bristle_rows(values, t_end=rig.t_end),
-        springbacks=springbacks(values),
+        bristles=() if own else printed.bristle_rows(values, t_end=rig.t_end),
+        springbacks=printed.springbacks(values),
         creeps=creeps,
-        rest_rules=rest_rules(values, cart),
+        rest_rules=rigs.rest_rules(values, cart),
         trials=_trials(rig),
-        stick_slip=None if own else stick_slip(values),
-        cart=study_cart(
+        stick_slip=None if own else rigs.stick_slip(values),
+        cart=rigs.study_cart(
             _named(verdict),
             rig.laws["coulomb-viscous"],
             levels=(values.mu_k, values.mu_s),
-            bristles=lugre_row(values, STIFFNESS),
+            bristles=printed.lugre_row(values, printed.STIFFNESS),
             cart=cart,
         ),
         verdict=verdict,
@@ -352,9 +319,9 @@ def _named(verdict: TravelVerdict) -> FrictionLaw | None:
     return None if best is None or best.fit is None else best.fit.law
 
 
-def _viscous_travels(rig: Rig, values: PaperValues) -> dict[str, float]:
+def _viscous_travels(rig: Rig, values: rigs.PaperValues) -> dict[str, float]:
     """Return the travels in reading B with the viscous part that (5) and (9) have as (10) has."""
-    _, _, spring = rigs(values.rig)["B"]
+    _, _, spring = rigs.rigs(values.rig)["B"]
     viscous = {
         form.corrected.name
         for form in PRINTED_FORMS.values()
@@ -369,14 +336,14 @@ def _viscous_travels(rig: Rig, values: PaperValues) -> dict[str, float]:
     return found
 
 
-def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
+def _row(rig: Rig, values: rigs.PaperValues, published: Published) -> TableRow:
     law = rig.laws[published.law]
-    readings = excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
+    readings = rigs.excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
     push = readings[0]
     largest = largest_step(push.mechanism, law, push.run)
     coarse: dict[BreakAway, float] = {}
-    for rule in BREAK_AWAY_RULES if largest is None or largest >= CART_STEP else ():
-        solver = FixedStep(dt=CART_STEP, break_away=None if law.states else rule)
+    for rule in printed.BREAK_AWAY_RULES if largest is None or largest >= printed.CART_STEP else ():
+        solver = FixedStep(dt=printed.CART_STEP, break_away=None if law.states else rule)
         run = simulate(push.mechanism, law, t_end=rig.t_end, solver=solver)
         coarse[rule] = float(run["x"][-1])
     return TableRow(

@@ -10,26 +10,8 @@ from stickslip.friction import SOURCES
 from stickslip.identify.kinds import TravelVerdict
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.rigs import PUSH_DURATION
-from stickslip.paper.sections.cart import (
-    break_away_section,
-    cart_section,
-    choice_section,
-    rest_section,
-)
+from stickslip.paper.sections import cart, equations, table
 from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section
-from stickslip.paper.sections.equations import (
-    assumption_section,
-    equation_section,
-    excitation_section,
-    misprint_section,
-)
-from stickslip.paper.sections.table import (
-    figure_section,
-    phenomena_section,
-    ranking_section,
-    schematic_section,
-    table_section,
-)
 from stickslip.show.formatting import fixed, joined, percent, quantity
 from stickslip.show.report import (
     Code,
@@ -68,8 +50,11 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         return Beside(extra=(blocks.failed_section("paper", error),))
     return Beside(
         remark=_remark(found),
-        lead=(partial(excitation_section, found), partial(table_section, found)),
-        extra=(partial(equation_section, found), partial(misprint_section, found)),
+        lead=(partial(equations.excitation_section, found), partial(table.table_section, found)),
+        extra=(
+            partial(equations.equation_section, found),
+            partial(equations.misprint_section, found),
+        ),
     )
 
 
@@ -102,20 +87,20 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     own = audit.own
     makers: tuple[Callable[[PaperAudit], Section], ...] = (
         *(() if own else (claim_section,)),
-        table_section,
-        ranking_section,
-        choice_section,
-        excitation_section,
+        table.table_section,
+        table.ranking_section,
+        cart.choice_section,
+        equations.excitation_section,
         *(() if own else (unpublished_section,)),
-        misprint_section,
-        *(() if own else (cart_section,)),
-        *(() if own else (schematic_section,)),
-        figure_section,
-        *(() if own else (phenomena_section, trial_section)),
-        rest_section,
-        break_away_section,
-        equation_section,
-        assumption_section,
+        equations.misprint_section,
+        *(() if own else (cart.cart_section,)),
+        *(() if own else (table.schematic_section,)),
+        table.figure_section,
+        *(() if own else (table.phenomena_section, trial_section)),
+        cart.rest_section,
+        cart.break_away_section,
+        equations.equation_section,
+        equations.assumption_section,
     )
     opening = _own_opening(audit) if own else _opening(audit)
     page = Page(
@@ -210,7 +195,7 @@ def _facts(found: PaperAudit) -> tuple[Fact, ...]:
     first = found.table[0]
     push, spring = (r.criteria for r in first.readings[:2])
     exactly = sum(n.value is not None and n.kept and n.reading == "A" for n in found.requirements)
-    in_steps = sum(one.reached for one in found.step_travels)
+    in_steps = sum(step_travel.reached for step_travel in found.step_travels)
     total = len(found.rig.published)
     return (
         Fact(

@@ -10,20 +10,12 @@ from typing import Any, Self
 
 import numpy as np
 
+from stickslip import friction
 from stickslip.data import Measurement, Rig, load_rig
 from stickslip.engine.simulation import simulate
 from stickslip.engine.solver import EventDriven, FixedStep
 from stickslip.engine.trajectory import Trajectory
 from stickslip.errors import InputError
-from stickslip.friction import (
-    Coulomb,
-    CoulombViscous,
-    FrictionLaw,
-    LuGre,
-    PrintedCartDynamics,
-    PrintedCoulomb,
-    PrintedForm,
-)
 from stickslip.identify.candidates import Criteria, criteria_of
 from stickslip.identify.fits import Estimate
 from stickslip.identify.kinds import TravelVerdict
@@ -86,7 +78,9 @@ class PaperValues:
         """Read the values off a rig that has the paper's form."""
         mechanism, first = check_form(rig)
         viscous, lugre = rig.laws.get("coulomb-viscous"), rig.laws.get("lugre")
-        if not isinstance(viscous, CoulombViscous) or not isinstance(lugre, LuGre):
+        if not isinstance(viscous, friction.CoulombViscous) or not isinstance(
+            lugre, friction.LuGre
+        ):
             raise InputError("the audit of the paper needs its laws coulomb-viscous and lugre.")
         load = mechanism.mass * mechanism.gravity
         return cls(
@@ -132,7 +126,7 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
     """
     coulomb = rig.laws.get("coulomb")
     if coulomb is None:
-        named = [one for one in verdict.candidates if one.name == "coulomb"]
+        named = [candidate for candidate in verdict.candidates if candidate.name == "coulomb"]
         if not named or named[0].fit is None:
             raise InputError(
                 "the audit of the paper needs a kinetic coefficient, and Coulomb friction does not"
@@ -140,13 +134,13 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
                 " [friction]."
             )
         coulomb = named[0].fit.law
-    assert isinstance(coulomb, Coulomb)
+    assert isinstance(coulomb, friction.Coulomb)
     levels = {
         "kinetic_coefficient": coulomb.kinetic_coefficient,
         "static_coefficient": coulomb.break_away(1.0),
     }
     viscous = {one.path: one.value for one in viscous_fit(verdict)}
-    laws: dict[str, FrictionLaw] = {}
+    laws: dict[str, friction.FrictionLaw] = {}
     for name, law in load_rig().laws.items():
         own = {
             f"friction.{field}": value
@@ -225,7 +219,7 @@ def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
 
 
 def excitations(
-    rig: SpringBlock, law: FrictionLaw, *, measured: float, t_end: float
+    rig: SpringBlock, law: friction.FrictionLaw, *, measured: float, t_end: float
 ) -> tuple[Excitation, ...]:
     """Run a law in the three readings of the rig.
 
@@ -254,7 +248,7 @@ def excitations(
     return tuple(found)
 
 
-def _closed_form(key: str, rig: SpringBlock, law: FrictionLaw) -> float | None:
+def _closed_form(key: str, rig: SpringBlock, law: friction.FrictionLaw) -> float | None:
     """Return the travel of Coulomb friction: A by momentum, B by energy.
 
     A holds if the push starts the block, B if the block gets as far as to leave the spring.
@@ -314,7 +308,7 @@ def stick_slip(values: PaperValues) -> StickSlip:
     """
     rig = values.rig
     towed = TowedBlock(mass=rig.mass, stiffness=rig.stiffness, speed=SPEED, gravity=rig.gravity)
-    law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
+    law = friction.Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
     surplus = (values.mu_s - values.mu_k) * values.load / rig.stiffness
     w = math.sqrt(rig.stiffness / rig.mass)
     stick = 2.0 * surplus / SPEED
@@ -361,7 +355,7 @@ class CartRun:
     """Name by which figures and tables find the run."""
     title: str
     """Words that name the run in figures and tables."""
-    law: FrictionLaw | PrintedForm
+    law: friction.FrictionLaw | friction.PrintedForm
     """The law or the printed equation that was run."""
     run: Trajectory
     """The trajectory."""
@@ -517,7 +511,7 @@ class CartStudy:
             "cycles": CYCLES,
             "step": STEP,
             "kinetic_coefficient": KINETIC,
-            "figure_2": [one.to_dict() for one in self.runs],
+            "figure_2": [run.to_dict() for run in self.runs],
             "levels_of_table_1": [one.to_dict() for one in self.table_1],
             "break_away": [one.to_dict() for one in self.break_away],
             "backward_motion": [
@@ -528,16 +522,16 @@ class CartStudy:
                 }
                 for share in self.shares
             ],
-            "figure_11": [one.to_dict() for one in self.choices],
+            "figure_11": [choice.to_dict() for choice in self.choices],
         }
 
 
 def study_cart(
-    chosen: FrictionLaw | None,
-    theirs: FrictionLaw,
+    chosen: friction.FrictionLaw | None,
+    theirs: friction.FrictionLaw,
     *,
     levels: tuple[float, float] = (0.25, 0.35),
-    bristles: FrictionLaw | None = None,
+    bristles: friction.FrictionLaw | None = None,
     cart: PendulumCart = CART,
 ) -> CartStudy:
     """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
@@ -553,16 +547,16 @@ def study_cart(
     ['-12.67', '0.28']
     """
     level = {"kinetic_coefficient": KINETIC}
-    law = Coulomb(**level)
+    law = friction.Coulomb(**level)
     printed = FixedStep(dt=STEP, stick_rule=False)
     free = replace(printed, break_away="zero")
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
     weight = (cart.cart_mass + cart.ball_mass) * cart.gravity
     ran = partial(_run, cart)
-    signed = PrintedCartDynamics(kinetic_coefficient=KINETIC, weight=weight)
-    plain = PrintedCoulomb
-    at_table_1 = Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
+    signed = friction.PrintedCartDynamics(kinetic_coefficient=KINETIC, weight=weight)
+    plain = friction.PrintedCoulomb
+    at_table_1 = friction.Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
     return CartStudy(
         cart=cart,
         given=cart != CART,
@@ -587,13 +581,13 @@ def study_cart(
 
 
 def _break_away(
-    cart: PendulumCart, levels: tuple[float, float], bristles: FrictionLaw | None
+    cart: PendulumCart, levels: tuple[float, float], bristles: friction.FrictionLaw | None
 ) -> tuple[CartRun, ...]:
     """Vary the break-away level, at the kinetic levels of Table I and of Fig. 2."""
     (mu_k, mu_s), exact = levels, EventDriven()
     step = mu_s - mu_k or ALONE * mu_k
     laws = [
-        Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * step)
+        friction.Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * step)
         for kinetic in (mu_k, KINETIC)
         for share in SURPLUS
     ]
@@ -623,7 +617,7 @@ def _run(
     cart: PendulumCart,
     key: str,
     title: str,
-    law: FrictionLaw | PrintedForm,
+    law: friction.FrictionLaw | friction.PrintedForm,
     solver: EventDriven | FixedStep,
 ) -> CartRun:
     """Drive the cart for all cycles."""
@@ -686,7 +680,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
     [0, 50, 49, 0]
     """
     period = float(swing_of(cart).period)
-    law = Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
+    law = friction.Coulomb(kinetic_coefficient=values.mu_k, static_coefficient=values.mu_s)
     found = []
     for dt, stick_rule, band in ((None, True, 0.0), *REST_RULES):
         solver = None
@@ -709,7 +703,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 block=criteria_of(block, values.rig),
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
                 rests=bool(block["v"][-1] == 0.0),
-                cart_travel=sum(one.travel for one in cycles),
+                cart_travel=sum(cycle.travel for cycle in cycles),
                 cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
             )
         )

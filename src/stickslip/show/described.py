@@ -138,8 +138,8 @@ def marks(hint: Any) -> Iterator[Any]:
     >>> [*marks(Annotated[float, "N"] | None)]
     ['N']
     """
-    for one in alternatives(hint):
-        yield from getattr(one, "__metadata__", ())
+    for alternative in alternatives(hint):
+        yield from getattr(alternative, "__metadata__", ())
 
 
 def with_marks(hint: Any, change: Callable[[Any], Any]) -> Any:
@@ -152,9 +152,9 @@ def with_marks(hint: Any, change: Callable[[Any], Any]) -> Any:
     ('n',)
     """
     found = []
-    for one in alternatives(hint):
-        told = tuple(map(change, getattr(one, "__metadata__", ())))
-        found.append(Annotated[(one.__origin__, *told)] if told else one)
+    for alternative in alternatives(hint):
+        told = tuple(map(change, getattr(alternative, "__metadata__", ())))
+        found.append(Annotated[(alternative.__origin__, *told)] if told else alternative)
     return functools.reduce(operator.or_, found)
 
 

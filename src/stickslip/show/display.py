@@ -22,7 +22,6 @@ from stickslip.show.described import Described
 if TYPE_CHECKING:
     from types import ModuleType
 
-    import numpy as np
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
@@ -299,6 +298,6 @@ def _saved(values: "pd.Series[Any]") -> Any:
     if values.dtype.kind in "biufM":
         return values.to_numpy()
     missing = values.isna()
-    if all(isinstance(one, int | float | np.number) for one in values[~missing]):
+    if all(isinstance(value, int | float | np.number) for value in values[~missing]):
         return values.astype(float).to_numpy()
     return values.astype(object).where(~missing, "").astype(str).to_numpy(dtype=str)

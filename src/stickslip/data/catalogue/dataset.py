@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 from urllib.parse import quote
 
+import numpy as np
 import platformdirs
 
 from stickslip.data import Measurement, load_measurement
@@ -256,8 +257,6 @@ def _matlab(path: Path) -> dict[str, Any]:
 
 
 def _text(path: Path) -> dict[str, Any]:
-    import numpy as np
-
     table = np.loadtxt(path, delimiter="\t", skiprows=1, ndmin=2)
     return {str(number): column for number, column in enumerate(table.T, 1)}
 

@@ -12,16 +12,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.data import measurement
 from stickslip.data.checking.finding import OTHER_SPEEDS, OTHER_WAY, TURN, Finding, Severity
 from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import acceleration_of, smooth
-from stickslip.data.measurement import (
-    QUANTITIES,
-    TRAVELS,
-    Array,
-    Measurement,
-    condition_name,
-)
 from stickslip.mechanisms import Mechanism, load_stated
 from stickslip.show.formatting import count, lower_first, number, percent, quantities, quantity
 
@@ -46,7 +40,7 @@ ACTING: Final = ("force", "reference", "friction", "load", "spring_force", "pull
 """What acts on a body: where it is not given, a fit takes it that nothing does."""
 
 
-def coverage(record: Measurement) -> Iterator[Finding]:
+def coverage(record: measurement.Measurement) -> Iterator[Finding]:
     """Say which velocities a friction map has."""
     velocity = np.asarray(record.values("velocity"))
     friction = np.asarray(record.values("friction"))
@@ -93,7 +87,7 @@ def coverage(record: Measurement) -> Iterator[Finding]:
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
 
 
-def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
+def resting_readings(velocity: measurement.Array, friction: measurement.Array) -> NDArray[np.bool_]:
     """Return which readings (n,) are of a body at rest, at which friction may have any value.
 
     Their speeds are not resolved from zero: far below those of all others, which show a level to
@@ -126,7 +120,7 @@ def resting_readings(velocity: Array, friction: Array) -> NDArray[np.bool_]:
     return np.asarray(found | (slow & inside))
 
 
-def _level(velocity: Array, friction: Array) -> float:
+def _level(velocity: measurement.Array, friction: measurement.Array) -> float:
     """Return friction at the slowest forward speeds; 0 if it has no level, infinite of none."""
     forward = np.flatnonzero(velocity > 0.0)
     if not forward.size:
@@ -136,7 +130,7 @@ def _level(velocity: Array, friction: Array) -> float:
     return level if float(friction[slowest[0]]) >= LEVEL * level > 0.0 else 0.0
 
 
-def resting(record: Measurement) -> Iterator[Finding]:
+def resting(record: measurement.Measurement) -> Iterator[Finding]:
     """Say which readings of a friction map are those of a body at rest."""
     velocity = np.asarray(record.values("velocity"))
     friction = np.asarray(record.values("friction"))
@@ -174,7 +168,7 @@ SMALL: Final = 0.1
 """Friction over load below which a coefficient is the likelier reading."""
 
 
-def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+def coefficient(record: measurement.Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
     """Doubt friction that is a small share of its load and of the size of a coefficient."""
     if record.friction is None:
         return
@@ -198,7 +192,7 @@ def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fi
     )
 
 
-def lost(records: Sequence[Measurement]) -> Iterator[Finding]:
+def lost(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Yield what the files say that they hold and do not, once for all trials of a file."""
     for sentence in dict.fromkeys(line for record in records for line in record.lost):
         yield Finding(
@@ -209,7 +203,7 @@ def lost(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
 
 
-def volts(records: Sequence[Measurement]) -> Iterator[Finding]:
+def volts(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Say of which forces volts were recorded."""
     for name in dict.fromkeys(name for record in records for name in record.volts):
         yield Finding(kind="volts", sentence=volts_sentence(name), severity="info")
@@ -225,7 +219,7 @@ def volts_sentence(name: str) -> str:
     )
 
 
-def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
+def unused(records: Sequence[measurement.Measurement], used: Collection[str]) -> Iterator[Finding]:
     """Name columns that nothing was read from, those first that differ between trials.
 
     Names of conditions that are used are given.
@@ -261,7 +255,10 @@ def unused(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Fi
         verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
         yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
     conditions = dict.fromkeys(
-        name for record in records for name in record.conditions if condition_name(name) not in used
+        name
+        for record in records
+        for name in record.conditions
+        if measurement.condition_name(name) not in used
     )
     if conditions and records[0].travelled:
         yield Finding(
@@ -283,20 +280,22 @@ def _map(
     )
 
 
-def _distinct(values: Array) -> int:
+def _distinct(values: measurement.Array) -> int:
     ordered = np.sort(values)
     largest = float(np.abs(ordered).max())
     return 1 + int(np.count_nonzero(np.diff(ordered) > ALIKE * largest))
 
 
-def settings(records: Sequence[Measurement], used: Collection[str]) -> Iterator[Finding]:
+def settings(
+    records: Sequence[measurement.Measurement], used: Collection[str]
+) -> Iterator[Finding]:
     """Say how many settings single numbers come from, and whether their doubt is known.
 
     Names of conditions that are used are given: they are settings too.
     """
 
-    def setting(record: Measurement) -> tuple[tuple[str, object], ...]:
-        own = {k: v for k, v in record.conditions.items() if condition_name(k) in used}
+    def setting(record: measurement.Measurement) -> tuple[tuple[str, object], ...]:
+        own = {k: v for k, v in record.conditions.items() if measurement.condition_name(k) in used}
         return tuple(sorted({**record.overrides, **record.initial, **own}.items()))
 
     kinds = {setting(record) for record in records}
@@ -332,7 +331,7 @@ def settings(records: Sequence[Measurement], used: Collection[str]) -> Iterator[
         yield from _negative(name, records)
 
 
-def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
+def alike(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Say which trials in time lack what acts on the others."""
     if any(record.time is None for record in records):
         return
@@ -356,7 +355,7 @@ def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
 
 
-def same(one: Measurement, other: Measurement) -> bool:
+def same(one: measurement.Measurement, other: measurement.Measurement) -> bool:
     """Whether what both records have is the same, sample by sample.
 
     Examples
@@ -370,7 +369,7 @@ def same(one: Measurement, other: Measurement) -> bool:
         return bool(both) and all(same(one.joints[name], other.joints[name]) for name in both)
     pairs = [
         (getattr(one, name), getattr(other, name))
-        for name in ("time", *QUANTITIES)
+        for name in ("time", *measurement.QUANTITIES)
         if getattr(one, name) is not None and getattr(other, name) is not None
     ]
     if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
@@ -378,7 +377,7 @@ def same(one: Measurement, other: Measurement) -> bool:
     return all(np.array_equal(mine, yours) for mine, yours in pairs)
 
 
-def repeated(records: Sequence[Measurement]) -> Iterator[Finding]:
+def repeated(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Name trials that hold the samples of an earlier one."""
     for i, record in enumerate(records):
         first = next((k for k in range(i) if same(records[k], record)), None)
@@ -395,14 +394,14 @@ def repeated(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
 
 
-def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
-    if QUANTITIES[name].unit != "m" and name not in TRAVELS:
+def _negative(name: str, records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
+    if measurement.QUANTITIES[name].unit != "m" and name not in measurement.TRAVELS:
         return
     noun = name.replace("_", " ")
     values = np.concatenate(
         [np.atleast_1d(r.values(name)) for r in records if getattr(r, name) is not None]
     )
-    if QUANTITIES[name].unit == "m" and float(np.abs(values).max()) > 100.0:
+    if measurement.QUANTITIES[name].unit == "m" and float(np.abs(values).max()) > 100.0:
         largest = float(np.abs(values).max())
         yield Finding(
             kind="units",
@@ -411,7 +410,7 @@ def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
             " are in metres.",
             numbers={name: largest},
         )
-    elif name in TRAVELS and not values.any():
+    elif name in measurement.TRAVELS and not values.any():
         yield Finding(
             kind="constant",
             severity="error",
@@ -428,7 +427,7 @@ NEARLY: Final = 0.1
 few is hardly seen."""
 
 
-def monotone(settings: Array) -> str:
+def monotone(settings: measurement.Array) -> str:
     """Return how settings go from one to the next: "increases", "decreases" or neither, empty.
 
     A setting may be repeated before the next one is taken. Of many, some may have changed places
@@ -452,13 +451,13 @@ def monotone(settings: Array) -> str:
     return ""
 
 
-def _orders(velocity: Array) -> list[str]:
+def _orders(velocity: measurement.Array) -> list[str]:
     """Return how the speeds of each direction go; one with hardly a reading has no order."""
     sides = (velocity[velocity < 0.0], velocity[velocity > 0.0])
     return [monotone(side) for side in sides if side.size >= FEWEST_IN_ORDER]
 
 
-def speeds_in_order(velocity: Array) -> bool:
+def speeds_in_order(velocity: measurement.Array) -> bool:
     """Whether the speeds of a table are in order: those of each direction by themselves.
 
     Examples
@@ -474,7 +473,7 @@ def speeds_in_order(velocity: Array) -> bool:
     return bool(found) and all(found)
 
 
-def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
+def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, str]:
     """Return how each parameter goes that was set anew from trial to trial, if all are in order.
 
     Examples
@@ -486,7 +485,9 @@ def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
     >>> settings_in_order([read(0.05), read(0.10), read(0.15), read(0.05)])
     {}
     """
-    paths = dict.fromkeys(path for one in records for path in (*one.overrides, *one.initial))
+    paths = dict.fromkeys(
+        path for record in records for path in (*record.overrides, *record.initial)
+    )
     found = {}
     for path in paths:
         values = [{**one.overrides, **one.initial}.get(path) for one in records]
@@ -498,16 +499,16 @@ def settings_in_order(records: Sequence[Measurement]) -> dict[str, str]:
     return found if all(found.values()) else {}
 
 
-def speeds(record: Measurement) -> Iterator[Finding]:
+def speeds(record: measurement.Measurement) -> Iterator[Finding]:
     """Say of a table that its speeds are in order."""
     velocity = np.asarray(record.values("velocity"))
     if speeds_in_order(velocity):
-        how = "mostly " if any(one.startswith("mostly") for one in _orders(velocity)) else ""
+        how = "mostly " if any(order.startswith("mostly") for order in _orders(velocity)) else ""
         said = f"The speeds are {how}in order from row to row; if they were measured"
         yield _finding(said, "speed")
 
 
-def order_of_settings(records: Sequence[Measurement]) -> Iterator[Finding]:
+def order_of_settings(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Say of readings that what was set is in order."""
     for path, how in [*settings_in_order(records).items()][:1]:
         what = path.rpartition(".")[2].replace("_", " ")
@@ -557,7 +558,7 @@ class Level(NamedTuple):
     """Name of the quantity."""
     what: str
     """Where it comes from, in words."""
-    values: Array
+    values: measurement.Array
     """What remains of the signal (n,)."""
     size: float
     """Root mean square of the whole signal."""
@@ -565,7 +566,7 @@ class Level(NamedTuple):
     """SI unit of the signal."""
 
 
-def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
+def levels(record: measurement.Measurement, motion: Motion | None) -> Iterator[Level]:
     """Yield forces less what acceleration, velocity and direction explain of them."""
     for name in FORCES:
         if not isinstance(getattr(record, name), np.ndarray):
@@ -589,7 +590,7 @@ def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
         yield Level(name, what, left, size, record.unit(name))
 
 
-def independent(values: Array) -> float:
+def independent(values: measurement.Array) -> float:
     """Return how many independent values have a mean as sure as these, from how long they agree.
 
     Examples
@@ -650,13 +651,13 @@ def drift(found: list[Level]) -> Iterator[Finding]:
         )
 
 
-def _doubt(values: Array) -> float:
+def _doubt(values: measurement.Array) -> float:
     """Return the standard error of a mean from the scatter of the means of blocks."""
     means = [float(block.mean()) for block in np.array_split(values, BLOCKS)]
     return float(np.std(means, ddof=1)) / float(np.sqrt(BLOCKS))
 
 
-def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
+def effective(record: measurement.Measurement, levels: list[Level]) -> Iterator[Finding]:
     """Say how many independent values the record has, and of what."""
     chosen = next((level for level in levels if level.name != "load"), None)
     time = record.time

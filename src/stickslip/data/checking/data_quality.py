@@ -196,7 +196,7 @@ def _beside_mass(findings: Iterable[Finding], vary: str | Collection[str]) -> It
     """Yield findings without those about a mass that is fitted."""
     names = [vary] if isinstance(vary, str) else vary
     free = any(name.rpartition(".")[2] in MASSES for name in names)
-    yield from (one for one in findings if not (free and motion.compares_mass(one)))
+    yield from (finding for finding in findings if not (free and motion.compares_mass(finding)))
 
 
 def _findings(
@@ -240,7 +240,7 @@ def _of_records(
 
 def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding]:
     """Yield findings of trials without faults that are none where others move, or otherwise."""
-    still = {one.record for one in findings if _still(one)}
+    still = {finding.record for finding in findings if _still(finding)}
     shares: dict[str, list[float]] = {}
     for one in findings:
         if one.kind == "reversals" and FORWARD in one.numbers:
@@ -493,8 +493,8 @@ def findings_text(findings: Sequence[Finding]) -> str:
     'run1 and run2: Position is constant. Position is constant.'
     """
     records: dict[tuple[str, bool], list[str]] = {}
-    for one in findings:
-        records.setdefault((one.sentence, bool(one.record)), []).append(one.record)
+    for finding in findings:
+        records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
     return " ".join(
         f"{_listed(names)}: {sentence}" if named else sentence
         for (sentence, named), names in records.items()
@@ -569,11 +569,11 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
     Traceback (most recent call last):
     stickslip.errors.InputError: the second record is identical to the fitted one ('run 1'), ...
     """
-    for one in second.records():
+    for record in second.records():
         for other in first.records():
-            if not same(one, other):
+            if not same(record, other):
                 continue
-            name = one.name or other.name
+            name = record.name or other.name
             told = f" ({name!r})" if name else ""
             raise InputError(
                 f"the second record is identical to the fitted one{told}, sample by sample, so its"

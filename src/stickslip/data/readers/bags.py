@@ -71,7 +71,7 @@ class Expansion:
 
     def __init__(self, *paths: Path) -> None:
         self.file, self.total = str(paths[0]), 0
-        self.most = max(8 * MOST_NUMBERS, RATIO * sum(one.stat().st_size for one in paths))
+        self.most = max(8 * MOST_NUMBERS, RATIO * sum(path.stat().st_size for path in paths))
 
     def blocks(self, stream: BinaryIO, method: str, largest: float = LARGEST) -> Iterator[bytes]:
         """Yield what a piece becomes, a block at a time; end where it becomes too large."""
@@ -285,9 +285,9 @@ class _Mcap(Log):
     @override
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         other = [
-            f"{one} ({self.encodings[one]})"
-            for one in topics
-            if self.encodings[one] not in ("cdr", "json")
+            f"{topic} ({self.encodings[topic]})"
+            for topic in topics
+            if self.encodings[topic] not in ("cdr", "json")
         ]
         if other:
             raise InputError(
@@ -329,8 +329,8 @@ def read_bag(path: Path, names: Collection[str] = ()) -> Table:
             if said.mode == "file":
                 place = stack.enter_context(private_folder())
                 files = tuple(_expanded(one, place) for one in files)
-            for one in files:
-                _check(one)
+            for file in files:
+                _check(file)
             # Bags of SQLite hold no definitions of messages before ROS 2 Iron.
             store = get_typestore(Stores.LATEST)
             reader = stack.enter_context(AnyReader([*files], default_typestore=store))

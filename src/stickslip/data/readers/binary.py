@@ -333,7 +333,7 @@ def _unfolded(name: str, value: Any, depth: int) -> Iterator[tuple[str, Any]]:
 def _structs(value: Any) -> list[dict[str, Any]]:
     """Return the elements of a struct of an older file; empty ones of whatever else."""
     cells = value.ravel() if isinstance(value, np.ndarray) and value.dtype == object else [value]
-    return [{f: getattr(one, f) for f in getattr(one, "_fieldnames", ())} for one in cells]
+    return [{f: getattr(cell, f) for f in getattr(cell, "_fieldnames", ())} for cell in cells]
 
 
 def _fields(name: str, structs: Sequence[Mapping[str, Any]], depth: int) -> Iterator[Found]:
@@ -465,7 +465,7 @@ class _Hdf5:
         if not all(isinstance(value, _Elements) for value in fields.values()) or len(sizes) != 1:
             return [fields] if fields else None
         columns = {
-            field: [self.value(one, f"{name}.{field}", depth) for one in value.items]
+            field: [self.value(item, f"{name}.{field}", depth) for item in value.items]
             for field, value in fields.items()
         }
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
@@ -517,7 +517,7 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         raise no_channel(path)
     sizes = Counter(one.group_index for one in signals)
     named = Counter(one.group_index for one in signals if one.name in names)
-    length = {one.group_index: len(one.samples) for one in signals}
+    length = {signal.group_index: len(signal.samples) for signal in signals}
     group = max(sizes, key=lambda index: (named[index], sizes[index], length[index]))
     own = [one for one in signals if one.group_index == group]
     columns: dict[str, Any] = {"time [s]": own[0].timestamps}
@@ -624,7 +624,7 @@ def _table(channels: Sequence[Any]) -> tuple[pd.DataFrame, list[str]]:
     Without these they go together if they have as many values.
     """
     headers = numbered_twice([_header(one) for one in channels])
-    timed = [float(one.properties.get("wf_increment") or 0.0) > 0.0 for one in channels]
+    timed = [float(channel.properties.get("wf_increment") or 0.0) > 0.0 for channel in channels]
     if all(timed):
         tables = [
             pd.DataFrame({header: one[:]}, index=pd.Index(_times(one), name=TIME))

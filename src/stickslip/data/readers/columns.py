@@ -9,14 +9,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, TypeAlias
 
-from stickslip.data.measurement import (
-    BESIDE,
-    BY_JOINT,
-    ELECTRIC,
-    QUANTITIES,
-    is_beside,
-    unit_of_input,
-)
+from stickslip.data import measurement
 from stickslip.data.readers.layout import Layout, Repair, repairs
 from stickslip.data.units import read_gain
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -123,7 +116,9 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = {
     "current": ("A",),
     "friction": ("N", "N m", "1"),
     **{
-        name: tuple(filter(None, (QUANTITIES[name].unit, QUANTITIES[name].or_unit)))
+        name: tuple(
+            filter(None, (measurement.QUANTITIES[name].unit, measurement.QUANTITIES[name].or_unit))
+        )
         for name in ("position", "velocity", "force", "load", "reference")
     },
     "temperature": (CELSIUS,),
@@ -159,9 +154,9 @@ def _kinds(quantity: str) -> tuple[str, ...]:
     first = quantity.partition(".")[0]
     if first in UNITS:
         return UNITS[first]
-    if is_beside(quantity):
-        return (unit_of_input(first), unit_of_input(first, turning=True))
-    known = QUANTITIES.get(first)
+    if measurement.is_beside(quantity):
+        return (measurement.unit_of_input(first), measurement.unit_of_input(first, turning=True))
+    known = measurement.QUANTITIES.get(first)
     return () if known is None else tuple(filter(None, (known.unit, known.or_unit)))
 
 
@@ -374,13 +369,13 @@ def check_columns(
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown quantity in columns 'positon'. Did you mean ...
     """
-    electric = () if motor_of(mechanism) else ELECTRIC
-    quantities = (name for name in QUANTITIES if name not in electric)
-    known = ("time", *quantities, *BESIDE, *OF_TRIALS, "trial")
+    electric = () if motor_of(mechanism) else measurement.ELECTRIC
+    quantities = (name for name in measurement.QUANTITIES if name not in electric)
+    known = ("time", *quantities, *measurement.BESIDE, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
         if name in (*known, *currents) or (
-            rest and first in ("initial", PREFIX, *BY_JOINT, *BESIDE)
+            rest and first in ("initial", PREFIX, *measurement.BY_JOINT, *measurement.BESIDE)
         ):
             continue
         if first in MOTORS:

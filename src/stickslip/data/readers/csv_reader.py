@@ -21,20 +21,8 @@ from typing import Any, Final
 
 import pandas as pd
 
-from stickslip.data.readers.instruments import (
-    LABVIEW,
-    SCOPE,
-    SERIAL,
-    TRIBOMETER,
-    is_labview,
-    is_scope,
-    is_serial,
-    is_tribometer,
-    read_labview,
-    read_scope,
-    read_serial,
-    read_tribometer,
-)
+from stickslip.data.readers import instruments, tracks
+from stickslip.data.readers import table as tables
 from stickslip.data.readers.layout import (
     ALIKE,
     BRACKETS,
@@ -46,24 +34,7 @@ from stickslip.data.readers.layout import (
     layout_of,
     unit_in,
 )
-from stickslip.data.readers.table import (
-    FEWER_COLUMNS,
-    Table,
-    further_cells,
-    parsed_as,
-    read_of,
-    unequal_rows,
-)
 from stickslip.data.readers.toml import decode
-from stickslip.data.readers.tracks import (
-    MOTION_CAPTURE,
-    header_of,
-    is_blocks,
-    is_capture,
-    is_named,
-    read_blocks,
-    read_capture,
-)
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
 from stickslip.show.display import require_library
 from stickslip.show.formatting import joined
@@ -90,7 +61,7 @@ def is_franka(text: str) -> bool:
     )
 
 
-def read_franka(text: str) -> Table:
+def read_franka(text: str) -> tables.Table:
     r"""Return the columns of a log with their units.
 
     Examples
@@ -105,13 +76,13 @@ def read_franka(text: str) -> Table:
             warnings.simplefilter("ignore", pd.errors.ParserWarning)  # of further cells: see below
             table = pd.read_csv(io.StringIO(text), skipinitialspace=True, index_col=False)
     except (pd.errors.ParserError, ValueError) as error:
-        raise unequal_rows(error) from None
+        raise tables.unequal_rows(error) from None
     width = len(table.columns)
     more = sum(any(map(str.strip, line.split(",")[width:])) for line in text.splitlines())
-    return Table(
+    return tables.Table(
         data=table.rename(columns={"time": "time [ms]"}),
         first_row=2,
-        lost=(*further_cells(more, width),),
+        lost=(*tables.further_cells(more, width),),
     )
 
 
@@ -122,17 +93,23 @@ class Dialect:
     title: str
     is_text: Callable[[str], bool]
     """Whether a text, or the top of one, is of this kind."""
-    read: Callable[[str], Table]
+    read: Callable[[str], tables.Table]
     """Returns the table of a text."""
 
 
 DIALECTS: Final = (
-    Dialect(title="tracks of a video", is_text=is_blocks, read=read_blocks),
-    Dialect(title=SCOPE, is_text=is_scope, read=read_scope),
-    Dialect(title=LABVIEW, is_text=is_labview, read=read_labview),
-    Dialect(title=TRIBOMETER, is_text=is_tribometer, read=read_tribometer),
-    Dialect(title=MOTION_CAPTURE, is_text=is_capture, read=read_capture),
-    Dialect(title=SERIAL, is_text=is_serial, read=read_serial),
+    Dialect(title="tracks of a video", is_text=tracks.is_blocks, read=tracks.read_blocks),
+    Dialect(title=instruments.SCOPE, is_text=instruments.is_scope, read=instruments.read_scope),
+    Dialect(
+        title=instruments.LABVIEW, is_text=instruments.is_labview, read=instruments.read_labview
+    ),
+    Dialect(
+        title=instruments.TRIBOMETER,
+        is_text=instruments.is_tribometer,
+        read=instruments.read_tribometer,
+    ),
+    Dialect(title=tracks.MOTION_CAPTURE, is_text=tracks.is_capture, read=tracks.read_capture),
+    Dialect(title=instruments.SERIAL, is_text=instruments.is_serial, read=instruments.read_serial),
     Dialect(title="log of libfranka", is_text=is_franka, read=read_franka),
 )
 
@@ -145,7 +122,7 @@ def dialect_of(text: str) -> Dialect | None:
     >>> dialect_of("time, success_rate, state.q[0]").title, dialect_of("t,x")
     ('log of libfranka', None)
     """
-    return next((one for one in DIALECTS if one.is_text(text)), None)
+    return next((dialect for dialect in DIALECTS if dialect.is_text(text)), None)
 
 
 # Tables in text files: CSV in its dialects, and what only looks like one.
@@ -177,7 +154,7 @@ def ambiguous(file: str | Path, name: str) -> InputError:
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
-def read_text(path: Path, layout: Layout | None = None) -> Table:
+def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
     """Return a CSV table; lines before the header may be comments."""
     try:
         data = path.read_bytes()
@@ -203,7 +180,7 @@ def read_text(path: Path, layout: Layout | None = None) -> Table:
     return _parsed(path, data, names, sample, found)
 
 
-def read_as(path: Path, data: bytes, layout: Layout) -> Table:
+def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
     """Return the table of a file that holds it in a known way."""
     try:
         text = data.decode(layout.encoding)
@@ -236,7 +213,7 @@ def read_as(path: Path, data: bytes, layout: Layout) -> Table:
 
 def _parsed(
     path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
-) -> Table:
+) -> tables.Table:
     """Return the table below a header."""
     check_columns(str(path), len(names))
     twice = [name for name, number in Counter(names).items() if number > 1 and name.strip()]
@@ -251,7 +228,7 @@ def _parsed(
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
     check_columns(str(path), len(own))
     above = layout.preface + 1 + layout.units_row
-    check_size(str(path), len(own) * data.count(b"\n"), FEWER_COLUMNS)
+    check_size(str(path), len(own) * data.count(b"\n"), tables.FEWER_COLUMNS)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
@@ -284,14 +261,14 @@ def _parsed(
     more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
     table = table.dropna(how="all")
-    lost = further_cells(more, len(names))
+    lost = tables.further_cells(more, len(names))
     if cut := _cut_number(data, layout):
         table = table.iloc[:-1]
         lost.append(
             f"The file ends within a number, {shown(cut)}, which has fewer digits than those above"
             " it: the last row is left out."
         )
-    return Table(data=table, first_row=above + 1, lost=tuple(lost))
+    return tables.Table(data=table, first_row=above + 1, lost=tuple(lost))
 
 
 def _cut_number(data: bytes, layout: Layout) -> str:
@@ -348,7 +325,9 @@ def _tracks(lines: list[str]) -> list[str]:
         return []
     separator = max(SEPARATORS, key=lines[1].count)
     above, below = bare_cells(lines[0], separator), bare_cells(lines[1], separator)
-    return header_of(above, below) if above and below and is_named(above, below) else []
+    return (
+        tracks.header_of(above, below) if above and below and tracks.is_named(above, below) else []
+    )
 
 
 def _has_decimal_comma(rows: list[str], separator: str) -> bool:
@@ -501,24 +480,28 @@ MOST_CELLS: Final = 2e7
 """Cells up to which a sheet is read, empty ones that are stepped over included."""
 
 
-def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> Table:
+def read_spreadsheet(path: Path, _names: Collection[str] = ()) -> tables.Table:
     """Return the table of the first sheet that has one: names above rows of numbers."""
     openpyxl = require_library("openpyxl", "xlsx", f"save the sheet of {path} as CSV")
-    with parsed_as(path, "a workbook"), path.open("rb") as data, zipfile.ZipFile(data) as parts:
+    with (
+        tables.parsed_as(path, "a workbook"),
+        path.open("rb") as data,
+        zipfile.ZipFile(data) as parts,
+    ):
         expanded = sum(part.file_size for part in parts.infolist())
         check_size(str(path), float(expanded), CURE, unit="expanded bytes", most=4 * MOST_NUMBERS)
         with closing(openpyxl.load_workbook(data, read_only=True, data_only=True)) as book:
             return _first(path, {sheet.title: _text(path, sheet) for sheet in book.worksheets})
 
 
-def _first(path: Path, sheets: dict[str, str]) -> Table:
+def _first(path: Path, sheets: dict[str, str]) -> tables.Table:
     """Return the table of the first of the sheets, given as texts, that has one."""
     for title, text in sheets.items():
         dialect, found = dialect_of(text), layout_of(text, "utf-8")
         if dialect is None and found is None:
             continue
         others = [name for name, rest in sheets.items() if name != title and rest.strip()]
-        remarks = [*read_of("sheet", title, others)]
+        remarks = [*tables.read_of("sheet", title, others)]
         if dialect is not None:
             table = dialect.read(text)
         elif found is not None:

@@ -11,13 +11,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from stickslip.data import measurement
 from stickslip.data.differentiation import are_steady_readings
-from stickslip.data.measurement import (
-    BY_JOINT,
-    TRAVELS,
-    Array,
-    is_beside,
-)
+from stickslip.data.readers import layout as text_layout
+from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
     LONGEST_HEADER,
     ROLLING,
@@ -37,24 +34,6 @@ from stickslip.data.readers.columns import (
     parts_of,
 )
 from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
-from stickslip.data.readers.layout import (
-    Layout,
-    Repair,
-    decoded,
-    is_number,
-    is_stamp,
-    layout_of,
-    nearly_zero,
-    seconds_of,
-)
-from stickslip.data.readers.robots import (
-    RADIANS,
-    Servo,
-    are_counts,
-    are_degrees,
-    check_one_servo,
-    servo_of,
-)
 from stickslip.data.readers.table import TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
@@ -210,7 +189,7 @@ class Guess(metaclass=Described):
 
     file: str
     """The file."""
-    layout: Layout | None
+    layout: text_layout.Layout | None
     """How a text file holds its table; None for other files."""
     columns: Mapping[str, Column]
     """Quantity -> name of its column."""
@@ -223,7 +202,7 @@ class Guess(metaclass=Described):
     motor_constant: str | Mapping[str, str] = ""
     """Force or torque per current, where a current drives the axis; assumed unless it was given, in
     which case `reasons` say so; by joint."""
-    repair: tuple[Repair, ...] = ()
+    repair: tuple[text_layout.Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
     conditions: tuple[str, ...] = ()
     """Columns that seem to hold a condition, such as a temperature."""
@@ -460,7 +439,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
         return
     with path.open("rb") as file:
         top = file.read(TOP)
-    text, encoding = decoded(top)
+    text, encoding = text_layout.decoded(top)
     if encoding.startswith("utf-16") or dialect_of(text) is not None:
         return
     with TemporaryDirectory() as folder:
@@ -477,15 +456,15 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
-def layout_and_reasons(path: Path) -> tuple[Layout | None, dict[str, str]]:
+def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str, str]]:
     """Return how a text file holds its table, and what was found in words."""
     if path.suffix.lower() not in TEXT:
         return None, {}
-    text, encoding = decoded(path.read_bytes())
+    text, encoding = text_layout.decoded(path.read_bytes())
     dialect = dialect_of(text)
     if dialect is not None:
         return None, {"cells": dialect.title}
-    found = layout_of(text, encoding)
+    found = text_layout.layout_of(text, encoding)
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
         read_frame(path, columns={}, units={})
@@ -559,9 +538,9 @@ def assigned(
 
 def _of_servo(
     frame: Frame, found: Mapping[str, Found], units: Collection[str]
-) -> tuple[Servo | None, dict[str, Found]]:
+) -> tuple[robots.Servo | None, dict[str, Found]]:
     """Return the family of servos whose registers were read, and these with their units."""
-    servo = servo_of(frame.names)
+    servo = robots.servo_of(frame.names)
     raw = {
         quantity: replace(one, unit=servo.units[quantity], stated=False, why=servo.why)
         for quantity, one in found.items()
@@ -569,11 +548,11 @@ def _of_servo(
         and quantity in servo.units
         and quantity not in units
         and one.unit is None
-        and are_counts(frame.data[frame.names[one.name]])
+        and robots.are_counts(frame.data[frame.names[one.name]])
     }
     if servo is None or not {"position", "reference"} & found.keys():
         return None, dict(found)
-    check_one_servo(frame.file, frame.data, frame.names)
+    robots.check_one_servo(frame.file, frame.data, frame.names)
     return servo, {**found, **raw, **_angles(frame, {**found, **raw})}
 
 
@@ -584,9 +563,9 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     known = _numbers(frame, first)
     known = known[np.isfinite(known)]
     most = float(np.abs(known).max(initial=0.0))
-    if first.unit is None and most <= RADIANS:
+    if first.unit is None and most <= robots.RADIANS:
         return {}
-    if first.unit is None and not are_degrees([known]):
+    if first.unit is None and not robots.are_degrees([known]):
         raise InputError(
             f"{frame.file}: the column {shown(first.name)} of a servo reaches {number(most, 3)},"
             " and holds neither counts nor angles in rad: if it is in degrees, give --unit"
@@ -600,7 +579,7 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
     }
 
 
-def _numbers(frame: Frame, one: Found) -> Array:
+def _numbers(frame: Frame, one: Found) -> measurement.Array:
     """Return the numbers of a column, NaN where there are none."""
     column = frame.data[frame.names[one.name]]
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
@@ -850,14 +829,14 @@ def _may_be_times(column: "pd.Series[Any]") -> bool:
     if part.empty:
         return False
     if not pd.api.types.is_numeric_dtype(part.dtype):
-        if isinstance(part.iloc[0], str) and not is_stamp(part.iloc[0].strip()):
+        if isinstance(part.iloc[0], str) and not text_layout.is_stamp(part.iloc[0].strip()):
             return False
-        seconds = seconds_of(part)
+        seconds = text_layout.seconds_of(part)
         return seconds is not None and len(seconds) > 1 and not _are_coarse(seconds)
     return share_later(part) > ORDERED
 
 
-def _are_coarse(seconds: Array) -> bool:
+def _are_coarse(seconds: measurement.Array) -> bool:
     """Whether time stamps are equal in many rows: those of whole seconds are no times of samples.
 
     Sorting by time would average these rows.
@@ -880,7 +859,7 @@ def _is_upside_down(column: "pd.Series[Any]", name: str, stated: str | None) -> 
     return _named_score(bare, "time")[0] >= WHOLE and share_later(-part) > ORDERED
 
 
-def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
+def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, measurement.Array] | None:
     """Return the column that says when steady readings were taken, and its times (n,) [s].
 
     It is called time, nothing else was read from it, though it may have been said to be no times of
@@ -896,7 +875,7 @@ def clock_of(frame: Frame, used: Collection[str]) -> tuple[str, Array] | None:
             continue
         column = frame.data[header]
         numeric = pd.api.types.is_numeric_dtype(column.dtype)
-        times = column.to_numpy(dtype=float) if numeric else seconds_of(column)
+        times = column.to_numpy(dtype=float) if numeric else text_layout.seconds_of(column)
         if times is not None and np.isfinite(times).all() and np.unique(times).size == times.size:
             return name, times
     return None
@@ -919,7 +898,7 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
             frame.raw(name)  # says which cell is no number, if that is why it was passed over
     for name in frame.names:
         _refuse_faults(frame, name)
-    if any(name in frame.names for name in TRAVELS):
+    if any(name in frame.names for name in measurement.TRAVELS):
         raise InputError(
             f"{frame.file}: is a table of travels, one trial a row, not a record: name it in a rig"
             " file of your mechanism, as [data] file, or as --data of `stickslip select`."
@@ -953,7 +932,7 @@ def _refuse_faults(frame: Frame, name: str) -> None:
     if not any(_score(*said, q)[0] >= LETTER for q, said in bare.items()):
         return
     cells = column.iloc[:CHECKED].dropna()
-    if cells.map(lambda cell: is_number(str(cell).strip())).mean() > DIGITS:
+    if cells.map(lambda cell: text_layout.is_number(str(cell).strip())).mean() > DIGITS:
         frame.raw(name)
 
 
@@ -962,7 +941,7 @@ def _refuse_rotation(frame: Frame, name: str, found: Mapping[str, Found]) -> Non
     unit = _bare_and_unit(name, frame.units.get(name), "velocity")[1]
     forces = [found[q].unit for q in ("force", "friction", "load") if q in found]
     turns = unit is not None and is_of(unit, "rad/s") and not is_of(unit, "count")
-    if turns and any(one is not None and is_of(one, "N") for one in forces):
+    if turns and any(force is not None and is_of(force, "N") for force in forces):
         raise InputError(
             f"{frame.file}: the column {shown(name)} is a speed of rotation, and forces are in N:"
             f" name it and give the radius of the contact, as --columns velocity={shown(name)}"
@@ -986,7 +965,7 @@ def _refuse_disorder(frame: Frame, name: str) -> None:
     if _named_score(bare, "time")[0] < PART:
         return
     if not pd.api.types.is_numeric_dtype(column.dtype):
-        seconds = seconds_of(column.iloc[:CHECKED].dropna())
+        seconds = text_layout.seconds_of(column.iloc[:CHECKED].dropna())
         if seconds is not None and len(seconds) > 1 and _are_coarse(seconds):
             raise InputError(
                 f"{frame.file}: the column {shown(name)} has one time stamp for several rows: give"
@@ -1047,7 +1026,7 @@ def column_text(one: Found, column: Column = "") -> str:
     return f"column {one.name!r}{unit}, {one.why}"
 
 
-def rate_text(times: Array) -> str:
+def rate_text(times: measurement.Array) -> str:
     """Return number and rate of the samples in words, and what gaps there are."""
     steps = np.diff(times[np.isfinite(times)])
     if np.all(steps < 0.0):  # the last one stands first
@@ -1070,25 +1049,25 @@ def _as_friction(of_drive: Mapping[str, Any]) -> dict[str, Any]:
     return {("friction" if q in ("force", "current") else q): x for q, x in of_drive.items()}
 
 
-def _is_steady(frame: Frame, found: Mapping[str, Found], times: Array) -> bool:
+def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Array) -> bool:
     """Whether rows are steady readings of friction, whose times say when they were taken."""
     resisting = [q for q in ("friction", "force", "current") if q in found]
     if len(resisting) != 1 or "velocity" not in found or "position" in found:
         return False
     columns = [frame.data[frame.names[found[q].name]] for q in ("velocity", *resisting)]
-    rows = [times, *(pd.to_numeric(one, errors="coerce").to_numpy(float) for one in columns)]
+    rows = [times, *(pd.to_numeric(column, errors="coerce").to_numpy(float) for column in columns)]
     full = np.isfinite(rows).all(axis=0)
-    return bool(full.sum() > 1) and are_steady_readings(*(one[full] for one in rows))
+    return bool(full.sum() > 1) and are_steady_readings(*(row[full] for row in rows))
 
 
-def times_of(frame: Frame, one: Found) -> Array | None:
+def times_of(frame: Frame, one: Found) -> measurement.Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
     if key is None:
         return None
     column = frame.data[frame.names[key]]
     if not pd.api.types.is_numeric_dtype(column.dtype):
-        return seconds_of(column)
+        return text_layout.seconds_of(column)
     values = column.to_numpy(dtype=float)
     if one.unit and not is_unit_of(one.unit, "time"):
         raise InputError(
@@ -1099,20 +1078,20 @@ def times_of(frame: Frame, one: Found) -> Array | None:
 
 
 def repairs_of(
-    frame: Frame, found: Mapping[str, Found], times: Array | None, trial: str
-) -> tuple[Repair, ...]:
+    frame: Frame, found: Mapping[str, Found], times: measurement.Array | None, trial: str
+) -> tuple[text_layout.Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     gaps = not _full_rows(frame, found).all()
     late = False
     if times is not None:
         known = np.isfinite(times)
         there = times[known]
-        back = np.diff(there) <= (0.0 if trial else nearly_zero(np.sort(there)))
+        back = np.diff(there) <= (0.0 if trial else text_layout.nearly_zero(np.sort(there)))
         if trial:  # each has times of its own
             numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
             back &= numbers[1:] == numbers[:-1]
         late = bool(back.any())
-    steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
+    steps: dict[text_layout.Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
 
@@ -1141,7 +1120,7 @@ def rates_doubt(frame: Frame, found: Mapping[str, Found]) -> Iterator[str]:
         )
 
 
-def _refuse_restarts(frame: Frame, times: Array) -> None:
+def _refuse_restarts(frame: Frame, times: measurement.Array) -> None:
     """Refuse several records below each other, which sorting by time would mix."""
     begins = restarts(times)
     if begins:
@@ -1152,7 +1131,7 @@ def _refuse_restarts(frame: Frame, times: Array) -> None:
         )
 
 
-def restarts(times: Array) -> list[int]:
+def restarts(times: measurement.Array) -> list[int]:
     """Return the rows at which further records begin, whose times begin again.
 
     Examples
@@ -1174,7 +1153,7 @@ def restarts(times: Array) -> list[int]:
     return found
 
 
-def repair_text(repair: Sequence[Repair]) -> str:
+def repair_text(repair: Sequence[text_layout.Repair]) -> str:
     """Return what is repaired, in words."""
     why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
     return " and ".join(f"{one}: {why[one]}" for one in repair)
@@ -1223,7 +1202,7 @@ def joint_in(name: str) -> tuple[str, str]:
     (('position', 'elbow'), ('', ''), ('', ''))
     """
     first, _, joint = name.partition(".")
-    known = first in ("time", *BY_JOINT, "reference", "current") and "." not in joint
+    known = first in ("time", *measurement.BY_JOINT, "reference", "current") and "." not in joint
     none = ("", *NAMES["time"], *MEASURED, *WANTED)
     return (first, joint) if known and joint.casefold() not in none else ("", "")
 
@@ -1249,7 +1228,7 @@ def inputs_in(names: Sequence[str]) -> dict[str, tuple[str, str]]:
     {'motor.elbow': ('motor', 'elbow')}
     """
     joints = _moving(names)
-    parts = {name: name.partition(".") for name in names if is_beside(name)}
+    parts = {name: name.partition(".") for name in names if measurement.is_beside(name)}
     return {name: (first, joint) for name, (first, _, joint) in parts.items() if joint in joints}
 
 
@@ -1283,7 +1262,10 @@ def joints_in(names: Sequence[str]) -> dict[str, None]:
 
 
 def trial_column(
-    frame: Frame, given: Mapping[str, Column], found: Mapping[str, Found], times: Array | None
+    frame: Frame,
+    given: Mapping[str, Column],
+    found: Mapping[str, Found],
+    times: measurement.Array | None,
 ) -> tuple[str, str]:
     """Return the column that numbers or names trials, and why; empty if none does.
 
@@ -1392,7 +1374,7 @@ def _is_full(frame: Frame, name: str) -> bool:
 
 def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
-    spelt = [stated] if stated else [m["unit"] for one in STYLES if (m := one.fullmatch(name))]
+    spelt = [stated] if stated else [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
     return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
 
 
@@ -1425,7 +1407,7 @@ def _offered(conditions: Sequence[str], found: Mapping[str, Found]) -> Iterable[
             f"The column {warm.name!r} changes within a record: it is the temperature on which a"
             f" friction law may depend, such as level + viscous * exponential[temperature]{mean}."
         )
-    for name in (one for one in conditions if warm is None or one != warm.name):
+    for name in (condition for condition in conditions if warm is None or condition != warm.name):
         yield (
             f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"
             " several trials say whether friction depends on it. If it is none, leave it out of"
@@ -1541,7 +1523,7 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     return said
 
 
-def _values(frame: Frame, one: Found) -> Array:
+def _values(frame: Frame, one: Found) -> measurement.Array:
     """Return a column (n,) of positions [m] or [rad], from any zero."""
     column = frame.data[frame.names[one.name]].to_numpy(dtype=float)
     return column * factor(one.unit, one.unit_in_si) if one.unit else column

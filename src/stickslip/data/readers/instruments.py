@@ -104,7 +104,7 @@ def read_labview(text: str) -> Table:
     if decimal not in (".", ","):  # files of version 1 have no such tag
         commas = any("," in line for line in segments[0].rows)
         decimal = "," if commas and separator == "\t" else "."
-    kept = [one for one in segments if [*one.names] == [*segments[0].names]]
+    kept = [segment for segment in segments if [*segment.names] == [*segments[0].names]]
     parts = [_channels(one, separator, decimal) for one in kept]
     tables = [data for data, _ in parts]
     remarks, lost = [], (*_cut(kept),)
@@ -548,7 +548,7 @@ def read_tribometer(text: str) -> Table:
     lost = _without_rows(lines, sections)
     others = [section for section in sections if section.names != often or section in others]
     if others:
-        labels = [one.label or str(sections.index(one) + 1) for one in others]
+        labels = [other.label or str(sections.index(other) + 1) for other in others]
         lost.append(f"Steps with other columns, or units of another kind: {joined(labels)}.")
     remarks = []
     labels = [one.label or str(number) for number, one in enumerate(kept, 1)]
@@ -697,7 +697,7 @@ def _with_sliding_speed(
 def _from_slip(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     """Return a table with the sliding speed, from a slide-roll ratio and the rolling speed."""
     headers = list(map(str, data.columns))
-    names = {one: " ".join(parts_of(re.split(r"[\[(]", one)[0])) for one in headers}
+    names = {header: " ".join(parts_of(re.split(r"[\[(]", header)[0])) for header in headers}
     if any("sliding" in name or "slip" in name for name in names.values()):
         return data, []
     ratio = next((n for n, bare in names.items() if bare in ("srr", "slide roll ratio")), None)

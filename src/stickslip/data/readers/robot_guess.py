@@ -10,25 +10,7 @@ import pandas as pd
 from scipy.signal import correlate, correlation_lags
 
 from stickslip.data.measurement import BESIDE, BY_JOINT, Array
-from stickslip.data.readers.guess import (
-    WHOLE,
-    Found,
-    Guess,
-    assigned,
-    changing_temperature,
-    column_text,
-    inputs_in,
-    joint_in,
-    joints_in,
-    layout_and_reasons,
-    numbered,
-    rate_text,
-    rates_doubt,
-    repair_text,
-    repairs_of,
-    times_of,
-    trial_column,
-)
+from stickslip.data.readers import guess
 from stickslip.data.readers.robots import NO_RADIANS
 from stickslip.data.readers.table_reader import Frame, data_file, read_frame
 from stickslip.data.readers.toml import check_file, check_path
@@ -61,7 +43,7 @@ class _Joint:
     name: str
     """Name in the description."""
     turns: bool
-    columns: Mapping[str, Found]
+    columns: Mapping[str, guess.Found]
     """Quantity -> its column."""
     numbers: Mapping[str, Array] = field(default_factory=dict)
     """Quantity -> its values, NaN where there are none, in SI."""
@@ -87,7 +69,7 @@ class _Joint:
 
 def guess_robot(
     path: str | Path, urdf: str | Path, *, units: Mapping[str, str] | None = None
-) -> Guess:
+) -> guess.Guess:
     """Find out what a log holds of the joints of a robot.
 
     Joints are known by the names of the description. Columns that are numbered instead, such as
@@ -118,12 +100,12 @@ def guess_robot(
     kinds = urdf_joints(urdf)
     file = data_file(Path(path))
     check_file(file)
-    layout, reasons = layout_and_reasons(file)
+    layout, reasons = guess.layout_and_reasons(file)
     frame = read_frame(file, columns={}, units={}, layout=layout).as_headed()
     unknown = next((remark for remark in frame.remarks if NO_RADIANS in remark), "")
     if unknown and "position" not in (units or {}):
         raise InputError(f"{file}: {lower_first(unknown)}")
-    times = next((one for q, one in assigned(frame, {}, {}).items() if q == "time"), None)
+    times = next((one for q, one in guess.assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
     found, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
@@ -136,19 +118,21 @@ def guess_robot(
             f" than {MOVES[True]} rad."
         )
     locked = {joint.name: _mean(joint) for joint in joints if joint not in moving}
-    seconds = times_of(frame, times)
+    seconds = guess.times_of(frame, times)
     columns = {"time": times, **_columns(moving)}
-    trial, why = trial_column(frame, {}, columns, seconds)
-    repair = repairs_of(frame, columns, seconds, trial)
+    trial, why = guess.trial_column(frame, {}, columns, seconds)
+    repair = guess.repairs_of(frame, columns, seconds, trial)
     delays = {} if seconds is None else dict(_delays(frame, moving, seconds, trial))
-    reasons["time"] = column_text(times) + (rate_text(seconds) if seconds is not None else "")
+    reasons["time"] = guess.column_text(times) + (
+        guess.rate_text(seconds) if seconds is not None else ""
+    )
     if trial:
         reasons["trial"] = f"column {trial!r}, {why}"
     reasons |= {joint.coordinate: _joint_text(joint, delays) for joint in joints}
     if repair:
-        reasons["repair"] = repair_text(repair)
+        reasons["repair"] = guess.repair_text(repair)
     current = [one.coordinate for one in moving if "current" in one.columns]
-    return Guess(
+    return guess.Guess(
         file=str(path),
         layout=layout,
         columns={
@@ -171,7 +155,7 @@ def guess_robot(
         doubts=(
             *frame.lost,
             *frame.remarks,
-            *rates_doubt(frame, columns),
+            *guess.rates_doubt(frame, columns),
             *doubts,
             *_doubts(joints, moving, current),
         ),
@@ -219,10 +203,10 @@ def _matched(
 
 def _refuse_clocks(frame: Frame, clock: str, joints: Collection[str]) -> None:
     """Refuse joints with times of their own: those of one are not when another was read."""
-    stem, own = numbered(clock)
+    stem, own = guess.numbered(clock)
     for name in frame.names if own else ():
         same = frame.data[frame.names[name]].equals(frame.data[frame.names[clock]])
-        if numbered(name)[0] == stem and numbered(name)[1] in joints and not same:
+        if guess.numbered(name)[0] == stem and guess.numbered(name)[1] in joints and not same:
             raise InputError(
                 f"{frame.file}: joints have times of their own, {shown(clock)} and {shown(name)}:"
                 " interpolate all to the times of one of them."
@@ -239,7 +223,7 @@ def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
     >>> _numbered(["1", "2"], ["pan", "lift"])
     {'1': 'pan', '2': 'lift'}
     """
-    own = {numbered(name)[1]: name for name in names if numbered(name)[1]}
+    own = {guess.numbered(name)[1]: name for name in names if guess.numbered(name)[1]}
     for first in (0, 1):  # counted alike, or from 0 and from 1
         found = {key: own.get(str(int(key) + first), "") for key in keys}
         if all(found.values()) and len(own) == len(keys):
@@ -249,31 +233,35 @@ def _numbered(keys: Sequence[str], names: Sequence[str]) -> dict[str, str]:
 
 def _logged(
     frame: Frame, clock: str, units: Mapping[str, str]
-) -> Iterator[tuple[str, dict[str, Found]]]:
+) -> Iterator[tuple[str, dict[str, guess.Found]]]:
     """Yield the columns of each joint by quantity, by its name or number in the log."""
     names = [name for name in frame.names if name]
-    named: dict[str, dict[str, Found]] = {}
-    inputs = inputs_in(names)
+    named: dict[str, dict[str, guess.Found]] = {}
+    inputs = guess.inputs_in(names)
     for name in names:
-        what, joint = inputs.get(name) or joint_in(name)
+        what, joint = inputs.get(name) or guess.joint_in(name)
         if joint and not frame.is_empty(name):
             unit = frame.units.get(name)
-            named.setdefault(joint, {})[what] = Found(
-                score=WHOLE, name=name, unit=units.get(what, unit), stated=True, why="by its name"
+            named.setdefault(joint, {})[what] = guess.Found(
+                score=guess.WHOLE,
+                name=name,
+                unit=units.get(what, unit),
+                stated=True,
+                why="by its name",
             )
     if named:
         yield from ((key, one) for key, one in named.items() if {"position", "velocity"} & {*one})
         return
-    for key in joints_in(names):
+    for key in guess.joints_in(names):
         part = {
             name: at
             for name, at in frame.names.items()
-            if name == clock or numbered(name)[1] == key
+            if name == clock or guess.numbered(name)[1] == key
         }
-        found = assigned(replace(frame, names=part), {"time": clock}, {})
+        found = guess.assigned(replace(frame, names=part), {"time": clock}, {})
         own = {what: one for what, one in found.items() if what in (*_WITH_CURRENT, "reference")}
         taken = {one.name for one in found.values()}
-        own |= changing_temperature(
+        own |= guess.changing_temperature(
             [replace(frame, names=part)], [name for name in part if name not in taken]
         )
         if {"position", "velocity"} & {*own}:
@@ -299,7 +287,7 @@ def _numbers(frame: Frame, joint: _Joint, units: Mapping[str, str]) -> Iterator[
             yield what, cells.to_numpy(dtype=float) * scale
 
 
-def _columns(joints: Sequence[_Joint]) -> dict[str, Found]:
+def _columns(joints: Sequence[_Joint]) -> dict[str, guess.Found]:
     """Return the columns that are read, by quantity and joint."""
     return {
         f"{what}.{joint.coordinate}": found
@@ -310,7 +298,9 @@ def _columns(joints: Sequence[_Joint]) -> dict[str, Found]:
     }
 
 
-def _units(columns: Mapping[str, Found], given: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _units(
+    columns: Mapping[str, guess.Found], given: Mapping[str, str]
+) -> Iterator[tuple[str, str]]:
     """Yield units that the reader would not find by itself."""
     for name, found in columns.items():
         said = name.partition(".")[0] in given

@@ -145,8 +145,8 @@ def are_degrees(positions: Sequence[Array]) -> bool:
     >>> are_degrees([360.0 / 4096.0 * counts]), are_degrees([0.1 * counts])
     (True, False)
     """
-    gaps = [np.diff(np.unique(one)) for one in positions]
-    moved = [one for one in gaps if one.size >= FEWEST]
+    gaps = [np.diff(np.unique(position)) for position in positions]
+    moved = [gap for gap in gaps if gap.size >= FEWEST]
     return bool(moved) and any(
         all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
         for step in STEPS
@@ -242,7 +242,7 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
             listed = joined([shown(one) for one in names])
             raise InputError(f"{path}: its entries have no {name!r}; they have {listed}.")
     columns = {
-        COLUMNS.get(name, name): [_number(one.get(name)) for one in entries] for name in names
+        COLUMNS.get(name, name): [_number(entry.get(name)) for entry in entries] for name in names
     }
     for name, values in columns.items():
         if name.split(" ")[0] in ("timestamp", "position") and not np.isfinite(values).any():
@@ -331,7 +331,7 @@ def read_lerobot(path: Path, _names: Collection[str] = ()) -> Table:
         own, numbers = _part(part, ["episode_index", "frame_index", "timestamp", *wanted])
         tables, size = [*tables, own], size + numbers
         check_size(str(path), size, "keep fewer episodes")
-    rows = sum(one["episode_index"].shape[0] for one in tables)
+    rows = sum(table["episode_index"].shape[0] for table in tables)
     data = {name: _joined(path, name, tables) for name in tables[0]}
     order = np.lexsort((data["frame_index"], data["episode_index"]))
     data = {name: values[order] for name, values in data.items()}
@@ -391,8 +391,8 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
 
 def _joined(path: Path, name: str, tables: Collection[Mapping[str, Array]]) -> Array:
     """Return a column of all files."""
-    parts = [one[name] for one in tables]
-    if len({one.shape[1:] for one in parts}) > 1:
+    parts = [table[name] for table in tables]
+    if len({part.shape[1:] for part in parts}) > 1:
         raise InputError(f"{path}: {name!r} has not as many numbers in all files of the data.")
     return np.concatenate(parts)
 
@@ -475,4 +475,4 @@ def _positions(columns: Mapping[str, Array]) -> list[Array]:
 
 def _largest(columns: Mapping[str, Array]) -> float:
     """Return the largest size of a position; 0 where none is known."""
-    return max((float(np.abs(one).max()) for one in _positions(columns)), default=0.0)
+    return max((float(np.abs(position).max()) for position in _positions(columns)), default=0.0)

@@ -10,44 +10,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from stickslip import errors
+from stickslip.data.readers import binary, csv_reader, robots
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
-from stickslip.data.readers.binary import (
-    MDF,
-    PARQUET,
-    TDMS,
-    read_mat,
-    read_mdf,
-    read_parquet,
-    read_tdms,
-)
 from stickslip.data.readers.columns import Column, stated_unit, without_unit
-from stickslip.data.readers.csv_reader import (
-    SPREADSHEET,
-    ambiguous,
-    culprit,
-    grouped,
-    read_spreadsheet,
-    read_text,
-)
 from stickslip.data.readers.layout import Layout, seconds_of, unit_in
-from stickslip.data.readers.robots import (
-    EPISODES,
-    INFO,
-    read_lerobot,
-    read_servo,
-    with_signs,
-)
 from stickslip.data.readers.table import TRIAL, Table
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
-from stickslip.errors import (
-    MOST_NUMBERS,
-    InputError,
-    ParameterError,
-    UnknownNameError,
-    check_columns,
-    check_size,
-)
 from stickslip.show.formatting import number
 from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
 
@@ -74,17 +44,22 @@ class Format:
 
 
 FORMATS: Final = (
-    Format(endings=TEXT, read=lambda path, _: read_text(path)),
-    Format(endings=PARQUET, read=read_parquet),
-    Format(endings=(".mat",), read=read_mat),
-    Format(endings=MDF, read=read_mdf),
-    Format(endings=TDMS, read=read_tdms),
-    Format(endings=SPREADSHEET, read=read_spreadsheet),
+    Format(endings=TEXT, read=lambda path, _: csv_reader.read_text(path)),
+    Format(endings=binary.PARQUET, read=binary.read_parquet),
+    Format(endings=(".mat",), read=binary.read_mat),
+    Format(endings=binary.MDF, read=binary.read_mdf),
+    Format(endings=binary.TDMS, read=binary.read_tdms),
+    Format(endings=csv_reader.SPREADSHEET, read=csv_reader.read_spreadsheet),
     Format(endings=MCAP, read=read_mcap, streamed=True),
     Format(endings=BAGS, read=read_bag, streamed=True),
     Format(endings=(METADATA,), read=read_bag, within=METADATA, beside=PARTS),
-    Format(endings=("info.json",), read=read_lerobot, within=INFO, beside=(EPISODES,)),
-    Format(endings=(".json",), read=read_servo),
+    Format(
+        endings=("info.json",),
+        read=robots.read_lerobot,
+        within=robots.INFO,
+        beside=(robots.EPISODES,),
+    ),
+    Format(endings=(".json",), read=robots.read_servo),
 )
 """Formats by the ends of the names of their files."""
 
@@ -233,14 +208,14 @@ class Frame:
             wrong &= column.notna().to_numpy() & np.isnan(values)
         bad = np.flatnonzero(wrong)
         if bad.size:
-            first = culprit(column.iloc[bad].tolist())
+            first = csv_reader.culprit(column.iloc[bad].tolist())
             row, cell = int(bad[first]), column.iloc[bad].tolist()[first]
             got = "nothing" if pd.isna(cell) else shown(cell)
             hole = pd.isna(cell) or np.isinf(values[row])
             cure = ' To drop such samples, give repair="gaps".' if repairable and hole else ""
-            raise ParameterError(
+            raise errors.ParameterError(
                 f"{self.place(name, row)}: must be a finite number, got {got}."
-                f"{cure or grouped(cell)}"
+                f"{cure or csv_reader.grouped(cell)}"
             )
         return values
 
@@ -255,9 +230,9 @@ class Frame:
             if target == CELSIUS:
                 return np.asarray(converted(values, unit, target))
             scale = factor(unit, target)
-        except ParameterError as error:
+        except errors.ParameterError as error:
             cure = f'; give metres per pixel as gain={{"{name}": ...}}' if is_pixel(unit) else ""
-            raise ParameterError(
+            raise errors.ParameterError(
                 f"{self.file}: column {self.names[name]!r} {error}{cure}."
             ) from None
         # Division by a whole number rounds once, so that 35 mm is the float 0.035.
@@ -314,19 +289,23 @@ def read_frame(
     file = str(path)
     known = format_of(path)
     if known is None or not known.streamed:
-        check_size(file, path.stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS)
+        errors.check_size(
+            file, path.stat().st_size, "split it", unit="bytes", most=16 * errors.MOST_NUMBERS
+        )
     single = dict(_single(columns))
     if layout is not None and path.suffix.lower() not in TEXT:
-        raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
+        raise errors.InputError(
+            f"{file}: a layout is that of a text file, such as .csv: leave it out."
+        )
     if known is None:
         *endings, last = (ending for one in FORMATS for ending in one.endings)
-        raise InputError(
+        raise errors.InputError(
             f"{file}: must be a {', '.join(endings)} or {last} file, got"
             f" {path.suffix or 'no file extension'}. Save other spreadsheets as CSV."
         )
     wanted = [*dict.fromkeys((*single.values(), *also))]
-    table = known.read(path, wanted) if layout is None else read_text(path, layout)
-    data, signs = with_signs(table.data)
+    table = known.read(path, wanted) if layout is None else csv_reader.read_text(path, layout)
+    data, signs = robots.with_signs(table.data)
     return frame_of(
         data,
         file,
@@ -350,11 +329,11 @@ def frame_of(
 ) -> Frame:
     """Find out what the columns of a table hold."""
     if data.empty:
-        raise InputError(f"{file}: has no rows.")
-    check_columns(file, len(data.columns))
+        raise errors.InputError(f"{file}: has no rows.")
+    errors.check_columns(file, len(data.columns))
     longest = max(map(str, data.columns), key=len, default="")
     if len(longest) > LONGEST_NAME:
-        raise InputError(
+        raise errors.InputError(
             f"{file}: the name of a column, {shown(longest)}, has {len(longest):,} characters; it"
             f" may have {LONGEST_NAME}."
         )
@@ -405,7 +384,7 @@ def _named(
     for name, unit in units.items():
         if name not in names:
             known = [one for one in names if one != SECOND]
-            raise UnknownNameError(f"column in units of {file}:", name, known)
+            raise errors.UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
     for word, quantity in TURNING.items():
         if "time" in names and word in names and quantity not in names:
@@ -435,7 +414,7 @@ def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, s
         if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
             name, unit = header, None
         if name in names:
-            raise ambiguous(file, name)
+            raise csv_reader.ambiguous(file, name)
         names[name] = header
         found_units[name] = "1" if unit in NO_UNIT else unit and (unit_in(unit) or None)
     return names, found_units
@@ -471,7 +450,7 @@ def _check_plane(
     if said:
         units[SECOND] = units["position"]
     if units[SECOND] != units["position"]:
-        raise InputError(
+        raise errors.InputError(
             f"{file}: the columns {names['position']!r} and {names[SECOND]!r} of the position have"
             ' different units: give one unit for both, as units={"position": "..."}.'
         )
@@ -494,11 +473,11 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
         return short[0]
     if short:
         pair = [name for name in own if name.startswith(short[0].rpartition(SEPARATOR)[0])][:2]
-        raise InputError(
+        raise errors.InputError(
             f"{file}: {len(short)} tracks have a column {column!r}: {', '.join(map(repr, short))}."
             f' Choose one, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
         )
-    raise UnknownNameError(f"column of {file}:", str(column), own)
+    raise errors.UnknownNameError(f"column of {file}:", str(column), own)
 
 
 # Conditions of trials from the columns of files, and the columns that nothing was read from.
@@ -520,7 +499,7 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
     cells = frame.data[frame.names[TRIAL]]
     if cells.isna().any():
         row = int(np.flatnonzero(cells.isna())[0])
-        raise InputError(
+        raise errors.InputError(
             f"{frame.place(TRIAL, row)}: the trial of this row is missing: fill the cell."
         )
     if cells.nunique() == 1:
@@ -544,7 +523,9 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
             None,
         )
         if own is None:
-            raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
+            raise errors.UnknownNameError(
+                f"column in conditions of {frame.file}:", name, frame.names
+            )
         unit = frame.units.get(own)
         found[f"{own} [{unit}]" if unit not in (None, "1") else own] = own
     return found
@@ -584,7 +565,7 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
                 if len(known) == len(cells)
                 else f"{len(values)} texts"
             )
-            raise InputError(
+            raise errors.InputError(
                 f"{frame.file}: column {frame.names[name]!r} changes within the trial ({shown}),"
                 " but a condition has one value per trial. Split the record, or leave the"
                 " condition out."

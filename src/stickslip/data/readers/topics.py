@@ -130,7 +130,7 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
     """
     states = [one for one in log.topics if one.shape and one.messages]
     asked = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
-    used = {one.name: one for one in (*states, *asked.values())}
+    used = {state.name: state for state in (*states, *asked.values())}
     if not used:
         raise InputError(f"{file}: {_nothing(log.topics)}")
     total = sum(one.messages for one in used.values())
@@ -519,13 +519,13 @@ def _stamp(message: Any) -> int:
 
 def _topic_of(name: str, topics: Sequence[Topic]) -> Topic | None:
     """Return the topic in which a column is, by the beginning of its name."""
-    fitting = [one for one in topics if name.startswith(f"{one.name}/")]
+    fitting = [topic for topic in topics if name.startswith(f"{topic.name}/")]
     return max(fitting, key=lambda one: len(one.name), default=None)
 
 
 def _nothing(topics: Sequence[Topic]) -> str:
     """Return that a log has no states of joints, and what it has."""
-    full = [one for one in topics if one.messages]
+    full = [topic for topic in topics if topic.messages]
     if not full:
         return "contains no messages."
     listed = ", ".join(f"{one.name} ({one.kind}, {one.messages})" for one in full[:MOST_TOPICS])

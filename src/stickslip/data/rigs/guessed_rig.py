@@ -13,20 +13,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from stickslip.data import travels
 from stickslip.data.checking.motion import Swing
 from stickslip.data.readers.columns import Reading
 from stickslip.data.readers.guess import Guess, guess_data
 from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
-from stickslip.data.travels import (
-    HARMONICS,
-    OSCILLATION_SHARE,
-    OTHER,
-    frequency_of,
-    is_filmed,
-    oscillation,
-)
 from stickslip.errors import InputError
 from stickslip.show.formatting import joined, number, printable, quantity
 
@@ -322,7 +315,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
     runs, doubts = list[FilmedRun](), list(guess.doubts)
     for path in files:
         film = read_data([path], guess.reading)
-        if not is_filmed(film) or film.trials:
+        if not travels.is_filmed(film) or film.trials:
             raise InputError(
                 f"{path.name} is no film: it holds {', '.join(film.quantities())}. Several files"
                 " are taken for films, which have positions in time and no more; give the others"
@@ -330,7 +323,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
             )
         runs.append(_run(path, film.time, film.values("position")))
         doubts += [runs[-1].doubt] if runs[-1].doubt else []
-    no_force = next((one for one in doubts if "no force" in one), None)
+    no_force = next((doubt for doubt in doubts if "no force" in doubt), None)
     if no_force in doubts:  # films of what drives itself need none
         doubts.remove(no_force)
     runs.sort(key=lambda run: run.frequency)
@@ -340,11 +333,11 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
 def _run(path: Path, time: object, position: object) -> FilmedRun:
     """Return what a film shows."""
     t, x = np.asarray(time, dtype=float), np.asarray(position, dtype=float)
-    best, share = frequency_of(t, x)
+    best, share = travels.frequency_of(t, x)
     named = IN_NAME.search(path.stem)
     stated = float(re.sub("[,_p]", ".", named[1].lower())) if named else math.nan
     doubt = ""
-    if share < OSCILLATION_SHARE and not named:
+    if share < travels.OSCILLATION_SHARE and not named:
         raise InputError(
             f"{path.name} shows no oscillation: the best frequency explains {share:.0%} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"
@@ -354,7 +347,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     if not named:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = f"{path.name}: the frequency is read off the film; write the one that was set."
-    elif oscillation(t, x, 0.5 * stated, 2 * HARMONICS) < OTHER * share:
+    elif travels.oscillation(t, x, 0.5 * stated, 2 * travels.HARMONICS) < travels.OTHER * share:
         frequency, reason = float(f"{best:.3g}"), "as it oscillates"
         doubt = (
             f"{path.name} oscillates with {number(best, 3)} Hz, and its name says"

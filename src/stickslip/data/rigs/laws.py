@@ -50,10 +50,10 @@ def _number(
 ) -> Any:
     """Return the annotation of a value of laws, which may have its unit at a contact."""
     units = [
-        (one, {turned(one.unit, at.turning), turned(one.force_unit, at.turning)})
+        (quantity, {turned(quantity.unit, at.turning), turned(quantity.force_unit, at.turning)})
         if at.in_forces
-        else (one, {turned(one.unit, at.turning)})
-        for one in quantities
+        else (quantity, {turned(quantity.unit, at.turning)})
+        for quantity in quantities
     ]
     others = (
         dataclasses.replace(one, unit=unit)
@@ -134,7 +134,7 @@ def friction_table(
     """Return the model of ``[friction]`` for some laws."""
     shared = ContactUnits(
         "",
-        turning=bool(contacts) and all(one.turning for one in contacts),
+        turning=bool(contacts) and all(contact.turning for contact in contacts),
         in_forces=bool(contacts) and all(one.in_forces for one in contacts),
     )
     if len(contacts) > 1:
@@ -214,7 +214,7 @@ def laws_of(
 
 
 def _fields(kind: type[FrictionLaw]) -> set[str]:
-    return {one.name for one in dataclasses.fields(kind)}
+    return {field.name for field in dataclasses.fields(kind)}
 
 
 def known_laws(
@@ -398,7 +398,7 @@ def _meant(kinds: Mapping[str, type[FrictionLaw]], shared: Collection[str]) -> s
 
 
 def _required(law: type[FrictionLaw]) -> list[str]:
-    return [one.name for one in dataclasses.fields(law) if one.default is dataclasses.MISSING]
+    return [field.name for field in dataclasses.fields(law) if field.default is dataclasses.MISSING]
 
 
 def _own(own: Table, law: type[FrictionLaw], file: RigFile, table: str) -> dict[str, Any]:

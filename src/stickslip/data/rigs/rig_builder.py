@@ -11,43 +11,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stickslip.data import measurement as measurements
+from stickslip.data import rig
 from stickslip.data.estimates import LawEstimates
-from stickslip.data.measurement import (
-    QUANTITIES,
-    TRAVELS,
-    Measurement,
-    as_turning,
-    levels_at,
-    quantity_called,
-    tells_load,
-)
+from stickslip.data.readers import toml
 from stickslip.data.readers.columns import Reading, column_of, motor_constants
 from stickslip.data.readers.layout import Layout
-from stickslip.data.readers.toml import (
-    LARGEST,
-    apply,
-    parse,
-    paths_of,
-    read_bytes,
-    resolved,
-)
 from stickslip.data.records import read_data
-from stickslip.data.rig import (
-    KnownLaws,
-    Published,
-    Rig,
-    check_record,
-    estimated_law,
-    state_units,
-)
-from stickslip.data.rigs.laws import (
-    ContactUnits,
-    by_contact,
-    known_laws,
-    laws_of,
-    overridden_fields,
-    python_name,
-)
+from stickslip.data.rigs import laws, schema
 from stickslip.data.rigs.plugin_imports import Imported, imported
 from stickslip.data.rigs.rig_models import (
     Given,
@@ -58,15 +29,6 @@ from stickslip.data.rigs.rig_models import (
     complaint,
     fill_friction,
     robot_of,
-)
-from stickslip.data.rigs.schema import (
-    ContactTable,
-    EstimatesTable,
-    ReadTable,
-    RigTable,
-    TrialTable,
-    flat,
-    rig_table,
 )
 from stickslip.data.travels import scale_of
 from stickslip.data.units import read_number
@@ -99,17 +61,17 @@ SWING_FILE = ("file", "column", "unit")
 
 def read_rig(
     path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
-) -> Rig:
+) -> rig.Rig:
     """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
         name, data = BUNDLED, files("stickslip.data").joinpath(BUNDLED).read_bytes()
     else:
-        name, data = str(path), read_bytes(path, largest=LARGEST)
-    raw = parse(data, name)
-    settable = [*paths_of(raw), *_settable(raw)]
+        name, data = str(path), toml.read_bytes(path, largest=toml.LARGEST)
+    raw = toml.parse(data, name)
+    settable = [*toml.paths_of(raw), *_settable(raw)]
     overrides = {_in_words(path, raw, settable): value for path, value in overrides.items()}
-    overrides = resolved(raw, overrides, settable)
-    apply(raw, overrides)
+    overrides = toml.resolved(raw, overrides, settable)
+    toml.apply(raw, overrides)
     file = RigFile(name, overrides)
     _refuse_open(raw, name)
     stated = _kind_of_motion(raw, file)
@@ -121,34 +83,36 @@ def read_rig(
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
     file = RigFile(name, overrides, {law: given for given, law in own.tables.items()})
     contacts = _contacts(raw, own, file)
-    for name in [one.name for one in contacts]:
+    for name in [contact.name for contact in contacts]:
         if len(contacts) > 1 and name in of_one_law:
             raise InputError(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
-    kinds = laws_of(friction, [one.name for one in contacts], own.laws)
+    kinds = laws.laws_of(friction, [one.name for one in contacts], own.laws)
     with concerning(f"{file}:", InputError):
-        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
+        kind = schema.rig_table(own.mechanism, tuple(kinds.values()), contacts)
     table = _validated(kind, raw, file)
     mechanism = _mechanism(table, file)
     conditions = tuple(table.data.conditions)
     reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
     measurement = _measured(table, mechanism, reading, file)
-    measurement = measurement and as_turning(measurement, mechanism.units)
+    measurement = measurement and measurements.as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
-    if measurement is not None and tells_load(measurement):  # so that levels are over it
+    if measurement is not None and measurements.tells_load(
+        measurement
+    ):  # so that levels are over it
         over_load = tuple(one._replace(in_forces=False) for one in contacts)
-        _validated(rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
+        _validated(schema.rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
     names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
-    of_contacts = by_contact(table.friction, names, file, kinds)
-    known = KnownLaws()
+    of_contacts = laws.by_contact(table.friction, names, file, kinds)
+    known = rig.KnownLaws()
     if not of_contacts:
-        known = known_laws(table.friction, file, kinds)
+        known = laws.known_laws(table.friction, file, kinds)
     named = _paths(table, file)
-    return Rig(
+    return rig.Rig(
         title=table.title or Path(file.name).stem,
         subject=table.subject,
         source=table.source,
@@ -169,7 +133,7 @@ def read_rig(
         t_end=table.run.t_end,
         initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
         estimates=_estimates(table.estimates, known, of_contacts, file),
-        published=tuple(Published(**row.given()) for row in table.published),
+        published=tuple(rig.Published(**row.given()) for row in table.published),
         digest=with_files(_digest(data, overrides), named),
         path=file.name,
         files=tuple(named),
@@ -177,7 +141,9 @@ def read_rig(
     )
 
 
-def _validated(kind: type[RigTable], raw: Mapping[str, Any], file: RigFile) -> RigTable:
+def _validated(
+    kind: type[schema.RigTable], raw: Mapping[str, Any], file: RigFile
+) -> schema.RigTable:
     try:
         return kind.model_validate(raw)
     except ValidationError as error:
@@ -212,11 +178,11 @@ def _of_law(path: str, tables: Mapping[str, str]) -> str:
 
 def _contact_inputs(table: Table, mechanism: Mechanism, file: RigFile) -> dict[str, Any]:
     """Return what a file tells of the contact; what the mechanism computes is refused."""
-    names = [one.name for one in mechanism.contacts()]
+    names = [contact.name for contact in mechanism.contacts()]
     found = _values(table, "contact", file)
     _refuse_computed(found, "contact", names, mechanism, file)
     for name in names:
-        own = getattr(table, python_name(name, "contact"), None)
+        own = getattr(table, laws.python_name(name, "contact"), None)
         if own is not None:
             found[name] = _values(own, f"contact.{name}", file)
             _refuse_computed(found[name], f"contact.{name}", [name], mechanism, file)
@@ -243,9 +209,9 @@ def _kind_of_motion(raw: Mapping[str, Any], file: RigFile) -> bool | None:
         return None
     drives = table.get("drive", [])
     parts: list[tuple[str, type, dict[str, Any]]] = [("mechanism", kind, table)]
-    for one in drives if isinstance(drives, list) else [drives]:
-        if isinstance(one, dict) and one.get("type") in DRIVES:
-            parts.append(("mechanism.drive", DRIVES[one["type"]], one))
+    for drive in drives if isinstance(drives, list) else [drives]:
+        if isinstance(drive, dict) and drive.get("type") in DRIVES:
+            parts.append(("mechanism.drive", DRIVES[drive["type"]], drive))
     kinds: dict[bool, str] = {}
     for where, owner, part in parts:
         given = {
@@ -272,7 +238,7 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:
-        yield from (f"{PREFIX}.{one.name}" for one in fields(kind))
+        yield from (f"{PREFIX}.{field.name}" for field in fields(kind))
 
 
 def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
@@ -289,14 +255,14 @@ def _in_words(path: Any, raw: Mapping[str, Any], known: Collection[str]) -> Any:
     return there[0] if len(there) == 1 else path
 
 
-def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[ContactUnits, ...]:
+def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[laws.ContactUnits, ...]:
     """Return the names of the contacts, and what units their laws have.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
     Friction levels that a robot description gives are put in where the file says nothing else.
     """
     try:
-        table = rig_table(own.mechanism).model_validate(
+        table = schema.rig_table(own.mechanism).model_validate(
             {key: value for key, value in raw.items() if key == "mechanism"}
         )
     except ValidationError as error:
@@ -310,9 +276,9 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[Contac
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    in_forces = levels_at(mechanism) != "per load"
+    in_forces = measurements.levels_at(mechanism) != "per load"
     return tuple(
-        ContactUnits(
+        laws.ContactUnits(
             one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad", in_forces
         )
         for one in found
@@ -328,7 +294,7 @@ def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _mechanism(table: RigTable, file: RigFile) -> Mechanism:
+def _mechanism(table: schema.RigTable, file: RigFile) -> Mechanism:
     built = _build(table.mechanism, "mechanism", file)
     assert isinstance(built, Mechanism)
     return built
@@ -415,7 +381,7 @@ def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
-        if isinstance(value, ContactTable):
+        if isinstance(value, schema.ContactTable):
             continue  # of one of several contacts
         if isinstance(value, Table):
             values[name] = _build(value, path, file)
@@ -449,8 +415,8 @@ def _sum(drives: list[Drive]) -> Drive:
 
 
 def _measured(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+) -> measurements.Measurement | None:
     """Return what the trials say, or what stands in files; not both."""
     data = table.data
     if data.file and data.files:
@@ -462,9 +428,9 @@ def _measured(
 
 
 def _estimates(
-    table: EstimatesTable | None,
-    known: KnownLaws,
-    of_contacts: Mapping[str, KnownLaws | None],
+    table: schema.EstimatesTable | None,
+    known: rig.KnownLaws,
+    of_contacts: Mapping[str, rig.KnownLaws | None],
     file: RigFile,
 ) -> LawEstimates | None:
     """Return how well a law, or laws by contact, are known; of what was overridden nothing is."""
@@ -482,7 +448,7 @@ def _estimates(
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
     try:
         found = LawEstimates(**given)
-        law = estimated_law(found.law, known.laws, of_contacts)
+        law = rig.estimated_law(found.law, known.laws, of_contacts)
         return found.without(_changed(law, file.overridden)).checked(law)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
@@ -493,26 +459,26 @@ def _estimates(
 def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
     """Return the parameters of a law, or by contact of laws, that overrides set."""
     if isinstance(law, FrictionLaw):
-        return sorted(overridden_fields(type(law), overridden))
+        return sorted(laws.overridden_fields(type(law), overridden))
     return [
         f"{contact}.{name}"
         for contact, one in law.members
         for name in sorted(
-            overridden_fields(type(one), overridden)
-            | overridden_fields(type(one), overridden, at=f"friction.{contact}")
+            laws.overridden_fields(type(one), overridden)
+            | laws.overridden_fields(type(one), overridden, at=f"friction.{contact}")
         )
     ]
 
 
-def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
+def _reading(table: schema.ReadTable, file: RigFile, key: str = "data") -> Reading:
     """Return how a table says that files are read."""
     offset = {}
     for name, value in table.offset.items():
         try:
-            quantity = quantity_called(name)
+            quantity = measurements.quantity_called(name)
         except KeyError:
             raise UnknownNameError(
-                f"quantity in {key}.offset of {file}:", name, QUANTITIES
+                f"quantity in {key}.offset of {file}:", name, measurements.QUANTITIES
             ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
         with concerning(f"{file}: {key}.offset.{name}"):
@@ -536,7 +502,7 @@ def _reading(table: ReadTable, file: RigFile, key: str = "data") -> Reading:
     )
 
 
-def _paths(table: RigTable, file: RigFile) -> list[Path]:
+def _paths(table: schema.RigTable, file: RigFile) -> list[Path]:
     """Return the files that a rig file names, which lie beside it."""
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
@@ -547,7 +513,7 @@ def _paths(table: RigTable, file: RigFile) -> list[Path]:
     if logs:  # imported here so that rigs without data do without pandas
         from stickslip.data.readers.table_reader import log_files
 
-        paths += [one for log in logs for one in log_files(log)]
+        paths += [log_file for log in logs for log_file in log_files(log)]
     return paths
 
 
@@ -562,7 +528,7 @@ def _tables(table: Table) -> Iterator[Any]:
 
 def _files(
     names: list[str], mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+) -> measurements.Measurement | None:
     """Return the measurement of files that are named as they stand beside the rig file."""
     paths = [file.beside(name) for name in names if name]
     if not paths:
@@ -572,12 +538,12 @@ def _files(
 
 
 def _trials(
-    table: RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
-) -> Measurement | None:
+    table: schema.RigTable, mechanism: Mechanism, reading: Reading, file: RigFile
+) -> measurements.Measurement | None:
     """Return the trials; files are read as `[data]` and then the trial itself say."""
     if not table.trial:
         return None
-    records: list[Measurement] = []
+    records: list[measurements.Measurement] = []
     for index, trial in enumerate(table.trial):
         if trial.file:
             records += _filed(trial, mechanism, reading, file, index)
@@ -586,17 +552,17 @@ def _trials(
     if len(records) == 1:
         return records[0]
     with concerning(f"{file}: trial:", InputError):
-        return Measurement(trials=tuple(records), name=table.title)
+        return measurements.Measurement(trials=tuple(records), name=table.title)
 
 
-TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
+TRAVEL_ONLY = (*measurements.TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
 """Keys of a trial that the file of a record has no use for."""
 FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
 
 
 def _filed(
-    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
-) -> tuple[Measurement, ...]:
+    trial: schema.TrialTable, mechanism: Mechanism, reading: Reading, file: RigFile, index: int
+) -> tuple[measurements.Measurement, ...]:
     """Return what stands in the file of a trial, with the settings of that trial."""
     key = f"trial.{index}"
     label, given = f"{file}: {key}", trial.given()
@@ -617,7 +583,7 @@ def _filed(
         text = str(error)
         raise kind(text if text.startswith(label) else f"{label}: {text}") from None
     for record in found.records():
-        check_record(mechanism, record, label)
+        rig.check_record(mechanism, record, label)
     return tuple(
         replace(
             record,
@@ -635,10 +601,10 @@ def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -
 
 
 def _record(
-    trial: TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
-) -> Measurement:
+    trial: schema.TrialTable, mechanism: Mechanism, file: RigFile, index: int, t_end: float
+) -> measurements.Measurement:
     label, given = f"{file}: trial.{index}", trial.given()
-    names = [name for name in TRAVELS if name in given]
+    names = [name for name in measurements.TRAVELS if name in given]
     if not names:
         raise ParameterError(
             f"{label} contains no measurement. Add travel under [[trial]] number {index + 1}, a"
@@ -647,7 +613,7 @@ def _record(
     if len(names) > 1:
         raise InputError(
             f"{label}: {names[0]} and {names[1]} both give the distance travelled: give only one"
-            f" of {', '.join(TRAVELS)}."
+            f" of {', '.join(measurements.TRAVELS)}."
         )
     _check_keys(
         given,
@@ -655,7 +621,7 @@ def _record(
         f"{label}: {{}} applies to the file of a record, but {names[0]} is a number",
     )
     if "uncertainty" in given:
-        measured = QUANTITIES[names[0]]
+        measured = measurements.QUANTITIES[names[0]]
         quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
         with concerning(f"{label}.uncertainty"):
             given["uncertainty"] = read_number(given["uncertainty"], quantity)
@@ -666,13 +632,13 @@ def _record(
             " the uncertainty, or leave its kind out."
         )
     settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
-    record = Measurement(
+    record = measurements.Measurement(
         **given,
         overrides=settings,
         parameter_uncertainties=doubts,
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
-    check_record(mechanism, record, label)
+    rig.check_record(mechanism, record, label)
     scale_of(mechanism, record, t_end, label)
     return record
 
@@ -683,7 +649,7 @@ def _overrides(
     """Return what a trial sets, by path, and the uncertainties of that."""
     found: dict[str, float] = {}
     doubts: dict[str, float] = {}
-    for name, value in flat(given):
+    for name, value in schema.flat(given):
         try:
             path = canonical_path(mechanism, name)
             number = Number(quantity_at(mechanism, path), measured=True).read(value)
@@ -701,7 +667,7 @@ def _overrides(
 
 
 def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
-    units = state_units(mechanism)
+    units = rig.state_units(mechanism)
     found = {}
     for name, value in given.items():
         if name not in units:
@@ -719,7 +685,7 @@ def load_rig(
     *,
     overrides: Mapping[str, str | float | bool] | None = None,
     allow_import: bool = False,
-) -> Rig:
+) -> rig.Rig:
     """Read a rig file.
 
     Parameters

@@ -23,27 +23,18 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PlainValidator,
     ValidationError,
+    WithJsonSchema,
     create_model,
     model_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from stickslip import mechanisms
 from stickslip.data.readers.toml import paths_of
 from stickslip.data.units import check_uncertainty, read_number
 from stickslip.errors import InputError, ParameterError, UnknownNameError, concerning, nearest
-from stickslip.mechanisms import (
-    LOOPS,
-    MOTORS,
-    DCMotor,
-    Mechanism,
-    Motor,
-    MotorLoop,
-    Robot,
-    RobotDescription,
-    RobotJoint,
-    read_urdf,
-)
 from stickslip.mechanisms.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import LONGEST_TEXT, shown, split_number
@@ -168,7 +159,7 @@ class Number:
                 )
             doubt = share * abs(value)
         else:
-            units = (unit, *(one.unit for one in self.alternatives))
+            units = (unit, *(alternative.unit for alternative in self.alternatives))
             doubt = Number(
                 Quantity(symbol, unit),
                 alternatives=tuple(Quantity(symbol, other) for other in units[1:]),
@@ -298,25 +289,23 @@ class _OrSingle:
         return {"anyOf": [several["items"], several], "description": "a list is a sum"}
 
 
-@dataclasses.dataclass(frozen=True)
-class _Numbers:
-    """Annotation of a list of plain numbers in SI."""
+def _numbers(value: object) -> tuple[float, ...]:
+    if not isinstance(value, list):
+        raise ParameterError(f"must be a list of numbers in SI units, got {shown(value)}.")
+    for index, item in enumerate(value):
+        if isinstance(item, bool) or not isinstance(item, int | float):
+            raise ParameterError(
+                f"must be a list of numbers in SI units, got {shown(item)} at index {index}."
+            )
+    return tuple(value)
 
-    def read(self, value: object) -> tuple[float, ...]:
-        if not isinstance(value, list):
-            raise ParameterError(f"must be a list of numbers in SI units, got {shown(value)}.")
-        for index, item in enumerate(value):
-            if isinstance(item, bool) or not isinstance(item, int | float):
-                raise ParameterError(
-                    f"must be a list of numbers in SI units, got {shown(item)} at index {index}."
-                )
-        return tuple(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return {"type": "array", "items": {"type": "number"}}
+Numbers = Annotated[
+    Any,
+    PlainValidator(_numbers),
+    WithJsonSchema({"type": "array", "items": {"type": "number"}}),
+]
+"""A list of plain numbers in SI."""
 
 
 @functools.cache  # Registries do not change while a program runs.
@@ -367,7 +356,7 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         return Annotated[Any, Number(quantity, mark=mark, alternatives=others, measured=measured)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
-        return Annotated[Any, _Numbers()]
+        return Numbers
     if typing.get_origin(hint) is tuple and issubclass(typing.get_args(hint)[0], Parametrised):
         table: Any = _alone(typing.get_args(hint)[0])
         return Annotated[list[table], Field(min_length=1)]
@@ -380,13 +369,15 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         if isinstance(part, type) and issubclass(part, Parametrised)
     ]
     if Drive in parts:
-        motor = DCMotor in parts and table_of(DCMotor, DCMotor.name, mark, "", measured)
+        motor = mechanisms.DCMotor in parts and table_of(
+            mechanisms.DCMotor, mechanisms.DCMotor.name, mark, "", measured
+        )
         return drive_tables(motor or None)
     for part in parts:
         if part in MEMBERS:
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
-            marks = (mark, inner, measured) if part is MotorLoop else ("", inner, False)
+            marks = (mark, inner, measured) if part is mechanisms.MotorLoop else ("", inner, False)
             tables = {kind: table_of(one, kind, *marks) for kind, one in members}
             return choice({kind: _or_in_file(table, inner) for kind, table in tables.items()})
     if len(parts) == 1:
@@ -400,7 +391,7 @@ def _or_in_file(table: type[Table], moved: str) -> type[Table]:
     """Return a table in which a file may stand in place of the samples of a motion."""
     if table.target is not SampledSwing:
         return table
-    samples = {name: (Annotated[Any, _Numbers()], ()) for name in SampledSwing.data_fields}
+    samples = dict.fromkeys(SampledSwing.data_fields, (Numbers, ()))
     of_file = {
         name: (str, Field(default="", description=text))
         for name, text in (
@@ -415,13 +406,17 @@ def _or_in_file(table: type[Table], moved: str) -> type[Table]:
     return model
 
 
-MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS, MotorLoop: LOOPS}
+MEMBERS: Mapping[type, Mapping[str, type]] = {
+    Profile: PROFILES,
+    mechanisms.Motor: mechanisms.MOTORS,
+    mechanisms.MotorLoop: mechanisms.LOOPS,
+}
 """What parts of mechanisms are chosen from, by their ``type``."""
 
 
 def _inner_unit(cls: type) -> str:
     """Return the unit of the coordinate that a motor moves: the last of several."""
-    units: object = cls.units if issubclass(cls, Mechanism) else ()
+    units: object = cls.units if issubclass(cls, mechanisms.Mechanism) else ()
     if not isinstance(units, tuple):  # a property: how many there are depends on the object
         return ""
     return str(units[-1]) if len(units) > 1 and units[-1] in {"m", "rad"} else ""
@@ -430,7 +425,7 @@ def _inner_unit(cls: type) -> str:
 def drive_tables(motor: type[Table] | None = None) -> Any:
     """Return the type of a table of a drive, or of several that are summed, or of a motor."""
     tables = {kind: table_of(drive, kind) for kind, drive in DRIVES.items()}
-    drives: Any = choice(tables if motor is None else {**tables, DCMotor.name: motor})
+    drives: Any = choice(tables if motor is None else {**tables, mechanisms.DCMotor.name: motor})
     return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
 
 
@@ -456,7 +451,7 @@ ADDED = (
 )  # fmt: skip
 """What a rig file may say of a joint beside its description."""
 ANGLE, DISTANCE = Quantity("q", "rad"), Quantity("q", "m")
-Added = table_of(RobotJoint, "joint", only=ADDED)
+Added = table_of(mechanisms.RobotJoint, "joint", only=ADDED)
 
 
 class UrdfTable(Table):
@@ -471,7 +466,7 @@ class UrdfTable(Table):
     locked: dict[str, Annotated[Any, Number(ANGLE, alternatives=(DISTANCE,))]] = Field(
         default={}, description="joint that is locked: where, an angle or a distance"
     )
-    gravity: Annotated[Any, Number(fields_of(Robot)["gravity"])] = 9.81
+    gravity: Annotated[Any, Number(fields_of(mechanisms.Robot)["gravity"])] = 9.81
     """Acceleration of free fall [m/s^2]."""
     joints: dict[str, Added] = Field(  # type: ignore[valid-type]  # made at run time
         default={},
@@ -483,25 +478,27 @@ class UrdfTable(Table):
     )
 
 
-def _described(table: UrdfTable, file: RigFile) -> RobotDescription:
+def _described(table: UrdfTable, file: RigFile) -> mechanisms.RobotDescription:
     """Read the description that a table names."""
     gravity = table.gravity.value if isinstance(table.gravity, Given) else table.gravity
     path, moving = file.beside(table.file), table.moving or None
     try:
-        return read_urdf(path, joints=moving, locked=table.locked, gravity=gravity)
+        return mechanisms.read_urdf(path, joints=moving, locked=table.locked, gravity=gravity)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} named by {file}:", error.name, error.known) from None
     except InputError as error:
         raise type(error)(f"{file}: mechanism: {error}") from None
 
 
-def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: RigFile) -> Robot:
+def robot_of(
+    table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: RigFile
+) -> mechanisms.Robot:
     """Return the robot of a table."""
     described = _described(table, file)
     for remark in described.remarks:
         warnings.warn(f"{file}: {remark}", stacklevel=2)
     robot = described.robot
-    known = [one.joint for one in robot.joints]
+    known = [joint.joint for joint in robot.joints]
     for name in added:
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
@@ -510,7 +507,7 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: Rig
         return replace(robot, joints=joints)
 
 
-def _with(joint: RobotJoint, added: Mapping[str, Any]) -> RobotJoint:
+def _with(joint: mechanisms.RobotJoint, added: Mapping[str, Any]) -> mechanisms.RobotJoint:
     """Return a joint with what a rig file adds; limits are of its angle, not of a motor's."""
     if added.get("coupling"):
         joint = replace(joint, lower_stop=None, upper_stop=None)

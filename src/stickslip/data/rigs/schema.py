@@ -5,26 +5,27 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    create_model,
+)
+from pydantic_core import PydanticCustomError
 
 from stickslip.data.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.data.readers.columns import MOTORS
+from stickslip.data.rigs import rig_models
 from stickslip.data.rigs.laws import (
     NONE,
     ContactUnits,
     FrictionTable,
     friction_table,
     python_name,
-)
-from stickslip.data.rigs.rig_models import (
-    URDF,
-    Number,
-    Table,
-    UrdfTable,
-    choice,
-    drive_tables,
-    table_of,
 )
 from stickslip.data.units import read_gain
 from stickslip.friction import FrictionLaw
@@ -38,39 +39,36 @@ VARY = "vary"
 """Says of a mechanism's parameter that it is to be fitted."""
 
 
-class RunTable(Table):
+TEXT = {"type": "string"}
+NUMBER = [{"type": "number"}, {**TEXT, "description": "number with a unit"}]
+"""What a number may be: in SI, or a text."""
+
+
+def _table_of(kind: Mapping[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "additionalProperties": kind}
+
+
+Gain = Annotated[Any, PlainValidator(read_gain), WithJsonSchema({"anyOf": NUMBER})]
+"""A scale factor, perhaps with the unit that makes SI of that of a column."""
+PAIR = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
+Columns = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, PAIR, _table_of(TEXT)]})]
+"""A column, or the two with a position in a plane; `Reading`, which knows the quantity, checks."""
+MotorConstant = Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER, _table_of({"anyOf": NUMBER})]})]
+"""A motor constant, or one for each joint; `Reading` checks them."""
+NameOrNames = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, _table_of(TEXT)]})]
+"""A name, or names by contact; `LawEstimates` checks them."""
+Doubt = Annotated[Any, WithJsonSchema({"anyOf": [{**NUMBER[0], "exclusiveMinimum": 0}, NUMBER[1]]})]
+"""An uncertainty in the unit of what it belongs to, with which it is read."""
+
+
+class RunTable(rig_models.Table):
     """How long runs last."""
 
-    t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
+    t_end: Annotated[Any, rig_models.Number(Quantity("t_end", "s", above=0))] = 10.0
     """Last time of the runs [s]."""
     initial: dict[str, Any] = Field(
         default={}, description="state: value from which simulated runs begin; trials have theirs"
     )
-
-
-@dataclasses.dataclass(frozen=True)
-class Gain:
-    """Annotation of a scale factor, perhaps with the unit that makes SI of that of a column."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(read_gain)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        text = {"type": "string", "description": "number with a unit"}
-        return {"anyOf": [{"type": "number"}, text]}
-
-
-@dataclasses.dataclass(frozen=True)
-class Columns:
-    """Annotation of the name of a column, or of the two with a position in a plane."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()  # `Reading` checks it, which knows the quantity
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-        joints = {"type": "object", "additionalProperties": {"type": "string"}}
-        return {"anyOf": [{"type": "string"}, pair, joints]}
 
 
 def _by_joint(table: Any) -> Any:
@@ -88,19 +86,7 @@ J = TypeVar("J")
 ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
 
 
-@dataclasses.dataclass(frozen=True)
-class MotorConstant:
-    """Annotation of a motor constant, or of one for each joint; `Reading` checks them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        one = [{"type": "number"}, {"type": "string", "description": "number with a unit"}]
-        return {"anyOf": [*one, {"type": "object", "additionalProperties": {"anyOf": one}}]}
-
-
-class LayoutTable(Table):
+class LayoutTable(rig_models.Table):
     """How a text file holds its table; `stickslip init` finds it out."""
 
     encoding: str = "utf-8-sig"
@@ -117,16 +103,16 @@ class LayoutTable(Table):
     """Whether the row below the header holds the units."""
 
 
-class ReadTable(Table):
+class ReadTable(rig_models.Table):
     """How the columns of a file are read."""
 
-    columns: ByJoint[Annotated[Any, Columns()]] = Field(
+    columns: ByJoint[Columns] = Field(
         default={},
         description="quantity: name of its column, of a joint as `force.elbow`; `position`: two"
         " names for motion in a plane",
     )
     units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
-    gain: ByJoint[Annotated[Any, Gain()]] = Field(
+    gain: ByJoint[Gain] = Field(
         default={},
         description="quantity: scale factor, applied after unit conversion if the unit is of the"
         " right kind; otherwise it converts the column to SI, and may have a unit such as N m/A",
@@ -135,36 +121,12 @@ class ReadTable(Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )
-    motor_constant: Annotated[Any, MotorConstant()] = Field(
+    motor_constant: MotorConstant = Field(
         default=None,
         description="force or torque per current of the motor with its gears, such as"
         ' `"0.12 N m/A"`: the column `current` is read as the force; `joint`: one each',
     )
     layout: LayoutTable | None = Field(default=None, description="how a text file holds its table")
-
-
-@dataclasses.dataclass(frozen=True)
-class NameOrNames:
-    """Annotation of a name, or of names by contact; `LawEstimates` checks them."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        names = {"type": "object", "additionalProperties": {"type": "string"}}
-        return {"anyOf": [{"type": "string"}, names]}
-
-
-@dataclasses.dataclass(frozen=True)
-class Doubt:
-    """Annotation of an uncertainty in the unit of what it belongs to, with which it is read."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.any_schema()
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        plain = {"type": "number", "exclusiveMinimum": 0}
-        return {"anyOf": [plain, {"type": "string", "description": "number with a unit"}]}
 
 
 class TrialTable(ReadTable):
@@ -173,14 +135,14 @@ class TrialTable(ReadTable):
     It has one of `travel`, `mean_velocity`, `travel_per_cycle`, or the `file` of a record.
     """
 
-    travel: Annotated[Any, Number(TRAVEL)] = None
+    travel: Annotated[Any, rig_models.Number(TRAVEL)] = None
     """Measured travel [m]."""
-    mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
+    mean_velocity: Annotated[Any, rig_models.Number(QUANTITIES["mean_velocity"])] = None
     """Measured mean velocity of a driven rig [m/s]."""
-    travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
+    travel_per_cycle: Annotated[Any, rig_models.Number(QUANTITIES["travel_per_cycle"])] = None
     """Measured travel per cycle of the drive [m]."""
     file: str = Field(default="", description="file of a record, relative to the rig file")
-    uncertainty: Annotated[Any, Doubt()] = Field(
+    uncertainty: Doubt = Field(
         default=None, description="above 0, in the unit of the measured quantity"
     )
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
@@ -226,20 +188,20 @@ def _known_law(name: str) -> str:
     return name
 
 
-class PublishedTable(Table):
+class PublishedTable(rig_models.Table):
     """What a publication reports for one law."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
         json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
     )
     """Registry name of the law."""
-    travel: Annotated[Any, Number(TRAVEL)] = None
+    travel: Annotated[Any, rig_models.Number(TRAVEL)] = None
     """Printed travel [m]."""
     velocity_positive: bool | None = None
     """Whether the velocity never becomes negative, as printed."""
     displacement_monotone: bool | None = None
     """Whether the displacement never decreases, as printed."""
-    relative_error: Annotated[Any, Number(Quantity("e", "1", low=0))] = None
+    relative_error: Annotated[Any, rig_models.Number(Quantity("e", "1", low=0))] = None
     """Printed error of the travel over the measured travel."""
     note: str = ""
     """A remark."""
@@ -274,10 +236,10 @@ def _nested(schema: dict[str, Any]) -> None:
 ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
 
 
-class EstimatesTable(Table):
+class EstimatesTable(rig_models.Table):
     """How well the values of a law, or of laws by contact, are known, as fits write it; in SI."""
 
-    law: Annotated[Any, NameOrNames()] = Field(
+    law: NameOrNames = Field(
         description="law to which the values belong; `contact: law` where contacts have laws of"
         " their own, whose parameters are then called as `elbow.kinetic_coefficient`"
     )
@@ -322,12 +284,12 @@ def _contact_input(name: str) -> Any:
     """Return the type of a contact input: a number with its unit, or a drive."""
     quantity = CONTACT_INPUTS[name].quantity()
     other = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
-    number: Any = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
-    drive: Any = Annotated[drive_tables(), Tag(A_DRIVE)]
+    number: Any = Annotated[Any, rig_models.Number(quantity, alternatives=other), Tag(A_NUMBER)]
+    drive: Any = Annotated[rig_models.drive_tables(), Tag(A_DRIVE)]
     return Annotated[number | drive, Discriminator(_number_or_drive)]
 
 
-class ContactTable(Table):
+class ContactTable(rig_models.Table):
     """What friction laws may ask of the contact, and the mechanism does not tell."""
 
 
@@ -349,7 +311,7 @@ def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
     return create_model("Contacts", __base__=found, **own)
 
 
-class RigTable(Table):
+class RigTable(rig_models.Table):
     """A rig: what moves, which friction values are known, and what was measured."""
 
     title: str = ""
@@ -387,8 +349,10 @@ def rig_table(
     A mechanism of the user's, with its ``type``, may come to them.
     """
     known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
-    tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
-    options = choice({**tables, URDF: UrdfTable})
+    tables = {
+        name: rig_models.table_of(cls, name, VARY, measured=True) for name, cls in known.items()
+    }
+    options = rig_models.choice({**tables, rig_models.URDF: rig_models.UrdfTable})
     friction = friction_table(laws, contacts)
     contact = contact_table(tuple(one.name for one in contacts))
     return create_model(

@@ -29,25 +29,10 @@ import numpy as np
 import symengine as se
 from numpy.typing import NDArray
 
+from stickslip import mechanisms
+from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.slip_directions import SlipDirections
-from stickslip.engine.formulation.trace import (
-    Switchboard,
-    Traced,
-    collapsed,
-    expression,
-    guides_of,
-    held_of,
-    is_zero,
-)
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.mechanisms import (
-    Contact,
-    MatrixMechanism,
-    Mechanism,
-    only_contact,
-    slip_of,
-    stops_of,
-)
 from stickslip.quantities import parameters, shadow
 from stickslip.show.formatting import number
 
@@ -69,7 +54,7 @@ SINGULAR = 1e-13
 
 
 def matrix_rows(
-    mechanism: MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
+    mechanism: mechanisms.MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
 ) -> list[se.Expr]:
     """Return the mass matrix row by row, those of held coordinates last."""
     n = len(mechanism.coordinates)
@@ -81,10 +66,10 @@ def matrix_rows(
             f"{type(mechanism).__name__}.mass_matrix must return {n + len(held)} rows ({names})"
             f" of {n} ({', '.join(mechanism.coordinates)}), got {got}."
         )
-    found = [[expression(entry) for entry in row] for row in rows]
+    found = [[trace.expression(entry) for entry in row] for row in rows]
     for i, j in itertools.combinations(range(n), 2):
         one, other = found[i][j], found[j][i]
-        if not is_zero(one - other) and _differ(one, other):
+        if not trace.is_zero(one - other) and _differ(one, other):
             row, column = mechanism.coordinates[i], mechanism.coordinates[j]
             raise InputError(_asymmetry(mechanism, row, column, _shown(one), _shown(other)))
     free = [i for i in range(n) if mechanism.coordinates[i] not in mechanism.guided()]
@@ -92,7 +77,7 @@ def matrix_rows(
     for k in range(1, min(len(free), MOST_ELIMINATED) + 1):
         part = free[:k]
         minor = se.DenseMatrix(k, k, [found[i][j] for i in part for j in part])
-        if is_zero(minor.det()):
+        if trace.is_zero(minor.det()):
             names = ", ".join(repr(mechanism.coordinates[i]) for i in part)
             raise InputError(
                 f"{type(mechanism).__name__}.mass_matrix must be positive definite, but some motion"
@@ -128,7 +113,12 @@ def _shown(e: se.Expr) -> str:
 
 
 def _asymmetry(
-    mechanism: MatrixMechanism, row: str, column: str, one: str, other: str, where: str = ""
+    mechanism: mechanisms.MatrixMechanism,
+    row: str,
+    column: str,
+    one: str,
+    other: str,
+    where: str = "",
 ) -> str:
     """Return what is wrong with two entries that should be equal."""
     first, second = (f" ({value})" if value else "" for value in (one, other))
@@ -139,7 +129,7 @@ def _asymmetry(
     )
 
 
-def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
+def mass_fault(mechanism: mechanisms.MatrixMechanism, places: Sequence[float]) -> str:
     """Return what is wrong with a mass matrix at a place: nothing, or a sentence."""
     names, owner = mechanism.coordinates, type(mechanism).__name__
     n, mass = len(names), _mass_at(mechanism, places)
@@ -183,16 +173,18 @@ def matrix_supply(
 ) -> se.Expr:
     """Return the power supplied [W]: what is given, or what the forces do beyond the energies."""
     if given is not None:
-        return expression(given)
+        return trace.expression(given)
     # Pairs of force and change of energy that cancel are those of the potential: no power is
     # supplied.
     pairs = [(f * speeds[i], energy.diff(places[i]) * speeds[i]) for i, f in force.items()]
-    left = [pair for pair in pairs if not is_zero(sum(pair))]
+    left = [pair for pair in pairs if not trace.is_zero(sum(pair))]
     total = sum((sum(part, se.Integer(0)) for part in zip(*left, strict=True)), se.Integer(0))
-    return se.Integer(0) if is_zero(total) else total
+    return se.Integer(0) if trace.is_zero(total) else total
 
 
-def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Sequence[float]) -> bool:
+def mass_vanishes(
+    mechanism: mechanisms.MatrixMechanism, start: Sequence[float], end: Sequence[float]
+) -> bool:
     """Whether some motion has next to no mass any more at the end of a run."""
     before, after = (_mass_at(mechanism, places) for places in (start, end))
     # Scaled by the masses at the start, so that motions of different units are compared.
@@ -201,7 +193,7 @@ def mass_vanishes(mechanism: MatrixMechanism, start: Sequence[float], end: Seque
     return bool(least[1] <= VANISHED * least[0])
 
 
-def _mass_at(mechanism: MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
+def _mass_at(mechanism: mechanisms.MatrixMechanism, places: Sequence[float]) -> NDArray[np.float64]:
     """Return the mass matrix of the moving coordinates (n, n) at a place (n,)."""
     names = mechanism.coordinates
     held = [
@@ -234,19 +226,19 @@ class Wall:
     """Distance that is left."""
 
 
-def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
+def derive_walls(mechanism: mechanisms.Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
     """Return the stops of a mechanism whose parameters are symbols."""
     names = list(q)
     found = []
-    for stop in stops_of(mechanism):
+    for stop in mechanisms.stops_of(mechanism):
         side = SIDES[stop.side]
-        position = expression(stop.position)
+        position = trace.expression(stop.position)
         found.append(
             Wall(
                 coordinate=names.index(stop.coordinate),
                 side=side,
                 position=position,
-                restitution=expression(stop.restitution),
+                restitution=trace.expression(stop.restitution),
                 margin=side * (position - q[stop.coordinate]),
             )
         )
@@ -291,7 +283,7 @@ class Mechanics:
 
     coordinates: tuple[str, ...]
     """Names of the moving coordinates."""
-    contact: Contact
+    contact: mechanisms.Contact
     """The contact at which the mechanism rubs."""
     slip: int
     """Index of the slip coordinate."""
@@ -313,7 +305,7 @@ class Mechanics:
     """Power that drives, dampers and moved supports put in; that of guides is left out."""
     walls: tuple[Wall, ...]
     """Hard stops."""
-    mechanism: Mechanism
+    mechanism: mechanisms.Mechanism
     """What it is derived from; its parameters are symbols."""
 
     @property
@@ -436,18 +428,18 @@ class Mechanics:
         ]
 
 
-def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
-    return {name: Traced(symbol, board) for name, symbol in symbols.items()}
+def _traced(symbols: Mapping[str, se.Expr], board: trace.Switchboard) -> dict[str, trace.Traced]:
+    return {name: trace.Traced(symbol, board) for name, symbol in symbols.items()}
 
 
 def _checked(
-    mechanism: Mechanism, forces: Mapping[str, Any], places: Mapping[str, se.Symbol]
+    mechanism: mechanisms.Mechanism, forces: Mapping[str, Any], places: Mapping[str, se.Symbol]
 ) -> dict[str, se.Expr]:
     """Return the force on every coordinate, held ones included; 0 where none is given."""
     for name in forces:
         if name not in places:
             raise UnknownNameError(f"coordinate in {type(mechanism).__name__}.forces", name, places)
-    return {name: expression(forces.get(name, 0.0)) for name in places}
+    return {name: trace.expression(forces.get(name, 0.0)) for name in places}
 
 
 def _work_rate(forces: Mapping[str, se.Expr], speeds: Mapping[str, se.Symbol]) -> se.Expr:
@@ -483,7 +475,7 @@ def _uncancelled(potential: se.Expr, places: Mapping[str, se.Symbol]) -> se.Expr
     """
     moving = set(places.values())
     cosines = [e for e in potential.atoms(se.cos) if e.free_symbols & moving]
-    if not cosines or not is_zero(potential.subs(dict.fromkeys(moving, 0))):
+    if not cosines or not trace.is_zero(potential.subs(dict.fromkeys(moving, 0))):
         return potential
     halves = {e: 1 - 2 * se.sin(e.args[0] / 2) ** 2 for e in cosines}
     return se.expand(potential.xreplace(halves))
@@ -504,13 +496,13 @@ class Rows:
 
 
 def lagrange_rows(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     t: se.Symbol,
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
     drives: Mapping[str, se.Symbol],
     held: Sequence[str],
-    board: Switchboard,
+    board: trace.Switchboard,
     directions: SlipDirections | None = None,
 ) -> Rows:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
@@ -522,9 +514,9 @@ def lagrange_rows(
     if directions is not None:
         seen |= traced(dict(zip(q, directions.seen(list(q.values())), strict=True)))
         seen_speeds |= traced(dict(zip(q, directions.seen(list(q_dot.values())), strict=True)))
-    kinetic = expression(mechanism.kinetic_energy(seen, seen_speeds))
-    potential = expression(mechanism.potential_energy(Traced(t, board), seen))
-    now = Traced(t, board), seen, seen_speeds, traced(drives)
+    kinetic = trace.expression(mechanism.kinetic_energy(seen, seen_speeds))
+    potential = trace.expression(mechanism.potential_energy(trace.Traced(t, board), seen))
+    now = trace.Traced(t, board), seen, seen_speeds, traced(drives)
     other = _checked(mechanism, mechanism.forces(*now), places)
     if directions is not None:
         moving = directions.along([other[name] for name in q])
@@ -532,7 +524,7 @@ def lagrange_rows(
     # Only now: derivatives along held coordinates give the rows of their reactions.
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
     supplied = _work_rate(other, speeds)
-    if isinstance(mechanism, MatrixMechanism):
+    if isinstance(mechanism, mechanisms.MatrixMechanism):
         mass, forces = matrix_rows(mechanism, seen, held), [other[name] for name in places]
         if directions is not None:
             rows = [mass[i : i + len(q)] for i in range(0, len(mass), len(q))]
@@ -543,34 +535,34 @@ def lagrange_rows(
     n = len(q)
     return Rows(
         mass=[[e.subs(at_rest) for e in mass[n * i : n * (i + 1)]] for i in range(len(places))],
-        forces=[collapsed(e.subs(at_rest)) for e in forces],
+        forces=[trace.collapsed(e.subs(at_rest)) for e in forces],
         energy=(kinetic + _uncancelled(potential, places)).subs(at_rest),
-        supplied=collapsed((potential.diff(t) + supplied).subs(at_rest)),
+        supplied=trace.collapsed((potential.diff(t) + supplied).subs(at_rest)),
     )
 
 
 def derive_mechanics(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     t: se.Symbol,
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
     drives: Mapping[str, se.Symbol],
-    board: Switchboard,
+    board: trace.Switchboard,
 ) -> Mechanics:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
-    contact = only_contact(mechanism)
-    held = held_of(mechanism)
+    contact = mechanisms.only_contact(mechanism)
+    held = trace.held_of(mechanism)
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
-        slip=list(q).index(slip_of(mechanism)),
+        slip=list(q).index(mechanisms.slip_of(mechanism)),
         mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
         forces=rows.forces,
-        guides=guides_of(mechanism, contact.slips, drives),
+        guides=trace.guides_of(mechanism, contact.slips, drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
-        load=None if contact.normal is not None else expression(contact.load),
+        load=None if contact.normal is not None else trace.expression(contact.load),
         energy=rows.energy,
         supplied=rows.supplied,
         walls=derive_walls(mechanism, q),
@@ -617,7 +609,7 @@ class JointTorques:
     @classmethod
     def of(
         cls,
-        mechanism: Mechanism,
+        mechanism: mechanisms.Mechanism,
         linear: Sequence[str],
         *,
         by_position: bool = False,
@@ -626,11 +618,11 @@ class JointTorques:
 
         Where they are not, slopes are those at the values of the mechanism.
         """
-        board = Switchboard()
+        board = trace.Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
         # Parameters, motion and drives as symbols: the forces become one function of all.
         symbol = {path: se.Symbol(f"p{i}") for i, path in enumerate(known)}
-        twin = shadow(mechanism, "mechanism", lambda path: Traced(symbol[path], board))
+        twin = shadow(mechanism, "mechanism", lambda path: trace.Traced(symbol[path], board))
         t = se.Symbol("t")
         q, rates, accelerations = (
             {name: se.Symbol(f"{letter}{i}") for i, name in enumerate(mechanism.coordinates)}
@@ -656,11 +648,13 @@ class JointTorques:
             )
             forces.append((taken - force).subs(undriven).subs(shown))
         # Linear in each parameter alone is not enough: products of two of them bend the fit.
-        slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
+        slopes = [
+            [trace.collapsed(force.diff(symbol[path])) for path in linear] for force in forces
+        ]
         bent = _are_bent(slopes, [symbol[path] for path in linear])
         if by_position:
             for row, force in zip(slopes, forces, strict=True):
-                row += [collapsed(force.diff(place)) for place in q.values()]
+                row += [trace.collapsed(force.diff(place)) for place in q.values()]
         arguments = [
             t, *q.values(), *rates.values(), *accelerations.values(), *symbol.values()
         ]  # fmt: skip
@@ -674,7 +668,7 @@ class JointTorques:
         )
 
     def along(
-        self, mechanism: Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
+        self, mechanism: mechanisms.Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
     ) -> tuple[Array, Array]:
         """Return the forces along a motion, and their slopes."""
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
@@ -684,7 +678,7 @@ class JointTorques:
         count = len(self.coordinates)
         return found[:, :count], found[:, count:].reshape(len(time), count, -1)
 
-    def inertias(self, mechanism: Mechanism, q: Array) -> Array:
+    def inertias(self, mechanism: mechanisms.Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest."""
         count = len(self.coordinates)
         places, none = np.tile(q, (count, 1)), np.zeros((count, count))
@@ -698,7 +692,7 @@ class JointTorques:
 def _are_bent(slopes: Sequence[Sequence[se.Expr]], symbols: Sequence[se.Symbol]) -> bool:
     """Whether any slope by a parameter depends on one of them."""
     return any(
-        se.expand(collapsed(slope.diff(symbol))) != 0
+        se.expand(trace.collapsed(slope.diff(symbol))) != 0
         for row in slopes
         for slope in row
         for symbol in symbols

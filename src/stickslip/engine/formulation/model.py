@@ -17,41 +17,11 @@ from threading import RLock
 
 import symengine as se
 
+from stickslip.engine.formulation import mechanics as dynamics
+from stickslip.engine.formulation import modes as mode_text
+from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.infix import Case, Cases, function, program
-from stickslip.engine.formulation.mechanics import (
-    Mechanics,
-    derive_mechanics,
-    impact_events,
-    wall_guards,
-)
-from stickslip.engine.formulation.modes import (
-    PAINLEVE,
-    ContactParts,
-    EffortSymbols,
-    LawParts,
-    Mode,
-    ModeEquations,
-    derive_parts,
-    law_parts,
-    mode_equations,
-)
-from stickslip.engine.formulation.trace import (
-    Model,
-    Switchboard,
-    Symbols,
-    Traced,
-    collapsed,
-    linear_where,
-    symbols_of,
-    waves_of,
-)
-from stickslip.engine.kernels.state_layout import (
-    LIFT_OFF,
-    SWITCH,
-    ContactSizes,
-    ModeSizes,
-    law_rows,
-)
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.friction import FrictionLaw, Laws, bound, bristle_names
 from stickslip.mechanisms import Mechanism, of_contact, refuse_sampling, stops_of
 from stickslip.quantities import parameters, shadow, structure
@@ -76,7 +46,7 @@ class _Own:
     structures: tuple[FrictionLaw, ...]
     """A law of each structure."""
 
-    def shadows(self, rows: Sequence[int], board: Switchboard) -> dict[str, FrictionLaw]:
+    def shadows(self, rows: Sequence[int], board: trace.Switchboard) -> dict[str, FrictionLaw]:
         """Return laws by contact whose parameters are symbols, of which each row begins before."""
         twins = []
         # Contacts that share a law share its numbers, and so its symbols.
@@ -87,8 +57,8 @@ class _Own:
         return {name: twins[index] for name, index in zip(self.contacts, self.shared, strict=True)}
 
 
-def _symbol(place: Mapping[str, int], board: Switchboard, path: str) -> Traced:
-    return Traced(se.Symbol(f"p{place[path]}"), board)
+def _symbol(place: Mapping[str, int], board: trace.Switchboard, path: str) -> trace.Traced:
+    return trace.Traced(se.Symbol(f"p{place[path]}"), board)
 
 
 def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
@@ -107,10 +77,12 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
     return _Own(names, laws, shared, distinct, kinds, structures)
 
 
-def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
+def contact_model(
+    mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False
+) -> trace.Model:
     """Trace a mechanism with several contacts and their laws."""
     own = _own_laws(mechanism, law)
-    board = Switchboard()
+    board = trace.Switchboard()
     paths = [path for path, _, _ in parameters(mechanism, "mechanism")]
     # Value, slope and start of each drive, its value from outside, and the time stand before them.
     first = 4 * len(mechanism.drives()) + 1
@@ -118,14 +90,14 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
     bristles = [len(one.states) for one in own.laws]
     constants = frozenset(f"p{i}" for i in index.values())
-    symbols = symbols_of(twin, sum(bristles), constants, board)
-    rows = law_rows(
+    symbols = trace.symbols_of(twin, sum(bristles), constants, board)
+    rows = layout.law_rows(
         first + len(paths),
         [len(list(parameters(one, prefix))) for prefix, one in own.distinct],
         [len(one.inputs) for one in own.laws],
         bristles,
     )
-    parts = derive_parts(
+    parts = mode_text.derive_parts(
         twin,
         own.shadows(rows, board),
         symbols.t,
@@ -135,7 +107,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         _motion(symbols, len(own.contacts)),
         board,
     )
-    laws = [law_parts(one, len(one.states)) for one in own.structures]
+    laws = [mode_text.law_parts(one, len(one.states)) for one in own.structures]
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
@@ -161,7 +133,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
             law_paths.append(path)
             places.append(row + i)
     events = [switch.events for switch in board.switches.values()]
-    return Model(
+    return trace.Model(
         title=f"{type(mechanism).__name__} with {_titles(own)}",
         sizes=sizes,
         text="\n\n".join([text, *_texts_of_laws(laws, along=bool(columns))]),
@@ -173,10 +145,11 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         parameter_paths=(*paths, *law_paths),
         places=tuple(places),
         drives=tuple(symbols.drives),
-        has_slopes=slopes,
         switch_events=tuple(events),
-        impact_events=impact_events(parts.walls, mechanism.coordinates, _only_slip(mechanism)),
-        limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        impact_events=dynamics.impact_events(
+            parts.walls, mechanism.coordinates, _only_slip(mechanism)
+        ),
+        limits=(*(mode_text.PAINLEVE,) * any(parts.reacts), *parts.limits),
         latched=any(one.latched for one in laws),
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
@@ -196,14 +169,14 @@ def _only_slip(mechanism: Mechanism) -> int | None:
     return mechanism.coordinates.index(slips[0]) if len(slips) == 1 else None
 
 
-def _motion(symbols: Symbols, contacts: int) -> EffortSymbols:
+def _motion(symbols: trace.Symbols, contacts: int) -> mode_text.EffortSymbols:
     """Return symbols of the accelerations, and of the friction, that stand behind a state."""
     first, n = len(symbols.states), len(symbols.coordinates)
     behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
-    return EffortSymbols(behind[:n], behind[n:])
+    return mode_text.EffortSymbols(behind[:n], behind[n:])
 
 
-def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
+def _turning(parts: mode_text.ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
     """Return the paths of the parameters on which the change of coordinates depends."""
     directions = parts.directions
     entries = [*(e for row in directions.forward for e in row), *directions.loops.numbers()]
@@ -218,7 +191,9 @@ def _titles(own: _Own) -> str:
 class _Equations:
     """The parts with the drives put in, and their slopes."""
 
-    def __init__(self, symbols: Symbols, parts: ContactParts, board: Switchboard) -> None:
+    def __init__(
+        self, symbols: trace.Symbols, parts: mode_text.ContactParts, board: trace.Switchboard
+    ) -> None:
         self.symbols, self.parts = symbols, parts
         self.switched = bool(board.switches)
         closed = symbols.closed
@@ -237,15 +212,15 @@ class _Equations:
             for i in range(n)
             for k, state in enumerate(states)
             if str(state) in _names(self.forces[i])
-            and (slope := collapsed(self.forces[i].diff(state))) != 0
+            and (slope := trace.collapsed(self.forces[i].diff(state))) != 0
         }
         self.time_slopes = {
             i: slope
             for i in range(n)
             if "t" in _names(self.forces[i])
-            and (slope := collapsed(self.forces[i].diff(symbols.t))) != 0
+            and (slope := trace.collapsed(self.forces[i].diff(symbols.t))) != 0
         }
-        self.waves = waves_of(self.forces[:n], symbols.t, states)
+        self.waves = trace.waves_of(self.forces[:n], symbols.t, states)
         self.moving = {str(s) for s in (*states, *self.waves.symbols.values())} | {"t"}
         self.margins = [closed(switch.margin) for switch in board.switches.values()]
         self.flags = [switch.symbol for switch in board.switches.values()]
@@ -281,7 +256,7 @@ class _Equations:
                 i: slope
                 for i, e in enumerate(rows)
                 # Cheap first: most parts do not have the variable at all.
-                if str(x) in names[i] and (slope := collapsed(e.diff(x))) != 0
+                if str(x) in names[i] and (slope := trace.collapsed(e.diff(x))) != 0
             }
             if x is not None
             else {}
@@ -316,7 +291,7 @@ class _Equations:
     def margin_slopes(self) -> list[se.Expr]:
         """Derivatives of each margin along states and time."""
         along = [*self.symbols.states, self.symbols.t]
-        return [collapsed(e.diff(x)) for e in self.margins for x in along]
+        return [trace.collapsed(e.diff(x)) for e in self.margins for x in along]
 
     def affine(self) -> bool:
         """Whether all is affine in states and time together, whatever the flags are.
@@ -327,8 +302,8 @@ class _Equations:
         forces = [self.waves.replaced(e) for e in self.forces[: len(self.parts.coordinates)]]
         along = [*self.symbols.states, self.symbols.t]
         linear = (
-            linear_where(forces, [*along, *self.waves.symbols.values()], self.flags),
-            linear_where(self.margins, along, self.flags),
+            trace.linear_where(forces, [*along, *self.waves.symbols.values()], self.flags),
+            trace.linear_where(self.margins, along, self.flags),
         )
         return (
             linear == (1, 1)
@@ -358,17 +333,17 @@ def _contact_sizes(
     mechanism: Mechanism,
     own: _Own,
     equations: _Equations,
-    laws: Sequence[LawParts],
-    board: Switchboard,
+    laws: Sequence[mode_text.LawParts],
+    board: trace.Switchboard,
     parameter_count: int,
     bristles: Sequence[int],
     columns: Sequence[Mapping[int, se.Expr]],
     *,
     dampens: bool,
     constants: int,
-) -> ContactSizes:
+) -> layout.ContactSizes:
     parts = equations.parts
-    return ContactSizes(
+    return layout.ContactSizes(
         coordinates=len(mechanism.coordinates),
         bristles=sum(bristles),
         switches=len(board.switches),
@@ -443,7 +418,7 @@ def _contact_functions(
     return {name: {None: list(case)} for name, case in same.items()}
 
 
-def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
+def _texts_of_laws(laws: Sequence[mode_text.LawParts], *, along: bool) -> list[str]:
     """Return the functions of each law, once per structure, and their slopes if wanted."""
     texts = []
     for kind, law in enumerate(laws):
@@ -456,14 +431,16 @@ def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
     return texts
 
 
-_MODELS: OrderedDict[Hashable, Model] = OrderedDict()
+_MODELS: OrderedDict[Hashable, trace.Model] = OrderedDict()
 """Models by the structure of their mechanism and law, those last asked for at the end."""
 MOST_MODELS = 256
 _LOCK = RLock()
 """Held while these are looked up: equations are traced by one of several threads."""
 
 
-def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
+def formulate(
+    mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False
+) -> trace.Model:
     """Trace a law and a mechanism and derive what the solver needs.
 
     Equations of the same structure are traced once in a process. With `slopes` the text has the
@@ -508,13 +485,13 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     return inside or type(mechanism).loads is not Mechanism.loads
 
 
-def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
+def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> trace.Model:
     """Trace and derive; write the text."""
     refuse_sampling(mechanism)
     if _is_of_parts(mechanism, law):
         return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts
-    board, index = Switchboard(), _places(mechanism, law)
+    board, index = trace.Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
     quantities = _quantities(symbols, index.values()) if slopes else []
     switches = list(board.switches.values())
@@ -526,7 +503,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     # In series one place a state and a guard holds what harmonics add.
     if "waves" in functions:
         sizes = replace(sizes, waves=sizes.states + sizes.guards)
-    return Model(
+    return trace.Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
         sizes=sizes,
         text=text,
@@ -534,9 +511,10 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         parameter_paths=tuple(index),
         places=tuple(sizes.first_parameter + i for i in range(len(index))),
         drives=tuple(symbols.drives),
-        has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
-        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
+        impact_events=dynamics.impact_events(
+            mechanics.walls, mechanism.coordinates, mechanics.slip
+        ),
         limits=_limits(modes),
         latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
@@ -544,17 +522,17 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
 
 
 def _derived(
-    mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: Switchboard
-) -> tuple[Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
+    mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: trace.Switchboard
+) -> tuple[trace.Symbols, dynamics.Mechanics, Mapping[mode_text.Mode, mode_text.ModeEquations]]:
     """Return symbols, equations of motion, and what holds in each mode."""
 
-    def symbol(path: str) -> Traced:
-        return Traced(se.Symbol(f"p{index[path]}"), board)
+    def symbol(path: str) -> trace.Traced:
+        return trace.Traced(se.Symbol(f"p{index[path]}"), board)
 
     twin = shadow(mechanism, "mechanism", symbol)
     constants = frozenset(f"p{i}" for i in index.values())
-    symbols = symbols_of(twin, len(law.states), constants, board)
-    mechanics = derive_mechanics(
+    symbols = trace.symbols_of(twin, len(law.states), constants, board)
+    mechanics = dynamics.derive_mechanics(
         twin,
         symbols.t,
         dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
@@ -562,7 +540,7 @@ def _derived(
         symbols.drives,
         board,
     )
-    modes = mode_equations(
+    modes = mode_text.mode_equations(
         mechanics,
         _informed(shadow(law, "friction", symbol), twin, symbols, board),
         coordinate_rates=symbols.rates,
@@ -574,17 +552,17 @@ def _derived(
 
 
 def _informed(
-    law: FrictionLaw, mechanism: Mechanism, symbols: Symbols, board: Switchboard
+    law: FrictionLaw, mechanism: Mechanism, symbols: trace.Symbols, board: trace.Switchboard
 ) -> FrictionLaw:
     """Return a law that sees what the mechanism tells of its contact."""
     if not law.inputs:
         return law
 
-    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
-        return {name: Traced(value, board) for name, value in zip(names, values, strict=True)}
+    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, trace.Traced]:
+        return {name: trace.Traced(value, board) for name, value in zip(names, values, strict=True)}
 
     told = mechanism.contact_inputs(
-        Traced(symbols.t, board),
+        trace.Traced(symbols.t, board),
         traced(mechanism.coordinates, symbols.coordinates),
         traced(mechanism.coordinates, symbols.rates),
         traced(symbols.drives, symbols.drives.values()),
@@ -605,10 +583,10 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
 
 
 def _mode_functions(
-    symbols: Symbols,
-    mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
-    board: Switchboard,
+    symbols: trace.Symbols,
+    mechanics: dynamics.Mechanics,
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
+    board: trace.Switchboard,
     quantities: list[se.Symbol],
 ) -> dict[str, Cases]:
     """Return the module's own part: what the kernels find under these names."""
@@ -620,9 +598,9 @@ def _mode_functions(
     margins = [closed(board.deciding(s)) for s in switches]
 
     # Guards have to be affine too: events of a linear mode are roots of its polynomials.
-    waves = waves_of([e for mode in modes for e in (*rates[mode], *guards[mode])], t, y)
+    waves = trace.waves_of([e for mode in modes for e in (*rates[mode], *guards[mode])], t, y)
     linear = {
-        mode: linear_where(
+        mode: trace.linear_where(
             [waves.replaced(e) for e in (*rates[mode], *guards[mode])],
             [*y, t, *waves.symbols.values()],
             flags,
@@ -630,7 +608,7 @@ def _mode_functions(
         for mode in modes
     }
 
-    def each(part: Callable[[Mode], Case]) -> Cases:
+    def each(part: Callable[[mode_text.Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}
 
     def same(case: Case) -> Cases:
@@ -673,34 +651,36 @@ def _mode_functions(
 
 
 def _guards(
-    mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
+    mechanics: dynamics.Mechanics,
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     closed: Callable[[se.Expr], se.Expr],
-) -> dict[Mode, list[se.Expr]]:
+) -> dict[mode_text.Mode, list[se.Expr]]:
     """Return the guards of each mode in the order of their indices, the walls' last."""
     limits = _limits(modes)
     return {
-        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + switches)]
+        mode: [
+            closed(equations.guards.get(i, se.Integer(0))) for i in range(layout.SWITCH + switches)
+        ]
         + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
-        + wall_guards(mechanics.walls, int(mode))
+        + dynamics.wall_guards(mechanics.walls, int(mode))
         for mode, equations in modes.items()
     }
 
 
-def _limits(modes: Mapping[Mode, ModeEquations]) -> tuple[str, ...]:
+def _limits(modes: Mapping[mode_text.Mode, mode_text.ModeEquations]) -> tuple[str, ...]:
     """Return the names of all limits that any mode has, that of the equations' meaning first."""
     names = dict.fromkeys(name for equations in modes.values() for name in equations.limits)
     # The pivot first, as with several contacts, whose kernels know it as limit 0.
-    return tuple(sorted(names, key=lambda name: name != PAINLEVE))
+    return tuple(sorted(names, key=lambda name: name != mode_text.PAINLEVE))
 
 
-def _contact(equations: ModeEquations) -> list[se.Expr]:
+def _contact(equations: mode_text.ModeEquations) -> list[se.Expr]:
     """Return what `contact` gives: forces at the contact, then the channels."""
     return [*equations.contact, *equations.channels.values()]
 
 
-def _quantities(symbols: Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
+def _quantities(symbols: trace.Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
     """Return all numbers that equations read: those of the drives, then the parameters."""
     return [se.Symbol(f"p{place}") for place in (*range(3 * len(symbols.drives)), *parameters)]
 
@@ -711,14 +691,14 @@ def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Cas
 
 
 def _mode_sizes(
-    symbols: Symbols,
-    mechanics: Mechanics,
-    modes: Mapping[Mode, ModeEquations],
+    symbols: trace.Symbols,
+    mechanics: dynamics.Mechanics,
+    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
     switches: int,
     parameters: int,
     constants: int,
-) -> ModeSizes:
-    return ModeSizes(
+) -> layout.ModeSizes:
+    return layout.ModeSizes(
         coordinates=len(symbols.coordinates),
         bristles=len(symbols.bristles),
         slip=len(symbols.coordinates) + mechanics.slip,
@@ -730,14 +710,14 @@ def _mode_sizes(
         constants=constants,
         waves=0,
         walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
-        can_stick=Mode.STICK in modes,
-        can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),
+        can_stick=mode_text.Mode.STICK in modes,
+        can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
         rest_is_final=_rest_is_final(symbols, modes),
     )
 
 
 def _diagram(
-    symbols: Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
+    symbols: trace.Symbols, mechanics: dynamics.Mechanics, closed: Callable[[se.Expr], se.Expr]
 ) -> list[se.Expr]:
     """Return accelerations, normal force, needed friction and power for a given friction force."""
     friction = se.Symbol(f"p{3 * len(symbols.drives)}")
@@ -748,19 +728,23 @@ def _diagram(
     return [closed(e) for e in (*motion.accelerations, motion.normal, needed, supplied)]
 
 
-def _rest(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
+def _rest(
+    symbols: trace.Symbols, modes: Mapping[mode_text.Mode, mode_text.ModeEquations]
+) -> list[se.Expr]:
     """Return needed friction, break-away level and normal force for given drive values."""
-    if Mode.STICK not in modes:
+    if mode_text.Mode.STICK not in modes:
         return [se.Integer(0)] * 3
-    _, normal, needed, level = modes[Mode.STICK].contact
+    _, normal, needed, level = modes[mode_text.Mode.STICK].contact
     return [e.subs(symbols.given) for e in (needed, level, normal)]
 
 
-def _rest_is_final(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:
+def _rest_is_final(
+    symbols: trace.Symbols, modes: Mapping[mode_text.Mode, mode_text.ModeEquations]
+) -> bool:
     """Whether a held body can only be moved by its drives: nothing else changes in time."""
-    if Mode.STICK not in modes:
+    if mode_text.Mode.STICK not in modes:
         return False
-    stick = modes[Mode.STICK]
+    stick = modes[mode_text.Mode.STICK]
     still = all(rate == 0 for rate in stick.rates)
     # Guards and forces both: a level that changes with time ends a rest as well as a force does.
     timed = any(symbols.t in e.free_symbols for e in [*stick.guards.values(), *stick.contact])

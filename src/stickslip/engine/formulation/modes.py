@@ -25,37 +25,14 @@ from dataclasses import dataclass, replace
 
 import symengine as se
 
-from stickslip.engine.formulation.mechanics import (
-    Mechanics,
-    Motion,
-    Rows,
-    Wall,
-    derive_walls,
-    lagrange_rows,
-)
+from stickslip.engine.formulation import mechanics as dynamics
+from stickslip.engine.formulation import trace
 from stickslip.engine.formulation.slip_directions import (
     SlipDirections,
     direction_of,
     slip_directions,
 )
-from stickslip.engine.formulation.trace import (
-    Switchboard,
-    Traced,
-    collapsed,
-    expression,
-    guides_of,
-    linear_where,
-    load_factor,
-    own_limits,
-)
-from stickslip.engine.kernels.state_layout import (
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    LAW_NUMBERS,
-    LIFT_OFF,
-    STOP,
-    SWITCH,
-)
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Scalar
@@ -103,37 +80,37 @@ class ModeEquations:
 
 @dataclass(frozen=True)
 class _Context:
-    mechanics: Mechanics
+    mechanics: dynamics.Mechanics
     law: FrictionLaw
     velocity: se.Symbol
     coordinate_rates: list[se.Symbol]
     bristles: list[se.Symbol]
     constants: frozenset[str]
-    board: Switchboard
+    board: trace.Switchboard
 
-    def traced(self, value: se.Expr) -> Traced:
-        return Traced(value, self.board)
+    def traced(self, value: se.Expr) -> trace.Traced:
+        return trace.Traced(value, self.board)
 
     def level(self, normal: se.Expr, direction: int) -> se.Expr:
-        return expression(self.law.towards(direction).break_away(self.traced(normal)))
+        return trace.expression(self.law.towards(direction).break_away(self.traced(normal)))
 
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
 
-    def limits(self, motion: Motion) -> dict[str, se.Expr]:
+    def limits(self, motion: dynamics.Motion) -> dict[str, se.Expr]:
         """Return what the mechanism must not do, and where the equations lose their meaning."""
         reactions = {
             name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
         }
-        own = own_limits(self.mechanics.mechanism, reactions)
-        found = {name: expression(margin) for name, margin in own.items()}
+        own = trace.own_limits(self.mechanics.mechanism, reactions)
+        found = {name: trace.expression(margin) for name, margin in own.items()}
         of_law = self.law.limits() if self.law.inputs else {}
-        found |= {name: expression(margin) for name, margin in of_law.items()}
+        found |= {name: trace.expression(margin) for name, margin in of_law.items()}
         if motion.pivot.free_symbols:
             found[PAINLEVE] = motion.pivot - NEAREST
         return found
 
-    def channels(self, motion: Motion) -> dict[str, se.Expr]:
+    def channels(self, motion: dynamics.Motion) -> dict[str, se.Expr]:
         """Return the efforts of guided coordinates by what they are called."""
         mechanics, reactions = self.mechanics, self.mechanics.reactions(motion)
         return {name: reactions[mechanics.coordinates[i]] for i, name in mechanics.efforts.items()}
@@ -141,17 +118,17 @@ class _Context:
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""
         # one that parameters alone give would cost a guard in every step and never fall
-        return {LIFT_OFF: normal} if self.varies(normal) else {}
+        return {layout.LIFT_OFF: normal} if self.varies(normal) else {}
 
 
 def mode_equations(
-    mechanics: Mechanics,
+    mechanics: dynamics.Mechanics,
     law: FrictionLaw,
     *,
     coordinate_rates: Sequence[se.Symbol],
     bristles: Sequence[se.Symbol],
     constants: frozenset[str],
-    board: Switchboard,
+    board: trace.Switchboard,
 ) -> Mapping[Mode, ModeEquations]:
     """Return the equations of every mode that the law has."""
     velocity = coordinate_rates[mechanics.slip]
@@ -180,9 +157,9 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     load = se.Symbol("N")
     z = tuple(context.traced(symbol) for symbol in context.bristles)
     arguments = context.traced(v), context.traced(load), z
-    friction = expression(law.force(*arguments))
-    bristle_rates = [expression(rate) for rate in law.rates(*arguments)]
-    factor = load_factor(law, friction, load)
+    friction = trace.expression(law.force(*arguments))
+    bristle_rates = [trace.expression(rate) for rate in law.rates(*arguments)]
+    factor = trace.load_factor(law, friction, load)
     constant = friction.subs({load: 0})  # laws are affine in the load, as `load_factor` checks
     motion = context.mechanics.slipping(constant, factor)
     normal = motion.normal
@@ -194,7 +171,7 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     ]
     return ModeEquations(
         rates=rates,
-        guards={STOP: v * int(mode), **context.lift_off(normal)},
+        guards={layout.STOP: v * int(mode), **context.lift_off(normal)},
         contact=[friction, normal, friction, context.level(normal, int(mode))],
         power=[context.mechanics.power(motion, context.coordinate_rates), friction * v],
         channels=context.channels(motion),
@@ -218,8 +195,8 @@ def _stick(context: _Context) -> ModeEquations:
     return ModeEquations(
         rates=[e.subs(held) for e in rates],
         guards={
-            BREAK_FORWARD: ahead - needed,
-            BREAK_BACKWARD: back + needed,
+            layout.BREAK_FORWARD: ahead - needed,
+            layout.BREAK_BACKWARD: back + needed,
             **context.lift_off(normal),
         },
         contact=[needed, normal, needed, level],
@@ -245,8 +222,8 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
     if not context.law.holds:
         z = tuple(context.traced(symbol) for symbol in context.bristles)
         arguments = context.traced(context.velocity), context.traced(normal), z
-        friction = expression(context.law.force(*arguments)).subs(held)
-        relaxing = [expression(rate).subs(held) for rate in context.law.rates(*arguments)]
+        friction = trace.expression(context.law.force(*arguments)).subs(held)
+        relaxing = [trace.expression(rate).subs(held) for rate in context.law.rates(*arguments)]
         rates = [*rates[: len(rates) - len(z)], *relaxing]
         missing = side * (needed - friction)
     else:
@@ -256,7 +233,7 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
         # At the stop friction takes up to its level, and the stop what is beyond.
         taken = side * needed > holding.subs(held)
         friction = se.Piecewise((side * holding.subs(held), taken), (needed, True))
-    leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
+    leave = layout.BREAK_BACKWARD if side > 0 else layout.BREAK_FORWARD
     return replace(
         equations,
         rates=rates,
@@ -282,7 +259,9 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                     on = switch.symbol > 0
                     # While it is on, a latched switch has no guard: `deciding` tells its end.
                     lasts = switch.margin if switch.hold is None else se.Integer(1)
-                    guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
+                    guards[layout.SWITCH + index] = se.Piecewise(
+                        (lasts, on), (-switch.margin, True)
+                    )
     return replace(equations, guards=guards)
 
 
@@ -323,7 +302,7 @@ class ContactParts:
     """What each guided coordinate takes, by the name of its column."""
     limits: Mapping[str, se.Expr]
     """Margins of the mechanism's own limits by name."""
-    walls: tuple[Wall, ...]
+    walls: tuple[dynamics.Wall, ...]
     """Hard stops."""
 
     @property
@@ -352,24 +331,28 @@ def derive_parts(
     q_dot: Mapping[str, se.Symbol],
     drives: Mapping[str, se.Symbol],
     motion: EffortSymbols,
-    board: Switchboard,
+    board: trace.Switchboard,
 ) -> ContactParts:
     """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
     contacts = tuple(contact for contact in mechanism.contacts() if contact.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
     # Symbols stand for coordinates of the equations; the mechanism sees its own.
-    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
+    rows = dynamics.lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
     places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
     )
-    seen = [{k: Traced(s, board) for k, s in given.items()} for given in (places, rates, drives)]
-    loads = _loads(mechanism, contacts, mechanism.loads(Traced(t, board), *seen))
-    informed = _informed(mechanism, rubbing, Traced(t, board), *seen)
+    seen = [
+        {k: trace.Traced(s, board) for k, s in given.items()} for given in (places, rates, drives)
+    ]
+    loads = _loads(mechanism, contacts, mechanism.loads(trace.Traced(t, board), *seen))
+    informed = _informed(mechanism, rubbing, trace.Traced(t, board), *seen)
     _check_shares(mechanism, contacts, directions, held)
     # Guided coordinates and slips exclude each other: a prescribed motion leaves friction nothing
     # to do.
-    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
+    guides = trace.guides_of(
+        mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives
+    )
     arms = [_along(direction_of(contact.slip), held) for contact in contacts]
     # What held and guided coordinates take: rows of the equations that nothing else uses.
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
@@ -378,8 +361,8 @@ def derive_parts(
     # A reaction that parameters alone give is a load like any other: no contact has to be solved
     # for.
     fixed = _constant_load(contacts, reactions)
-    traced = {name: Traced(force, board) for name, force in reactions.items()}
-    limits = {**own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
+    traced = {name: trace.Traced(force, board) for name, force in reactions.items()}
+    limits = {**trace.own_limits(mechanism, traced), **_limits_of_laws(mechanism, informed)}
     _check_switches(mechanism, motion, board)
     guided = mechanism.guided()
     work = [reactions[name] * q_dot[name] for name in guided]
@@ -395,14 +378,14 @@ def derive_parts(
         forces=forces,
         loads=loads if fixed is None else (fixed,),
         inputs=tuple(
-            {name: expression(law.contact(name)) for name in law.inputs}
+            {name: trace.expression(law.contact(name)) for name in law.inputs}
             for law in (informed[contact.name] for contact in contacts)
         ),
         energy=rows.energy,
         supplied=rows.supplied + sum(work, se.Integer(0)),
         efforts={guide.effort: reactions[name] for name, guide in guided.items()},
-        limits={name: expression(margin) for name, margin in limits.items()},
-        walls=derive_walls(mechanism, q),
+        limits={name: trace.expression(margin) for name, margin in limits.items()},
+        walls=dynamics.derive_walls(mechanism, q),
     )
     _check_loops(mechanism, parts)
     _check_stops(mechanism, parts)
@@ -418,7 +401,7 @@ def _constant_load(contacts: Sequence[Contact], reactions: Mapping[str, se.Expr]
     return reaction if constant else None
 
 
-def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: Switchboard) -> None:
+def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: trace.Switchboard) -> None:
     """Refuse switches that latch, and limits that switch with a force, as its size does."""
     behind = {str(symbol) for symbol in (*motion.accelerations, *motion.friction)}
     for switch in board.switches.values():
@@ -436,7 +419,7 @@ def _check_switches(mechanism: Mechanism, motion: EffortSymbols, board: Switchbo
 
 def _taken(
     row: int,
-    rows: Rows,
+    rows: dynamics.Rows,
     guides: Mapping[int, se.Expr],
     arms: Sequence[Sequence[se.Expr]],
     motion: EffortSymbols,
@@ -453,7 +436,7 @@ def _taken(
 
 
 def _guided(
-    rows: Rows, guides: Mapping[int, se.Expr]
+    rows: dynamics.Rows, guides: Mapping[int, se.Expr]
 ) -> tuple[tuple[se.Expr, ...], dict[tuple[int, int], se.Expr]]:
     """Return forces and mass matrix with what guided coordinates do put on the side of the forces.
 
@@ -569,8 +552,8 @@ def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:
 def _informed(
     mechanism: Mechanism,
     rubbing: Mapping[str, FrictionLaw],
-    t: Traced,
-    *motion: Mapping[str, Traced],
+    t: trace.Traced,
+    *motion: Mapping[str, trace.Traced],
 ) -> Mapping[str, FrictionLaw]:
     """Return laws that see what the mechanism tells of their contacts."""
     if not any(law.inputs for law in rubbing.values()):
@@ -610,7 +593,7 @@ def _loads(
                 f"{type(mechanism).__name__}: the contact {contact.name!r} has neither a normal"
                 " coordinate nor a load: give one of them."
             )
-        found.append(se.Integer(0) if contact.normal is not None else expression(prescribed))
+        found.append(se.Integer(0) if contact.normal is not None else trace.expression(prescribed))
     return tuple(found)
 
 
@@ -644,7 +627,7 @@ class LawParts:
         Both are seen at the slopes of friction along the speed and at the rates of bristles.
         """
         cases = self.numbers.values()
-        return any(case[4] != 0 or case[5] != 0 or len(case) > LAW_NUMBERS for case in cases)
+        return any(case[4] != 0 or case[5] != 0 or len(case) > layout.LAW_NUMBERS for case in cases)
 
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
@@ -652,11 +635,11 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     These are the variables along which slopes are taken, in this order.
     """
-    board = Switchboard()
+    board = trace.Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}
     # Parameters are variables as the speed is: slopes are taken along all of them.
-    twin = shadow(law, "friction", lambda path: Traced(se.Symbol(f"y{place[path]}"), board))
+    twin = shadow(law, "friction", lambda path: trace.Traced(se.Symbol(f"y{place[path]}"), board))
     speed, load = se.Symbol("y0"), se.Symbol("N")
     variables = [
         speed,
@@ -665,7 +648,8 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     own_load, states = variables[-1], variables[-1 - bristles : -1]
     inputs = variables[1 + len(paths) :]
     twin = bound(
-        twin, {name: Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)}
+        twin,
+        {name: trace.Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)},
     )
     numbers, slopes = {}, {}
     # Both directions, with the speed along the slip positive in each.
@@ -674,32 +658,34 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         # y0 is the speed along the direction: above 0 in slip, so that |v| needs no switch.
         board.signs = {"y0": 1}
         arguments = (
-            Traced(side * speed, board),
-            Traced(load, board),
-            tuple(Traced(z, board) for z in states),
+            trace.Traced(side * speed, board),
+            trace.Traced(load, board),
+            tuple(trace.Traced(z, board) for z in states),
         )
-        friction = side * expression(one.force(*arguments))  # back to the direction of the slip
-        rates = [expression(rate) for rate in one.rates(*arguments)]
+        friction = side * trace.expression(
+            one.force(*arguments)
+        )  # back to the direction of the slip
+        rates = [trace.expression(rate) for rate in one.rates(*arguments)]
         board.signs = {}
-        level = expression(one.break_away(Traced(load, board)))
-        factor, level_factor = (load_factor(law, part, load) for part in (friction, level))
+        level = trace.expression(one.break_away(trace.Traced(load, board)))
+        factor, level_factor = (trace.load_factor(law, part, load) for part in (friction, level))
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]
-        linear = linear_where([constant, factor], [speed], flags)
+        linear = trace.linear_where([constant, factor], [speed], flags)
         # Series take a constant damping: neither bristles, nor damping that goes with the load.
-        if rates or se.expand(collapsed(factor.diff(speed))) != 0:
+        if rates or se.expand(trace.collapsed(factor.diff(speed))) != 0:
             linear = se.Integer(0)
         numbers[side] = [
             constant,
             factor,
             level_constant,
             level_factor,
-            collapsed(constant.diff(speed)),
-            collapsed(factor.diff(speed)),
+            trace.collapsed(constant.diff(speed)),
+            trace.collapsed(factor.diff(speed)),
             linear,
             *[rate.subs({load: own_load}) for rate in rates],
         ]
-        case = [*numbers[side][:4], *numbers[side][LAW_NUMBERS:]]
+        case = [*numbers[side][:4], *numbers[side][layout.LAW_NUMBERS :]]
         slopes[side] = [e.diff(x) for e in case for x in variables]
     margins = []
     for switch in board.switches.values():

@@ -590,8 +590,6 @@ class Model:
     """Place of each parameter in the vector of a run."""
     drives: tuple[str, ...]
     """Names of the drives; each owns three places at the beginning: value, slope, start."""
-    has_slopes: bool
-    """Whether the text has the derivatives with respect to parameters."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
     impact_events: tuple[str | None, ...]

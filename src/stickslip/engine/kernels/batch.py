@@ -7,6 +7,7 @@ or the slope with respect to a parameter.
 
 import math
 
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
 from stickslip.engine.kernels.contacts.motion import first_contact_guard, first_own_switch
 from stickslip.engine.kernels.driver import restore, restore_start, row_at, run
@@ -14,68 +15,6 @@ from stickslip.engine.kernels.equations import energy, state_seen
 from stickslip.engine.kernels.mode_transitions import wall_coordinate
 from stickslip.engine.kernels.numerics import NODES, WEIGHTS, interpolate
 from stickslip.engine.kernels.sensitivities import columns_at, sense
-from stickslip.engine.kernels.state_layout import (
-    AT,
-    BOOKS,
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    BROKE_AWAY,
-    CLOSED_AGAIN,
-    END,
-    END_TIME,
-    EVENT_COLUMNS,
-    EVENT_COUNT,
-    EVENT_TIME,
-    EVENTS,
-    FINAL,
-    FIRST_LIMIT,
-    FIRST_WALL,
-    FULL,
-    GREATEST,
-    GROSS,
-    HELD_FAST,
-    HIT,
-    LAW_SWITCHES,
-    LEFT_GROUND,
-    LEFT_STOP,
-    LIFT_OFF,
-    LOST,
-    MEAN,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DRIVES,
-    N_LIMITS,
-    N_STATES,
-    N_SWITCHES,
-    NUMBERS,
-    OPENED,
-    POINT,
-    POLYNOMIAL,
-    REACHED,
-    REJECTED,
-    RESIDUAL,
-    REVERSED,
-    ROW_COLUMNS,
-    RUNNING,
-    SAMPLES,
-    SIZE,
-    SLOPES,
-    SMALLEST,
-    STAGES,
-    STATUS,
-    STEPS,
-    STOP,
-    STOPPED,
-    SUPPLIED,
-    SWITCH,
-    TAKEN,
-    TIME,
-    UNLOADED,
-    VALUES,
-    VIOLATION,
-    WHOLES,
-    Y,
-)
 
 # What is kept of a run in an ensemble: one number for each output.
 
@@ -84,7 +23,7 @@ GOLD = 0.6180339887498949
 
 def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
     """Return a state at a fraction of the restored row."""
-    point = whole[POINT]
+    point = whole[layout.POINT]
     interpolate(w, whole, x, point)
     return state_seen(point, state, w, whole)
 
@@ -122,17 +61,17 @@ def extremum(
     table: Vector,
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on."""
-    width_at = whole[ROW_COLUMNS]
+    width_at = whole[layout.ROW_COLUMNS]
     best = -math.inf
     for row in range(row_at(log, count, since, whole), count):
         at = row * width_at
         restore(log, row, table, w, whole)
         first = max((since - log[at]) / log[at + 2], 0.0)
-        width = ((log[at + 1] - log[at]) / log[at + 2] - first) / SAMPLES
+        width = ((log[at + 1] - log[at]) / log[at + 2] - first) / layout.SAMPLES
         top = side * state_in(first, state, w, whole)
         lowest = top
         place = first
-        for s in range(1, SAMPLES + 1):
+        for s in range(1, layout.SAMPLES + 1):
             here = side * state_in(first + s * width, state, w, whole)
             lowest = min(lowest, here)
             if here > top:
@@ -142,7 +81,7 @@ def extremum(
         # a peak lies beside the highest sample, and above it by less than the samples differ
         if top + (top - lowest) > best:
             low = max(place - width, first)
-            high = min(place + width, first + SAMPLES * width)
+            high = min(place + width, first + layout.SAMPLES * width)
             best = max(best, peak_in(state, side, low, high, w, whole))
     return side * best
 
@@ -158,7 +97,7 @@ def mean(
     table: Vector,
 ) -> float:
     """Return the mean of a state over a stretch of time."""
-    width = whole[ROW_COLUMNS]
+    width = whole[layout.ROW_COLUMNS]
     total = 0.0
     for row in range(row_at(log, count, since, whole), count):
         at = row * width
@@ -174,63 +113,65 @@ def mean(
 
 def happened(events: Vector, k: int, whole: Wholes) -> int:
     """Return what event `k` was, as a code."""
-    first_wall = whole[FIRST_WALL]
-    first_limit = whole[FIRST_LIMIT]
-    coordinates = whole[N_COORDINATES]
-    at = k * EVENT_COLUMNS
+    first_wall = whole[layout.FIRST_WALL]
+    first_limit = whole[layout.FIRST_LIMIT]
+    coordinates = whole[layout.N_COORDINATES]
+    at = k * layout.EVENT_COLUMNS
     guard = int(events[at + 3])
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         return contact_happened(at, guard, events, whole)
-    if guard == STOP:
-        return REVERSED if abs(events[at + 2]) == 1.0 else STOPPED
-    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
-        return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
-    if guard == LIFT_OFF:
-        return LEFT_GROUND
+    if guard == layout.STOP:
+        return layout.REVERSED if abs(events[at + 2]) == 1.0 else layout.STOPPED
+    if guard in (layout.BREAK_FORWARD, layout.BREAK_BACKWARD):
+        return layout.LEFT_STOP if abs(events[at + 1]) == 2.0 else layout.BROKE_AWAY
+    if guard == layout.LIFT_OFF:
+        return layout.LEFT_GROUND
     if guard >= first_wall:
-        return HIT + wall_coordinate(guard - first_wall, whole)
+        return layout.HIT + wall_coordinate(guard - first_wall, whole)
     if guard >= first_limit:
-        return HIT + coordinates + guard - first_limit
-    ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
-    return HIT + coordinates + whole[N_LIMITS] + 2 * (guard - SWITCH) + ceased
+        return layout.HIT + coordinates + guard - first_limit
+    ceased = 1 - ((int(events[at + 4]) >> (guard - layout.SWITCH)) & 1)
+    return layout.HIT + coordinates + whole[layout.N_LIMITS] + 2 * (guard - layout.SWITCH) + ceased
 
 
 def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
     """Return what an event was where several contacts rub, as a code."""
     before, after = events[at + 1], events[at + 2]
     if guard < 0:
-        if UNLOADED in (before, after):
-            return OPENED if after == UNLOADED else CLOSED_AGAIN
+        if layout.UNLOADED in (before, after):
+            return layout.OPENED if after == layout.UNLOADED else layout.CLOSED_AGAIN
         if abs(before) == 2.0:
-            return LEFT_STOP
-        if after == HELD_FAST or abs(after) == 2.0:
-            return STOPPED
-        return BROKE_AWAY if before == HELD_FAST else REVERSED
-    first = CLOSED_AGAIN + 1
-    if guard >= whole[FIRST_WALL]:
-        return first + wall_coordinate(guard - whole[FIRST_WALL], whole)
-    first += whole[N_COORDINATES]
-    if guard >= whole[FIRST_LIMIT]:
-        return first + guard - whole[FIRST_LIMIT]
-    first += whole[N_LIMITS]
+            return layout.LEFT_STOP
+        if after == layout.HELD_FAST or abs(after) == 2.0:
+            return layout.STOPPED
+        return layout.BROKE_AWAY if before == layout.HELD_FAST else layout.REVERSED
+    first = layout.CLOSED_AGAIN + 1
+    if guard >= whole[layout.FIRST_WALL]:
+        return first + wall_coordinate(guard - whole[layout.FIRST_WALL], whole)
+    first += whole[layout.N_COORDINATES]
+    if guard >= whole[layout.FIRST_LIMIT]:
+        return first + guard - whole[layout.FIRST_LIMIT]
+    first += whole[layout.N_LIMITS]
     own = first_own_switch(whole)
     if guard < first_contact_guard(whole):  # of a coordinate: it leaves its stop
-        left = 2 * (whole[N_SWITCHES] + whole[N_CONTACTS] * whole[LAW_SWITCHES])
+        left = 2 * (
+            whole[layout.N_SWITCHES] + whole[layout.N_CONTACTS] * whole[layout.LAW_SWITCHES]
+        )
         return first + left + guard // 2
     if guard >= own:
         ceased = 1 - ((int(events[at + 4]) >> (guard - own)) & 1)
         return first + 2 * (guard - own) + ceased
-    contact, which = divmod(guard - first_contact_guard(whole), whole[LAW_SWITCHES] + 1)
-    if which == whole[LAW_SWITCHES]:
-        return LEFT_GROUND
+    contact, which = divmod(guard - first_contact_guard(whole), whole[layout.LAW_SWITCHES] + 1)
+    if which == whole[layout.LAW_SWITCHES]:
+        return layout.LEFT_GROUND
     ceased = 1 - ((int(events[at + 4]) >> which) & 1)
-    place = contact * whole[LAW_SWITCHES] + which
-    return first + 2 * whole[N_SWITCHES] + 2 * place + ceased
+    place = contact * whole[layout.LAW_SWITCHES] + which
+    return first + 2 * whole[layout.N_SWITCHES] + 2 * place + ceased
 
 
 def happened_at(what: int, contact: int, events: Vector, k: int, whole: Wholes) -> bool:
     """Return whether event `k` was this, at a contact, or at any if that is negative."""
-    if contact >= 0 and int(events[k * EVENT_COLUMNS + 6]) != contact:
+    if contact >= 0 and int(events[k * layout.EVENT_COLUMNS + 6]) != contact:
         return False
     return happened(events, k, whole) == what
 
@@ -238,12 +179,12 @@ def happened_at(what: int, contact: int, events: Vector, k: int, whole: Wholes) 
 def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vector) -> float:
     """Return when something happened for the n-th time from 0, from the end if negative; or NaN."""
     found = 0
-    number = whole[EVENTS]
+    number = whole[layout.EVENTS]
     for i in range(number):
         k = i if which >= 0 else number - 1 - i
         if happened_at(what, contact, events, k, whole):
             if found == (which if which >= 0 else -1 - which):
-                return events[k * EVENT_COLUMNS]
+                return events[k * layout.EVENT_COLUMNS]
             found += 1
     return math.nan
 
@@ -251,7 +192,7 @@ def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vecto
 def event_count(what: int, contact: int, whole: Wholes, events: Vector) -> float:
     """Return how often something happened."""
     found = 0.0
-    for k in range(whole[EVENTS]):
+    for k in range(whole[layout.EVENTS]):
         if happened_at(what, contact, events, k, whole):
             found += 1.0
     return found
@@ -274,25 +215,29 @@ def reduced(
     event and the contact at which it was. Asked for beyond the end of a run that ended early, the
     output is NaN.
     """
-    width = whole[ROW_COLUMNS]
-    count = whole[STEPS]
-    if kind == FINAL:
-        return w[whole[END] + what]
-    if kind == EVENT_TIME:
+    width = whole[layout.ROW_COLUMNS]
+    count = whole[layout.STEPS]
+    if kind == layout.FINAL:
+        return w[whole[layout.END] + what]
+    if kind == layout.EVENT_TIME:
         return event_time(what, int(last), int(first), whole, events)
-    if kind == EVENT_COUNT:
+    if kind == layout.EVENT_COUNT:
         return event_count(what, int(last), whole, events)
     end = log[(count - 1) * width + 1]
     if not first <= end:
         return math.nan
-    if kind in (GREATEST, SMALLEST):
-        return extremum(what, 1.0 if kind == GREATEST else -1.0, first, w, whole, count, log, table)
-    if kind == MEAN:
+    if kind in (layout.GREATEST, layout.SMALLEST):
+        return extremum(
+            what, 1.0 if kind == layout.GREATEST else -1.0, first, w, whole, count, log, table
+        )
+    if kind == layout.MEAN:
         return mean(what, first, last, w, whole, count, log, table) if last <= end else math.nan
     row = row_at(log, count, first, whole)
     restore(log, row, table, w, whole)
     at = row * width
-    return state_in((first - log[at]) / log[at + 2], what, w, whole) if kind == AT else math.nan
+    return (
+        state_in((first - log[at]) / log[at + 2], what, w, whole) if kind == layout.AT else math.nan
+    )
 
 
 # Many runs one after the other, of each of which some numbers are kept.
@@ -305,35 +250,35 @@ def prepare_row(
     row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Wholes
 ) -> None:
     """Set the vectors of a run back, with the numbers of one row in their places."""
-    stages = whole[STAGES]
-    reached = whole[REACHED]
-    slopes = whole[SLOPES]
-    for i in range(POLYNOMIAL):
+    stages = whole[layout.STAGES]
+    reached = whole[layout.REACHED]
+    slopes = whole[layout.SLOPES]
+    for i in range(layout.POLYNOMIAL):
         w[i] = base[i]
-    for i in range(NUMBERS, stages):
+    for i in range(layout.NUMBERS, stages):
         w[i] = base[i]
     for i in range(reached, slopes):
         w[i] = 0.0
     for i in range(len(places)):
         w[int(places[i])] = columns[row * len(places) + i]
-    books = whole[BOOKS]
-    for i in range(WHOLES):
+    books = whole[layout.BOOKS]
+    for i in range(layout.WHOLES):
         whole[i] = 0
-    whole[BOOKS] = books
+    whole[layout.BOOKS] = books
 
 
 def energy_at(t: float, w: Vector, whole: Wholes) -> float:
     """Return the energy of the state in Y."""
-    values = whole[VALUES]
-    energy(t, w, whole, whole[Y], values)
+    values = whole[layout.VALUES]
+    energy(t, w, whole, whole[layout.Y], values)
     return w[values]
 
 
 def potential_at(t: float, w: Vector, whole: Wholes) -> float:
     """Return the energy of the state in Y at rest, where it is left."""
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     for i in range(n, 2 * n):
-        w[whole[Y] + i] = 0.0
+        w[whole[layout.Y] + i] = 0.0
     return energy_at(t, w, whole)
 
 
@@ -341,22 +286,22 @@ def keep_evidence(
     at: int, w: Vector, whole: Wholes, table: Vector, log: Vector, evidence: Vector
 ) -> None:
     """Write how far the run may be trusted, and keep its last state."""
-    n = whole[N_STATES]
-    end = whole[END]
-    y = whole[Y]
+    n = whole[layout.N_STATES]
+    end = whole[layout.END]
+    y = whole[layout.Y]
     for i in range(n):
         w[end + i] = state_seen(y, i, w, whole)
-    last = energy_at(w[TIME], w, whole)
-    size = max(abs(last), w[GROSS], last - potential_at(w[TIME], w, whole))
+    last = energy_at(w[layout.TIME], w, whole)
+    size = max(abs(last), w[layout.GROSS], last - potential_at(w[layout.TIME], w, whole))
     restore_start(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)
     size = max(abs(first), size, first - potential_at(log[0], w, whole))
-    mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
+    mismatch = abs(last - first - w[layout.SUPPLIED] + w[layout.TAKEN] + w[layout.LOST])
     evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
-    evidence[at + 1] = w[VIOLATION]
-    evidence[at + 2] = w[RESIDUAL]
-    evidence[at + 3] = whole[STEPS]
-    evidence[at + 4] = whole[REJECTED]
+    evidence[at + 1] = w[layout.VIOLATION]
+    evidence[at + 2] = w[layout.RESIDUAL]
+    evidence[at + 3] = whole[layout.STEPS]
+    evidence[at + 4] = whole[layout.REJECTED]
 
 
 def batch_row(
@@ -382,12 +327,12 @@ def batch_row(
 ) -> bool:
     """Make one run, or go on with it, and keep its outputs; return whether it found room."""
     n = len(outputs) // 2
-    if whole[STATUS] != FULL:
+    if whole[layout.STATUS] != layout.FULL:
         prepare_row(row, columns, places, base, w, whole)
     run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
-    if whole[STATUS] == FULL:
+    if whole[layout.STATUS] == layout.FULL:
         return False
-    statuses[row] = whole[STATUS]
+    statuses[row] = whole[layout.STATUS]
     keep_evidence(row * EVIDENCE, w, whole, table, log, evidence)
     asked = row * 2 * n if len(arguments) > 2 * n else 0
     for j in range(n):
@@ -463,11 +408,11 @@ def sense_end(
     first = columns_at(0, q, len(own), whole)
     for i in range(size):
         w[first + i] = starts[i]
-    steps = whole[STEPS]
-    last = (steps - 1) * whole[ROW_COLUMNS]
+    steps = whole[layout.STEPS]
+    last = (steps - 1) * whole[layout.ROW_COLUMNS]
     end = log[last + 1 : last + 2]
     sense(
-        log, steps, events, whole[EVENTS], end, table, slopes, own, q, w, whole, gradients,
+        log, steps, events, whole[layout.EVENTS], end, table, slopes, own, q, w, whole, gradients,
         row * size,
     )  # fmt: skip
 
@@ -507,16 +452,16 @@ def kept_size(whole: Wholes) -> int:
 
     The room in which roots of guards are looked for is not among them.
     """
-    return POLYNOMIAL + whole[SIZE] - NUMBERS
+    return layout.POLYNOMIAL + whole[layout.SIZE] - layout.NUMBERS
 
 
 def take_up(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
     """Put the numbers of a run into the vectors of a run."""
     at = row * kept_size(whole)
-    for i in range(POLYNOMIAL):
+    for i in range(layout.POLYNOMIAL):
         w[i] = kept[at + i]
-    at += POLYNOMIAL - NUMBERS
-    for i in range(NUMBERS, whole[SIZE]):
+    at += layout.POLYNOMIAL - layout.NUMBERS
+    for i in range(layout.NUMBERS, whole[layout.SIZE]):
         w[i] = kept[at + i]
     at = row * len(whole)
     for i in range(len(whole)):
@@ -526,10 +471,10 @@ def take_up(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) ->
 def put_away(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -> None:
     """Keep the numbers of a run."""
     at = row * kept_size(whole)
-    for i in range(POLYNOMIAL):
+    for i in range(layout.POLYNOMIAL):
         kept[at + i] = w[i]
-    at += POLYNOMIAL - NUMBERS
-    for i in range(NUMBERS, whole[SIZE]):
+    at += layout.POLYNOMIAL - layout.NUMBERS
+    for i in range(layout.NUMBERS, whole[layout.SIZE]):
         kept[at + i] = w[i]
     at = row * len(whole)
     for i in range(len(whole)):
@@ -538,7 +483,7 @@ def put_away(row: int, kept: Vector, wholes: Wholes, w: Vector, whole: Wholes) -
 
 def hold_drives(row: int, values: Vector, table: Vector, whole: Wholes) -> None:
     """Make a table of one piece, in which each drive has a constant value."""
-    n_drives = whole[N_DRIVES]
+    n_drives = whole[layout.N_DRIVES]
     for k in range(n_drives):
         table[1 + 3 * k] = values[row * n_drives + k]
 
@@ -567,14 +512,18 @@ def stretches(
     before its time stays as it is.
     """
     for row in range(first, count):
-        if wholes[row * len(whole) + STATUS] in (RUNNING, END_TIME, FULL):
+        if wholes[row * len(whole) + layout.STATUS] in (
+            layout.RUNNING,
+            layout.END_TIME,
+            layout.FULL,
+        ):
             take_up(row, kept, wholes, w, whole)
-            if whole[STATUS] != FULL:
-                whole[STEPS] = 0
-                whole[EVENTS] = 0
+            if whole[layout.STATUS] != layout.FULL:
+                whole[layout.STEPS] = 0
+                whole[layout.EVENTS] = 0
             hold_drives(row, values, table, whole)
             run(w, whole, table, bounds, untils[row], rtol, cap, limit, log, events)
             put_away(row, kept, wholes, w, whole)
-            if whole[STATUS] == FULL:
+            if whole[layout.STATUS] == layout.FULL:
                 return row
     return count

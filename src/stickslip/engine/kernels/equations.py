@@ -12,33 +12,8 @@ time that is known ahead.
 
 import math
 
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, call_contacts, call_model, rare
-from stickslip.engine.kernels.state_layout import (
-    ADDRESS,
-    ANSWER,
-    BOX,
-    CONSTANTS,
-    FLAGS,
-    FOLLOWED,
-    FOLLOWERS,
-    GIVEN,
-    IS_TURNED,
-    LOOPS,
-    MODE,
-    N_COLUMNS,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_DRIVES,
-    NUMBERS,
-    PIECE,
-    REST_IS_FINAL,
-    SEVERAL,
-    TIME,
-    TURN,
-    VALUES,
-    Y,
-)
 
 # Generated functions of a model, asked by number.
 #
@@ -125,13 +100,13 @@ LAW_MARGIN_SLOPES = 3_000_000
 
 def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Call one function of the equations in any mode."""
-    call_model(w, ADDRESS, name, mode, flags, t, at, to)
+    call_model(w, layout.ADDRESS, name, mode, flags, t, at, to)
 
 
 def put_constants(w: Vector, whole: Wholes) -> None:
     """Write what the equations need of parameters alone, where there is such a thing."""
-    if whole[CONSTANTS] > 0:
-        evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, whole[CONSTANTS])
+    if whole[layout.CONSTANTS] > 0:
+        evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, whole[layout.CONSTANTS])
 
 
 # What is asked of a mechanism with several contacts, by number: see `contacts.transitions`.
@@ -164,18 +139,18 @@ IMPACT_QUANTITIES = 23
 
 def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Ask at a state, for numbers."""
-    call_contacts(w, SEVERAL, whole, name, t, at, to)
+    call_contacts(w, layout.SEVERAL, whole, name, t, at, to)
 
 
 def ask(name: int, t: float, w: Vector, whole: Wholes) -> int:
     """Ask at the present state; return the answer, a whole number."""
-    call_contacts(w, SEVERAL, whole, name, t, whole[Y], 0)
-    return whole[ANSWER]
+    call_contacts(w, layout.SEVERAL, whole, name, t, whole[layout.Y], 0)
+    return whole[layout.ANSWER]
 
 
 def ask_here(name: int, w: Vector, whole: Wholes) -> int:
     """Ask at the present time and state; return the answer, a whole number."""
-    return ask(name, w[TIME], w, whole)
+    return ask(name, w[layout.TIME], w, whole)
 
 
 # The coordinates of the mechanism and those of its equations, which differ where slips are sums.
@@ -186,10 +161,10 @@ def ask_here(name: int, w: Vector, whole: Wholes) -> int:
 
 def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
     """Turn `m` columns of states in place, row by row; bristles stay as they are."""
-    n, values = whole[N_COORDINATES], whole[VALUES]
-    if not whole[IS_TURNED]:
+    n, values = whole[layout.N_COORDINATES], whole[layout.VALUES]
+    if not whole[layout.IS_TURNED]:
         return
-    matrix = whole[TURN] + back * n * n
+    matrix = whole[layout.TURN] + back * n * n
     for block in range(2):
         for c in range(m):
             place = at + block * n * m + c
@@ -209,13 +184,13 @@ def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
 
 def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
     """Return one of the states of the mechanism."""
-    n = whole[N_COORDINATES]
-    if not whole[IS_TURNED] or state >= 2 * n:
+    n = whole[layout.N_COORDINATES]
+    if not whole[layout.IS_TURNED] or state >= 2 * n:
         return w[at + state]
     block, row = divmod(state, n)
     total = 0.0
     for j in range(n):
-        total += w[whole[TURN] + n * n + row * n + j] * w[at + block * n + j]
+        total += w[whole[layout.TURN] + n * n + row * n + j] * w[at + block * n + j]
     return total
 
 
@@ -233,15 +208,15 @@ ROUNDED = 1e-15
 
 def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
     """Return the factor of a coordinate in a direction or a cut."""
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     if i < n:
         return 1.0 if i == j else 0.0
-    return w[whole[LOOPS] + (i - n) * n + j]
+    return w[whole[layout.LOOPS] + (i - n) * n + j]
 
 
 def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return what a vector of the coordinates is along a direction or a cut."""
-    if i < whole[N_COORDINATES]:
+    if i < whole[layout.N_COORDINATES]:
         return w[at + i]
     return summed(i, at, w, whole)
 
@@ -249,8 +224,8 @@ def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
 @rare
 def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return what a vector of the coordinates is along a closing slip or a cut."""
-    n, total = whole[N_COORDINATES], 0.0
-    row = whole[LOOPS] + (i - n) * n
+    n, total = whole[layout.N_COORDINATES], 0.0
+    row = whole[layout.LOOPS] + (i - n) * n
     for j in range(n):
         total += w[row + j] * w[at + j]
     return total
@@ -258,7 +233,7 @@ def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return how large the parts are of what a vector is along a direction or a cut."""
-    if i < whole[N_COORDINATES]:
+    if i < whole[layout.N_COORDINATES]:
         return abs(w[at + i])
     return size_of_sum(i, at, w, whole)
 
@@ -266,8 +241,8 @@ def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 @rare
 def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return how large the parts are of what a vector is along a closing slip or a cut."""
-    n, total = whole[N_COORDINATES], 0.0
-    row = whole[LOOPS] + (i - n) * n
+    n, total = whole[layout.N_COORDINATES], 0.0
+    row = whole[layout.LOOPS] + (i - n) * n
     for j in range(n):
         total += abs(w[row + j] * w[at + j])
     return total
@@ -275,7 +250,7 @@ def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return the rate along a direction; what is left of a sum by rounding is 0."""
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     if i < n:
         return w[at + n + i]
     return closing_rate(i, at + n, w, whole)
@@ -290,7 +265,7 @@ def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
 
 def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     """Take a force along a direction away from those along the coordinates."""
-    if i < whole[N_COORDINATES]:
+    if i < whole[layout.N_COORDINATES]:
         w[to + i] -= force
     else:
         spread_out(i, force, to, w, whole)
@@ -299,8 +274,8 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 @rare
 def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     """Take a force along a closing slip away from those along the coordinates."""
-    n = whole[N_COORDINATES]
-    row = whole[LOOPS] + (i - n) * n
+    n = whole[layout.N_COORDINATES]
+    row = whole[layout.LOOPS] + (i - n) * n
     for j in range(n):
         w[to + j] -= w[row + j] * force
 
@@ -308,9 +283,9 @@ def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 @rare
 def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
     """Let coordinates follow from others where a closing slip is held."""
-    n = whole[N_COORDINATES]
-    for d in range(whole[N_DIRECTIONS] - n):
-        follower, row = whole[whole[FOLLOWERS] + d], whole[FOLLOWED] + d * n
+    n = whole[layout.N_COORDINATES]
+    for d in range(whole[layout.N_DIRECTIONS] - n):
+        follower, row = whole[whole[layout.FOLLOWERS] + d], whole[layout.FOLLOWED] + d * n
         if follower >= 0:
             total = 0.0
             for j in range(n):
@@ -324,27 +299,27 @@ def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
 
 def load_piece(table: Vector, row: int, w: Vector, whole: Wholes) -> None:
     """Put one row of the drives' table where the equations read it."""
-    n_drives = whole[N_DRIVES]
+    n_drives = whole[layout.N_DRIVES]
     width = 1 + 3 * n_drives
     for i in range(3 * n_drives):
-        w[NUMBERS + i] = table[row * width + 1 + i]
+        w[layout.NUMBERS + i] = table[row * width + 1 + i]
 
 
 def next_stop(table: Vector, t_end: float, whole: Wholes) -> float:
     """Return the start of the next piece of the drives, or the end."""
-    width = 1 + 3 * whole[N_DRIVES]
-    following = (whole[PIECE] + 1) * width
+    width = 1 + 3 * whole[layout.N_DRIVES]
+    following = (whole[layout.PIECE] + 1) * width
     return min(table[following], t_end) if following < len(table) else t_end
 
 
 def enter_pieces(table: Vector, w: Vector, whole: Wholes) -> None:
     """Load the piece of the drives that holds now."""
-    width = 1 + 3 * whole[N_DRIVES]
-    while (whole[PIECE] + 1) * width < len(table) and (
-        table[(whole[PIECE] + 1) * width] <= w[TIME]
+    width = 1 + 3 * whole[layout.N_DRIVES]
+    while (whole[layout.PIECE] + 1) * width < len(table) and (
+        table[(whole[layout.PIECE] + 1) * width] <= w[layout.TIME]
     ):
-        whole[PIECE] += 1
-    load_piece(table, whole[PIECE], w, whole)
+        whole[layout.PIECE] += 1
+    load_piece(table, whole[layout.PIECE], w, whole)
 
 
 def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
@@ -352,24 +327,24 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
 
     `bounds` has least and largest value of each drive from the start of each piece on.
     """
-    n_drives = whole[N_DRIVES]
-    given = whole[GIVEN]
-    y = whole[Y]
-    values = whole[VALUES]
-    if whole[N_CONTACTS] > 0:
-        for k in range(2 * whole[N_DRIVES]):
-            w[whole[BOX] + k] = bounds[whole[PIECE] * whole[N_DRIVES] * 2 + k]
+    n_drives = whole[layout.N_DRIVES]
+    given = whole[layout.GIVEN]
+    y = whole[layout.Y]
+    values = whole[layout.VALUES]
+    if whole[layout.N_CONTACTS] > 0:
+        for k in range(2 * whole[layout.N_DRIVES]):
+            w[whole[layout.BOX] + k] = bounds[whole[layout.PIECE] * whole[layout.N_DRIVES] * 2 + k]
         return ask_here(STAYS, w, whole) == 1
-    if not whole[REST_IS_FINAL] or abs(whole[MODE]) == 1:
+    if not whole[layout.REST_IS_FINAL] or abs(whole[layout.MODE]) == 1:
         return False
-    side = 0.5 * whole[MODE]
+    side = 0.5 * whole[layout.MODE]
     for corner in range(1 << n_drives):
         for k in range(n_drives):
-            at = (whole[PIECE] * n_drives + k) * 2 + ((corner >> k) & 1)
+            at = (whole[layout.PIECE] * n_drives + k) * 2 + ((corner >> k) & 1)
             w[given + k] = bounds[at]
             if not abs(bounds[at]) < math.inf:
                 return False
-        evaluate(REST, 0, whole[FLAGS], w[TIME], w, y, values)
+        evaluate(REST, 0, whole[layout.FLAGS], w[layout.TIME], w, y, values)
         pull = abs(w[values]) if side == 0.0 else -side * w[values]
         if pull > w[values + 1] or w[values + 2] < 0.0:
             return False
@@ -379,52 +354,45 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
 # The equations of a mechanism with its friction, in the modes and with the flags of the run.
 
 
+def put(one: int, several: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write what equations of one contact, or of several, give for the mode of the run."""
+    if whole[layout.N_CONTACTS] > 0:
+        ask_of(several, t, w, whole, at, to)
+    else:
+        evaluate(one, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+
+
 def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Time derivatives of the states."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(RATES, t, w, whole, at, to)
-    else:
-        evaluate(FIELD, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(FIELD, RATES, t, w, whole, at, to)
 
 
 def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(STATE_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(JACOBIAN, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(JACOBIAN, STATE_SLOPES, t, w, whole, at, to)
 
 
 def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to time."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(TIME_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(TIME_SLOPE, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(TIME_SLOPE, TIME_SLOPES, t, w, whole, at, to)
 
 
 def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `enums`."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(GUARDS_OF, t, w, whole, at, to)
-    else:
-        evaluate(GUARDS, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(GUARDS, GUARDS_OF, t, w, whole, at, to)
 
 
 def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(GUARD_STATES, t, w, whole, at, to)
-    else:
-        evaluate(GUARD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(GUARD_SLOPES, GUARD_STATES, t, w, whole, at, to)
 
 
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Whether field and guards are affine in state and time together: 1 or 0."""
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         w[to] = ask_here(IS_LINEAR, w, whole)
     else:
-        evaluate(LINEAR, whole[MODE], whole[FLAGS], t, w, at, to)
+        evaluate(LINEAR, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
 
 
 def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -433,41 +401,32 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     That is friction, normal force and the efforts of guided coordinates; of several contacts
     friction, then load, then mode of each.
     """
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         ask_of(COLUMNS, t, w, whole, at, to)
         return
-    evaluate(CONTACT, whole[MODE], whole[FLAGS], t, w, at, to)
-    for k in range(2, whole[N_COLUMNS]):  # needed friction and level stand between
+    evaluate(CONTACT, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
+    for k in range(2, whole[layout.N_COLUMNS]):  # needed friction and level stand between
         w[to + k] = w[to + k + 2]
 
 
 def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Power supplied, power taken by friction."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(POWERS, t, w, whole, at, to)
-    else:
-        evaluate(POWER, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(POWER, POWERS, t, w, whole, at, to)
 
 
 def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Mechanical energy; the same in all modes."""
-    evaluate(ENERGY, whole[MODE], whole[FLAGS], t, w, at, to)
+    evaluate(ENERGY, whole[layout.MODE], whole[layout.FLAGS], t, w, at, to)
 
 
 def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(QUANTITY_SLOPES, t, w, whole, at, to)
-    else:
-        evaluate(FIELD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(FIELD_SLOPES, QUANTITY_SLOPES, t, w, whole, at, to)
 
 
 def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to all quantities."""
-    if whole[N_CONTACTS] > 0:
-        ask_of(GUARD_QUANTITIES, t, w, whole, at, to)
-    else:
-        evaluate(GUARD_PARAMETERS, whole[MODE], whole[FLAGS], t, w, at, to)
+    put(GUARD_PARAMETERS, GUARD_QUANTITIES, t, w, whole, at, to)
 
 
 def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -476,15 +435,15 @@ def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: in
     Of several contacts, STRUCK and BOUNDS tell which coordinates are stopped, and what the rates
     change by.
     """
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         ask_of(IMPACT_STATES, t, w, whole, at, to)
     else:
-        evaluate(IMPACT_SLOPES, case, whole[FLAGS], t, w, at, to)
+        evaluate(IMPACT_SLOPES, case, whole[layout.FLAGS], t, w, at, to)
 
 
 def impact_parameters(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the rates after an impact with respect to all quantities."""
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         ask_of(IMPACT_QUANTITIES, t, w, whole, at, to)
     else:
-        evaluate(IMPACT_PARAMETERS, case, whole[FLAGS], t, w, at, to)
+        evaluate(IMPACT_PARAMETERS, case, whole[layout.FLAGS], t, w, at, to)

@@ -4,73 +4,11 @@ States are handed over in the coordinates of the mechanism. The modes are those 
 instant between two steps they change by the same functions as in a run of one's own.
 """
 
+from stickslip.engine.kernels import driver, equations, guard_roots
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.driver import (
-    advance,
-    begin,
-    change,
-    piece_at,
-    restore,
-    settle_all,
-    turns_switch,
-)
-from stickslip.engine.kernels.equations import (
-    MOTION,
-    PREPARE,
-    RESTORE,
-    ask,
-    ask_here,
-    bind,
-    enter_pieces,
-    field,
-    jacobian,
-    load_piece,
-    next_stop,
-    put_constants,
-    recorded,
-    turn_states,
-)
-from stickslip.engine.kernels.guard_roots import (
-    NO_GUARD,
-    guard_size,
-    guard_values,
-    note_sizes,
-    reverses,
-)
 from stickslip.engine.kernels.mode_transitions import settle
 from stickslip.engine.kernels.numerics import interpolate
-from stickslip.engine.kernels.state_layout import (
-    DRIFT,
-    END_TIME,
-    FRACTION,
-    HELD_FAST,
-    MATRIX,
-    MODE,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_GUARDS,
-    N_STATES,
-    PIECE,
-    POINT,
-    ROW_COLUMNS,
-    RUNNING,
-    SAMPLED,
-    SAMPLES,
-    SCALE,
-    SLIP,
-    SMOOTH,
-    STAGES,
-    STATUS,
-    STEP_TOO_SMALL,
-    STEPPER,
-    STEPS,
-    STOP,
-    TIME,
-    VALUES,
-    Y,
-)
 from stickslip.engine.kernels.steppers import choose_stepper
 
 ENTER = 0
@@ -102,43 +40,43 @@ both directions agree there but for the square of this share.
 
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held to 0: a solver from outside may have rounded them."""
-    n = whole[N_COORDINATES]
-    if whole[N_CONTACTS] == 0:
-        if abs(whole[MODE]) != 1:
-            w[at + whole[SLIP]] = 0.0
+    n = whole[layout.N_COORDINATES]
+    if whole[layout.N_CONTACTS] == 0:
+        if abs(whole[layout.MODE]) != 1:
+            w[at + whole[layout.SLIP]] = 0.0
         return
     for i in range(n):
-        if whole[whole[MODES] + i] == HELD_FAST:
+        if whole[whole[layout.MODES] + i] == layout.HELD_FAST:
             w[at + n + i] = 0.0
-    if whole[N_DIRECTIONS] > n:
-        bind(at + n, 1, w, whole)
+    if whole[layout.N_DIRECTIONS] > n:
+        equations.bind(at + n, 1, w, whole)
 
 
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
     """Turn a state that was handed over to the coordinates of the equations."""
-    turn_states(at, 0, w, whole)
+    equations.turn_states(at, 0, w, whole)
     set_held_rates(at, w, whole)
 
 
 def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the event indicators: the guards, above 0 a little longer than these."""
-    guard_values(t, w, whole, at, to)
-    for guard in range(whole[N_GUARDS]):
-        size = guard_size(guard, w, whole)
-        if guard == STOP and whole[N_CONTACTS] == 0:
-            size = max(size, w[whole[SCALE] + whole[SLIP]])
+    guard_roots.guard_values(t, w, whole, at, to)
+    for guard in range(whole[layout.N_GUARDS]):
+        size = guard_roots.guard_size(guard, w, whole)
+        if guard == layout.STOP and whole[layout.N_CONTACTS] == 0:
+            size = max(size, w[whole[layout.SCALE] + whole[layout.SLIP]])
         share = PAST
-        if reverses(guard, whole):
+        if guard_roots.reverses(guard, whole):
             share = QUIET_OUTSIDE
         w[to + guard] += share * size
 
 
 def fall(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen between two steps from outside."""
-    whole[STEPPER] = SMOOTH  # no series has told what falls with it
-    w[FRACTION] = 1.0  # it held before
-    change(guard, w, whole, events)
-    if whole[STATUS] == RUNNING and turns_switch(guard, whole):
+    whole[layout.STEPPER] = layout.SMOOTH  # no series has told what falls with it
+    w[layout.FRACTION] = 1.0  # it held before
+    driver.change(guard, w, whole, events)
+    if whole[layout.STATUS] == layout.RUNNING and driver.turns_switch(guard, whole):
         settle(w, whole, events)
 
 
@@ -152,15 +90,19 @@ def falls_at_once(
     events: Vector,
 ) -> int:
     """Try a step and do what a guard that falls as it begins asks; tell whether one did."""
-    stop = next_stop(table, t_end, whole)
+    stop = equations.next_stop(table, t_end, whole)
     choose_stepper(stop, w, whole)
-    guard = advance(stop, w, whole, rtol, cap)
-    if whole[STATUS] == STEP_TOO_SMALL:
-        whole[STATUS] = RUNNING  # steps are the concern of the other solver
+    guard = driver.advance(stop, w, whole, rtol, cap)
+    if whole[layout.STATUS] == layout.STEP_TOO_SMALL:
+        whole[layout.STATUS] = layout.RUNNING  # steps are the concern of the other solver
         return 0
-    if whole[STATUS] == RUNNING and guard != NO_GUARD and w[FRACTION] == 0.0:
-        change(guard, w, whole, events)
-        if whole[STATUS] == RUNNING and turns_switch(guard, whole):
+    if (
+        whole[layout.STATUS] == layout.RUNNING
+        and guard != guard_roots.NO_GUARD
+        and w[layout.FRACTION] == 0.0
+    ):
+        driver.change(guard, w, whole, events)
+        if whole[layout.STATUS] == layout.RUNNING and driver.turns_switch(guard, whole):
             settle(w, whole, events)
         return 1
     return 0
@@ -168,72 +110,72 @@ def falls_at_once(
 
 def note_state(w: Vector, whole: Wholes) -> None:
     """Note how large states and guards are at the present state."""
-    n, guards_of, sampled = whole[N_STATES], whole[N_GUARDS], whole[SAMPLED]
+    n, guards_of, sampled = whole[layout.N_STATES], whole[layout.N_GUARDS], whole[layout.SAMPLED]
     for i in range(n):
-        w[whole[SCALE] + i] = max(w[whole[SCALE] + i], abs(w[whole[Y] + i]))
-    if whole[N_CONTACTS] > 0:
-        ask_here(MOTION, w, whole)
-    guard_values(w[TIME], w, whole, whole[Y], sampled)
+        w[whole[layout.SCALE] + i] = max(w[whole[layout.SCALE] + i], abs(w[whole[layout.Y] + i]))
+    if whole[layout.N_CONTACTS] > 0:
+        equations.ask_here(equations.MOTION, w, whole)
+    guard_roots.guard_values(w[layout.TIME], w, whole, whole[layout.Y], sampled)
     # There is no step whose samples could be looked at: the one state stands for all of them.
-    for s in range(1, SAMPLES + 1):
+    for s in range(1, layout.SAMPLES + 1):
         for guard in range(guards_of):
             w[sampled + s * guards_of + guard] = w[sampled + guard]
-    note_sizes(w, whole)
+    guard_roots.note_sizes(w, whole)
 
 
 def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
     """Take a run of one's own back to a time within its last step."""
-    n, point, row = whole[N_STATES], whole[POINT], whole[STEPS] - 1
-    at = row * whole[ROW_COLUMNS]
-    restore(log, row, table, w, whole)
+    n, point, row = whole[layout.N_STATES], whole[layout.POINT], whole[layout.STEPS] - 1
+    at = row * whole[layout.ROW_COLUMNS]
+    driver.restore(log, row, table, w, whole)
     interpolate(w, whole, (t - log[at]) / log[at + 2], point)
     # A row at rest lasts for many pieces; the one that holds at the time is looked for from its
     # first.
-    whole[PIECE] = piece_at(table, int(log[at + 5]), t, whole)
-    load_piece(table, whole[PIECE], w, whole)
+    whole[layout.PIECE] = driver.piece_at(table, int(log[at + 5]), t, whole)
+    equations.load_piece(table, whole[layout.PIECE], w, whole)
     for i in range(n):
-        w[whole[Y] + i] = w[point + i]
-    w[TIME] = t
-    whole[STATUS] = END_TIME
+        w[whole[layout.Y] + i] = w[point + i]
+    w[layout.TIME] = t
+    whole[layout.STATUS] = layout.END_TIME
 
 
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over."""
     # First what turns states into the coordinates of the equations, then what depends on the state.
-    put_constants(w, whole)
-    if whole[N_CONTACTS] > 0:
-        ask(PREPARE, w[TIME], w, whole)
-    take_over(whole[Y], w, whole)
-    if whole[N_CONTACTS] > 0:
-        ask(PREPARE, w[TIME], w, whole)
-        ask_here(RESTORE, w, whole)
+    equations.put_constants(w, whole)
+    if whole[layout.N_CONTACTS] > 0:
+        equations.ask(equations.PREPARE, w[layout.TIME], w, whole)
+    take_over(whole[layout.Y], w, whole)
+    if whole[layout.N_CONTACTS] > 0:
+        equations.ask(equations.PREPARE, w[layout.TIME], w, whole)
+        equations.ask_here(equations.RESTORE, w, whole)
 
 
 def rates_along(point: int, w: Vector, whole: Wholes) -> None:
     """Write how the rates of a state change along a direction, in the modes at hand."""
-    n, matrix = whole[N_STATES], whole[MATRIX]
-    take_over(whole[DRIFT], w, whole)
-    jacobian(w[TIME], w, whole, point, matrix)
+    n, matrix = whole[layout.N_STATES], whole[layout.MATRIX]
+    take_over(whole[layout.DRIFT], w, whole)
+    equations.jacobian(w[layout.TIME], w, whole, point, matrix)
     # J d, with d in the coordinates of the equations; the result is turned back.
     for i in range(n):
         total = 0.0
         for j in range(n):
-            total += w[matrix + i * n + j] * w[whole[DRIFT] + j]
-        w[whole[STAGES] + i] = total
-    turn_states(whole[STAGES], 1, w, whole)
+            total += w[matrix + i * n + j] * w[whole[layout.DRIFT] + j]
+        w[whole[layout.STAGES] + i] = total
+    equations.turn_states(whole[layout.STAGES], 1, w, whole)
 
 
 def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
     """Write what is asked about a state: rates, their changes, guards, or what is recorded."""
     if question == RATES_AT:
-        field(w[TIME], w, whole, point, whole[STAGES])
-        turn_states(whole[STAGES], 1, w, whole)
+        equations.field(w[layout.TIME], w, whole, point, whole[layout.STAGES])
+        equations.turn_states(whole[layout.STAGES], 1, w, whole)
     elif question == ALONG:
         rates_along(point, w, whole)
     elif question == GUARDS_AT:
-        indicators(w[TIME], w, whole, point, whole[SAMPLED])
+        indicators(w[layout.TIME], w, whole, point, whole[layout.SAMPLED])
     else:
-        recorded(w[TIME], w, whole, point, whole[VALUES])
+        equations.recorded(w[layout.TIME], w, whole, point, whole[layout.VALUES])
 
 
 def exchange(
@@ -269,7 +211,7 @@ def exchange(
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
     """
-    point, y = whole[POINT], whole[Y]
+    point, y = whole[layout.POINT], whole[layout.Y]
     if question in (RATES_AT, ALONG, GUARDS_AT, COLUMNS_AT):
         take_over(point, w, whole)
         answer_at(question, point, w, whole)
@@ -278,8 +220,8 @@ def exchange(
     elif question == FALLEN:
         fall(guard, w, whole, events)
     elif question == JUMP:
-        enter_pieces(table, w, whole)
-        settle_all(w, whole, events)
+        equations.enter_pieces(table, w, whole)
+        driver.settle_all(w, whole, events)
     elif question == LOOK:
         return falls_at_once(t_end, rtol, cap, w, whole, table, events)
     elif question == NOTE:
@@ -289,9 +231,9 @@ def exchange(
     elif question == RETUNE:
         retune(w, whole)
     elif question == SHOWN:
-        for i in range(whole[N_STATES]):
+        for i in range(whole[layout.N_STATES]):
             w[point + i] = w[y + i]
-        turn_states(point, 1, w, whole)
+        equations.turn_states(point, 1, w, whole)
     else:
-        begin(table, t_end, w, whole, events)
+        driver.begin(table, t_end, w, whole, events)
     return 0

@@ -24,6 +24,7 @@ without any samples (`numerics.first_fall`), so that no violation is too short t
 
 import math
 
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, rare
 from stickslip.engine.kernels.equations import (
     FIELD,
@@ -35,56 +36,6 @@ from stickslip.engine.kernels.equations import (
 )
 from stickslip.engine.kernels.mode_transitions import UNMOVED
 from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, first_fall, interpolate
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    BACKWARD,
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    CAN_LIFT,
-    DENSE,
-    DIAGONAL,
-    DRIFT,
-    FIRST_LIMIT,
-    FIRST_WALL,
-    FLAGS,
-    FORCE,
-    FORWARD,
-    FRACTION,
-    HAS_BRISTLES,
-    HELD_FAST,
-    LIFT_OFF,
-    LOWEST,
-    MASS,
-    MATRIX,
-    MODE,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_GUARDS,
-    N_PAIRS,
-    N_STATES,
-    N_SWITCHES,
-    N_VARIABLES,
-    N_WAVES,
-    POINT,
-    POLYNOMIAL,
-    REACHED,
-    RIGID,
-    SAMPLED,
-    SAMPLES,
-    SCALE,
-    SERIES,
-    SLIP,
-    SLOPES,
-    STEPS,
-    STOP,
-    SWITCH,
-    TIME,
-    VALUES,
-    WAVES,
-    Y,
-)
 from stickslip.engine.kernels.steppers import wave_at
 
 # Where inside a step a guard is first violated.
@@ -165,32 +116,35 @@ def itp_point(
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws."""
     guards(t, w, whole, at, to)
-    if not whole[HAS_BRISTLES]:
+    if not whole[layout.HAS_BRISTLES]:
         return
-    if whole[N_CONTACTS] > 0:
-        for i in range(whole[N_DIRECTIONS]):
+    if whole[layout.N_CONTACTS] > 0:
+        for i in range(whole[layout.N_DIRECTIONS]):
             if reverses(2 * i, whole):
                 w[to + 2 * i] += QUIET * guard_size(2 * i, w, whole)
-    elif whole[MODE] != 0:
-        w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
+    elif whole[layout.MODE] != 0:
+        w[to + layout.STOP] += QUIET * w[whole[layout.SCALE] + whole[layout.SLIP]]
 
 
 def reverses(guard: int, whole: Wholes) -> bool:
     """Whether a guard is the speed of a body that bristles alone carry, which only turns."""
-    if not whole[HAS_BRISTLES]:
+    if not whole[layout.HAS_BRISTLES]:
         return False
-    if whole[N_CONTACTS] == 0:
-        return guard == STOP
-    if guard < 0 or guard >= 2 * whole[N_DIRECTIONS] or guard % 2 == 1:
+    if whole[layout.N_CONTACTS] == 0:
+        return guard == layout.STOP
+    if guard < 0 or guard >= 2 * whole[layout.N_DIRECTIONS] or guard % 2 == 1:
         return False
     i = guard // 2
-    return whole[whole[MODES] + i] in (FORWARD, BACKWARD) and not whole[whole[RIGID] + i]
+    return (
+        whole[whole[layout.MODES] + i] in (layout.FORWARD, layout.BACKWARD)
+        and not whole[whole[layout.RIGID] + i]
+    )
 
 
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step."""
-    point = whole[POINT]
-    values = whole[VALUES]
+    point = whole[layout.POINT]
+    values = whole[layout.VALUES]
     interpolate(w, whole, x, point)
     guard_values(t + x * h, w, whole, point, values)
     return w[values + guard]
@@ -274,35 +228,35 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
     """
-    n_guards = whole[N_GUARDS]
-    first_wall = whole[FIRST_WALL]
-    at = whole[SAMPLED] + guard
+    n_guards = whole[layout.N_GUARDS]
+    first_wall = whole[layout.FIRST_WALL]
+    at = whole[layout.SAMPLED] + guard
     value = w[at]
     before = value
     armed = value > 0.0
-    for s in range(1, SAMPLES + 1):
-        low = (s - 1) / SAMPLES
+    for s in range(1, layout.SAMPLES + 1):
+        low = (s - 1) / layout.SAMPLES
         if armed and low >= first:  # a fall behind the earliest one known need not be found
             return first
         earlier = before
         before = value
         value = w[at + s * n_guards]
         if armed and value < 0.0:
-            return min(first, bisect(guard, low, s / SAMPLES, t, h, w, whole))
+            return min(first, bisect(guard, low, s / layout.SAMPLES, t, h, w, whole))
         if armed and s > 1:
             if s == 2 and turns(earlier, before, value):
-                x = dip(guard, 0.0, 1.0 / SAMPLES, t, h, w, whole)
+                x = dip(guard, 0.0, 1.0 / layout.SAMPLES, t, h, w, whole)
                 if x >= 0.0:
                     return min(first, bisect(guard, 0.0, x, t, h, w, whole))
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
-                low = (s - 2) / SAMPLES
-                x = dip(guard, low, s / SAMPLES, t, h, w, whole)
+                low = (s - 2) / layout.SAMPLES
+                x = dip(guard, low, s / layout.SAMPLES, t, h, w, whole)
                 if x >= 0.0:
                     return min(first, bisect(guard, low, x, t, h, w, whole))
-            if s == SAMPLES and turns(value, before, earlier):
-                low = (s - 1) / SAMPLES
+            if s == layout.SAMPLES and turns(value, before, earlier):
+                low = (s - 1) / layout.SAMPLES
                 x = dip(guard, low, 1.0, t, h, w, whole)
                 if x >= 0.0:
                     return min(first, bisect(guard, low, x, t, h, w, whole))
@@ -318,24 +272,26 @@ def start_on_thresholds(w: Vector, whole: Wholes) -> None:
     One that begins on its threshold is left to the side to which it goes, and that must not be what
     a difference of places leaves.
     """
-    guards, first = whole[N_GUARDS], whole[FIRST_LIMIT] - whole[N_SWITCHES]
-    if whole[N_SWITCHES] == 0:
+    guards, first = whole[layout.N_GUARDS], whole[layout.FIRST_LIMIT] - whole[layout.N_SWITCHES]
+    if whole[layout.N_SWITCHES] == 0:
         return
-    guard_slopes(w[TIME], w, whole, whole[Y], whole[SLOPES])
-    for guard in range(first, whole[FIRST_LIMIT]):
+    guard_slopes(w[layout.TIME], w, whole, whole[layout.Y], whole[layout.SLOPES])
+    for guard in range(first, whole[layout.FIRST_LIMIT]):
         rounding = rounding_of_places(guard, w, whole)
         # Only what has not been away from its threshold in this run: larger values are no rounding.
-        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * rounding else 0):
-            at = whole[SAMPLED] + s * guards + guard
+        for s in range(
+            layout.SAMPLES + 1 if w[whole[layout.REACHED] + guard] <= AWAY * rounding else 0
+        ):
+            at = whole[layout.SAMPLED] + s * guards + guard
             if abs(w[at]) <= rounding:
                 w[at] = 0.0
 
 
 def rounding_of_places(guard: int, w: Vector, whole: Wholes) -> float:
     """Return the rounding of a switch by that of the state, where slopes of guards are at hand."""
-    n, size = whole[N_STATES], 0.0
+    n, size = whole[layout.N_STATES], 0.0
     for i in range(n):
-        size += abs(w[whole[SLOPES] + guard * (n + 1) + i] * w[whole[Y] + i])
+        size += abs(w[whole[layout.SLOPES] + guard * (n + 1) + i] * w[whole[layout.Y] + i])
     return PLACED * size
 
 
@@ -344,35 +300,37 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
     """
-    point = whole[POINT]
-    sampled = whole[SAMPLED]
-    n_guards = whole[N_GUARDS]
-    for s in range(SAMPLES + 1):
-        interpolate(w, whole, s / SAMPLES, point)
-        guard_values(t + s / SAMPLES * h, w, whole, point, sampled + s * n_guards)
-    if whole[STEPS] < EARLY and (whole[N_CONTACTS] == 0 or whole[N_VARIABLES] > 0):
+    point = whole[layout.POINT]
+    sampled = whole[layout.SAMPLED]
+    n_guards = whole[layout.N_GUARDS]
+    for s in range(layout.SAMPLES + 1):
+        interpolate(w, whole, s / layout.SAMPLES, point)
+        guard_values(t + s / layout.SAMPLES * h, w, whole, point, sampled + s * n_guards)
+    if whole[layout.STEPS] < EARLY and (
+        whole[layout.N_CONTACTS] == 0 or whole[layout.N_VARIABLES] > 0
+    ):
         start_on_thresholds(w, whole)
     best = NO_GUARD
-    w[FRACTION] = 2.0  # beyond the step: any fall is earlier
+    w[layout.FRACTION] = 2.0  # beyond the step: any fall is earlier
     for guard in range(n_guards):
-        x = first_sign(guard, w[FRACTION], t, h, w, whole)
+        x = first_sign(guard, w[layout.FRACTION], t, h, w, whole)
         if x < 0.0:
-            w[FRACTION] = 0.0
+            w[layout.FRACTION] = 0.0
             return guard
-        if x < w[FRACTION]:
-            w[FRACTION] = x
+        if x < w[layout.FRACTION]:
+            w[layout.FRACTION] = x
             best = guard
-    w[FRACTION] = min(w[FRACTION], 1.0)
+    w[layout.FRACTION] = min(w[layout.FRACTION], 1.0)
     return best
 
 
 def is_held(whole: Wholes) -> bool:
     """Whether anything is held: its guards may change with time while no state does."""
-    if whole[N_CONTACTS] == 0:
-        return abs(whole[MODE]) != 1
+    if whole[layout.N_CONTACTS] == 0:
+        return abs(whole[layout.MODE]) != 1
     held = False
-    for i in range(whole[N_DIRECTIONS]):
-        held = held or whole[whole[MODES] + i] == HELD_FAST
+    for i in range(whole[layout.N_DIRECTIONS]):
+        held = held or whole[whole[layout.MODES] + i] == layout.HELD_FAST
     return held
 
 
@@ -381,26 +339,26 @@ def opposite(guard: int, whole: Wholes) -> int:
 
     Their sum is twice the level, which tells how large the rounding of either is.
     """
-    if whole[N_CONTACTS] > 0:
-        pair = guard < 2 * whole[N_PAIRS] and not is_speed(guard, whole)
+    if whole[layout.N_CONTACTS] > 0:
+        pair = guard < 2 * whole[layout.N_PAIRS] and not is_speed(guard, whole)
         return guard + 1 - 2 * (guard % 2) if pair else guard
-    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
-        return BREAK_FORWARD + BREAK_BACKWARD - guard
+    if guard in (layout.BREAK_FORWARD, layout.BREAK_BACKWARD):
+        return layout.BREAK_FORWARD + layout.BREAK_BACKWARD - guard
     return guard
 
 
 def is_speed(guard: int, whole: Wholes) -> bool:
     """Whether a guard is one of a coordinate of several that moves: its speed, not a force."""
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS]:
+    if whole[layout.N_CONTACTS] == 0 or guard >= 2 * whole[layout.N_PAIRS]:
         return False
-    return whole[whole[MODES] + guard // 2] != HELD_FAST
+    return whole[whole[layout.MODES] + guard // 2] != layout.HELD_FAST
 
 
 def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
     """Return how large a guard has been in the run: a speed as a speed, a force as a force."""
     if is_speed(guard, whole):
-        return size_along(guard // 2, whole[SCALE] + whole[N_COORDINATES], w, whole)
-    return w[whole[REACHED] + guard]
+        return size_along(guard // 2, whole[layout.SCALE] + whole[layout.N_COORDINATES], w, whole)
+    return w[whole[layout.REACHED] + guard]
 
 
 def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
@@ -408,33 +366,39 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
 
     Inertia forces of others may leave little of them but their rounding.
     """
-    if whole[DIAGONAL]:
+    if whole[layout.DIAGONAL]:
         return 0.0
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     if i >= n:
         return size_in_motion(i, w, whole)
-    total = abs(w[whole[FORCE] + i])
+    total = abs(w[whole[layout.FORCE] + i])
     for j in range(n):
-        total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
+        total += abs(w[whole[layout.MASS] + i * n + j] * w[whole[layout.ACCELERATION] + j])
     return total
 
 
 @rare
 def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
     """Return how large the forces are of which that along a closing slip or a cut is the rest."""
-    n, total = whole[N_COORDINATES], 0.0
+    n, total = whole[layout.N_COORDINATES], 0.0
     for j in range(n):
         factor = abs(factor_of(i, j, w, whole))
         if factor != 0.0:
-            total += factor * abs(w[whole[FORCE] + j])
+            total += factor * abs(w[whole[layout.FORCE] + j])
             for k in range(n):
-                total += factor * abs(w[whole[MASS] + j * n + k] * w[whole[ACCELERATION] + k])
+                total += factor * abs(
+                    w[whole[layout.MASS] + j * n + k] * w[whole[layout.ACCELERATION] + k]
+                )
     return total
 
 
 def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
     """Return how large the forces are that a guard compares at the state; 0 if none."""
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
+    if (
+        whole[layout.N_CONTACTS] == 0
+        or guard >= 2 * whole[layout.N_PAIRS]
+        or is_speed(guard, whole)
+    ):
         return 0.0
     return size_of_forces(guard // 2, w, whole)
 
@@ -445,9 +409,9 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
     """
-    n_guards, sampled, values = whole[N_GUARDS], whole[SAMPLED], whole[VALUES]
-    interpolate(w, whole, GOLDEN, whole[POINT])
-    guard_values(t + GOLDEN * h, w, whole, whole[POINT], values)
+    n_guards, sampled, values = whole[layout.N_GUARDS], whole[layout.SAMPLED], whole[layout.VALUES]
+    interpolate(w, whole, GOLDEN, whole[layout.POINT])
+    guard_values(t + GOLDEN * h, w, whole, whole[layout.POINT], values)
     worst = 0.0
     for guard in range(n_guards):
         at = sampled + guard
@@ -476,44 +440,46 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
 
 def stays(guard: int, w: Vector, whole: Wholes) -> bool:
     """Whether a guard just above its threshold comes no nearer in a step that was to end there."""
-    at, largest = whole[SAMPLED] + guard, 0.0
+    at, largest = whole[layout.SAMPLED] + guard, 0.0
     if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
         return False
-    for s in range(SAMPLES + 1):
-        largest = max(largest, w[at + s * whole[N_GUARDS]])
-    return w[at + SAMPLES * whole[N_GUARDS]] > 0.5 * largest
+    for s in range(layout.SAMPLES + 1):
+        largest = max(largest, w[at + s * whole[layout.N_GUARDS]])
+    return w[at + layout.SAMPLES * whole[layout.N_GUARDS]] > 0.5 * largest
 
 
 def rises(guard: int, w: Vector, whole: Wholes) -> bool:
     """Whether one guard is positive at any of the samples."""
-    sampled = whole[SAMPLED]
-    n_guards = whole[N_GUARDS]
+    sampled = whole[layout.SAMPLED]
+    n_guards = whole[layout.N_GUARDS]
     highest = w[sampled + guard]
-    for s in range(1, SAMPLES + 1):
+    for s in range(1, layout.SAMPLES + 1):
         highest = max(highest, w[sampled + s * n_guards + guard])
     return highest > 0.0
 
 
 def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
     """Note the least value of a guard that ends runs."""
-    lowest = whole[LOWEST]
-    if (whole[CAN_LIFT] and guard == LIFT_OFF) or whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
+    lowest = whole[layout.LOWEST]
+    if (whole[layout.CAN_LIFT] and guard == layout.LIFT_OFF) or whole[
+        layout.FIRST_LIMIT
+    ] <= guard < whole[layout.FIRST_WALL]:
         w[lowest + guard] = min(w[lowest + guard], value)
 
 
 def note_sizes(w: Vector, whole: Wholes) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones."""
-    n_guards = whole[N_GUARDS]
-    sampled = whole[SAMPLED]
-    reached = whole[REACHED]
+    n_guards = whole[layout.N_GUARDS]
+    sampled = whole[layout.SAMPLED]
+    reached = whole[layout.REACHED]
     for guard in range(n_guards):
         if is_speed(guard, whole):
             continue  # the largest speeds stand at SCALE
         largest = max(w[reached + guard], size_of_balance(guard, w, whole))
         least = math.inf
-        for s in range(SAMPLES + 1):
+        for s in range(layout.SAMPLES + 1):
             value = w[sampled + s * n_guards + guard]
-            if value == UNWATCHED and whole[N_CONTACTS] > 0:
+            if value == UNWATCHED and whole[layout.N_CONTACTS] > 0:
                 continue
             largest = max(largest, abs(value))
             least = min(least, value)
@@ -529,20 +495,20 @@ BALANCED = 4e-15
 
 def guard_waves(guard: int, w: Vector, whole: Wholes) -> bool:
     """Whether a guard of one contact has a harmonic term in this step."""
-    if whole[N_WAVES] == 0:
+    if whole[layout.N_WAVES] == 0:
         return False
-    own = whole[WAVES] + SERIES + 1 + whole[N_STATES] + guard
-    return w[own] != 0.0 or w[own + whole[N_WAVES]] != 0.0
+    own = whole[layout.WAVES] + layout.SERIES + 1 + whole[layout.N_STATES] + guard
+    return w[own] != 0.0 or w[own + whole[layout.N_WAVES]] != 0.0
 
 
 def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     """Write the coefficients of one guard in the fraction of the step; return the degree."""
-    values = whole[VALUES]
-    dense = whole[DENSE]
-    reached = whole[REACHED]
-    n = whole[N_STATES]
-    row = whole[SLOPES] + guard * (n + 1)  # slopes along the states, then along time
-    w[POLYNOMIAL] = w[values + guard]
+    values = whole[layout.VALUES]
+    dense = whole[layout.DENSE]
+    reached = whole[layout.REACHED]
+    n = whole[layout.N_STATES]
+    row = whole[layout.SLOPES] + guard * (n + 1)  # slopes along the states, then along time
+    w[layout.POLYNOMIAL] = w[values + guard]
     last = w[values + guard]
     degree = 0
     first = row
@@ -558,7 +524,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
             total = power * w[place + n + guard]
         for i in range(n):
             total += w[row + i] * w[dense + 1 + k * n + i]
-        w[POLYNOMIAL + k] = total
+        w[layout.POLYNOMIAL + k] = total
         last += total
         if total != 0.0:
             degree = k
@@ -569,7 +535,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
 
 def largest_term(k: int, states: int, first: int, w: Vector, whole: Wholes) -> float:
     """Return the largest term of one power in the series of the states from `first` on."""
-    row, size = whole[DENSE] + 1 + k * states, 0.0
+    row, size = whole[layout.DENSE] + 1 + k * states, 0.0
     for i in range(first, states):
         size = max(size, abs(w[row + i]))
     return size
@@ -577,29 +543,29 @@ def largest_term(k: int, states: int, first: int, w: Vector, whole: Wholes) -> f
 
 def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
     """Drop the first slopes of a body at rest where forces balance but for their rounding."""
-    y = whole[Y]
-    point = whole[POINT]
-    slip = whole[SLIP]
-    drift = whole[DRIFT]
-    n = whole[N_STATES]
-    matrix = whole[MATRIX]
+    y = whole[layout.Y]
+    point = whole[layout.POINT]
+    slip = whole[layout.SLIP]
+    drift = whole[layout.DRIFT]
+    n = whole[layout.N_STATES]
+    matrix = whole[layout.MATRIX]
     # Fields of both directions differ by twice the friction. With slopes times states and time they
     # tell how large the forces are that balance.
-    evaluate(FIELD, 1, whole[FLAGS], t, w, y, point)
+    evaluate(FIELD, 1, whole[layout.FLAGS], t, w, y, point)
     size = w[point + slip]
-    evaluate(FIELD, -1, whole[FLAGS], t, w, y, point)
+    evaluate(FIELD, -1, whole[layout.FLAGS], t, w, y, point)
     size = abs(size - w[point + slip]) + abs(w[drift + slip] * t)
     for i in range(n):
         size += abs(w[matrix + slip * n + i] * w[y + i])
     # a force between other bodies reaches this one by the rounding of the inverse mass matrix
-    if abs(w[POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, whole)):
-        w[POLYNOMIAL + 1] = 0.0
-        if abs(w[POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, whole):
-            w[POLYNOMIAL + 2] = 0.0
-        still = w[drift + slip] == 0.0 and whole[N_WAVES] == 0
-        if whole[N_COORDINATES] == 1 and still:  # nor is there anything to follow
-            for k in range(2, SERIES + 1):
-                w[POLYNOMIAL + k] = 0.0
+    if abs(w[layout.POLYNOMIAL + 1]) <= BALANCED * max(h * size, largest_term(1, n, 0, w, whole)):
+        w[layout.POLYNOMIAL + 1] = 0.0
+        if abs(w[layout.POLYNOMIAL + 2]) <= BALANCED * largest_term(2, n, 0, w, whole):
+            w[layout.POLYNOMIAL + 2] = 0.0
+        still = w[drift + slip] == 0.0 and whole[layout.N_WAVES] == 0
+        if whole[layout.N_COORDINATES] == 1 and still:  # nor is there anything to follow
+            for k in range(2, layout.SERIES + 1):
+                w[layout.POLYNOMIAL + k] = 0.0
 
 
 def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
@@ -607,28 +573,28 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard that starts at zero falls below it at once.
     """
-    y = whole[Y]
-    n_guards = whole[N_GUARDS]
-    slip = whole[SLIP]
-    guards(t, w, whole, y, whole[VALUES])
-    guard_slopes(t, w, whole, y, whole[SLOPES])
+    y = whole[layout.Y]
+    n_guards = whole[layout.N_GUARDS]
+    slip = whole[layout.SLIP]
+    guards(t, w, whole, y, whole[layout.VALUES])
+    guard_slopes(t, w, whole, y, whole[layout.SLOPES])
     best = NO_GUARD
-    w[FRACTION] = 1.0
+    w[layout.FRACTION] = 1.0
     for guard in range(n_guards):
         degree = guard_polynomial(guard, h, w, whole)
-        switches = SWITCH <= guard < whole[FIRST_LIMIT]
-        if switches and -UNMOVED * w[whole[REACHED] + guard] <= w[POLYNOMIAL] < 0.0:
-            w[POLYNOMIAL] = 0.0  # it has just been turned, within rounding of its threshold
-        if degree == 0 and w[POLYNOMIAL] >= 0.0:
+        switches = layout.SWITCH <= guard < whole[layout.FIRST_LIMIT]
+        if switches and -UNMOVED * w[whole[layout.REACHED] + guard] <= w[layout.POLYNOMIAL] < 0.0:
+            w[layout.POLYNOMIAL] = 0.0  # it has just been turned, within rounding of its threshold
+        if degree == 0 and w[layout.POLYNOMIAL] >= 0.0:
             continue
-        if guard == STOP and whole[MODE] != 0 and w[y + slip] == 0.0:
+        if guard == layout.STOP and whole[layout.MODE] != 0 and w[y + slip] == 0.0:
             quiet_start(t, h, w, whole)
         x = first_fall(w, degree)
         if x == FALLS_AT_ONCE:
-            w[FRACTION] = 0.0
+            w[layout.FRACTION] = 0.0
             return guard
         # A fall right at the end of the step counts only if no other guard has one.
-        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
-            w[FRACTION] = x
+        if x < w[layout.FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[layout.FRACTION] = x
             best = guard
     return best

@@ -15,61 +15,9 @@ instant end the run as Zeno.
 
 import math
 
+from stickslip.engine.kernels import equations
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.equations import (
-    ANY_RATE,
-    CONTACT,
-    ENERGY,
-    FIELD,
-    GUARDS,
-    MARGINS,
-    TIME_SLOPE,
-    WALLS_OF,
-    evaluate,
-    guards,
-)
-from stickslip.engine.kernels.state_layout import (
-    BOOKS,
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    CAN_LIFT,
-    CAN_STICK,
-    EVENT_COLUMNS,
-    EVENTS,
-    FIRST_LIMIT,
-    FIRST_WALL,
-    FLAGS,
-    GROSS,
-    HAS_BRISTLES,
-    HEADER,
-    LIFT_OFF,
-    LIFTED_OFF,
-    LIMITED,
-    LOST,
-    MODE,
-    N_CHANNELS,
-    N_COORDINATES,
-    N_LIMITS,
-    N_SWITCHES,
-    N_WALLS,
-    REACHED,
-    ROUNDING,
-    RUNNING,
-    SCALE,
-    SLIP,
-    STALLS,
-    STATUS,
-    STEPS,
-    STOP,
-    SUPPLIED,
-    SWITCH,
-    TIME,
-    VALUES,
-    WALL_COLUMNS,
-    WALLS,
-    ZENO,
-    Y,
-)
 
 # Hard stops: which one a body touches, whether it is pressed there, and what an impact does.
 
@@ -85,12 +33,12 @@ ELASTIC = 1e-3
 
 def wall_coordinate(wall: int, whole: Wholes) -> int:
     """Return the index of the coordinate that a stop bounds."""
-    return whole[HEADER + 2 * wall]
+    return whole[layout.HEADER + 2 * wall]
 
 
 def wall_side(wall: int, whole: Wholes) -> int:
     """Return 1 for a stop above, -1 for one below."""
-    return whole[HEADER + 2 * wall + 1]
+    return whole[layout.HEADER + 2 * wall + 1]
 
 
 def touched(flags: int, w: Vector, whole: Wholes) -> int:
@@ -98,13 +46,13 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
     """
-    y, walls_at, columns = whole[Y], whole[WALLS], whole[WALL_COLUMNS]
-    if whole[N_WALLS] == 0:
+    y, walls_at, columns = whole[layout.Y], whole[layout.WALLS], whole[layout.WALL_COLUMNS]
+    if whole[layout.N_WALLS] == 0:
         return 0
-    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    equations.evaluate(equations.WALLS_OF, 0, flags, w[layout.TIME], w, y, walls_at)
     # SLIP is the index of the rate; its place stands N_COORDINATES before it.
-    place = y + whole[SLIP] - whole[N_COORDINATES]
-    for wall in range(whole[N_WALLS]):
+    place = y + whole[layout.SLIP] - whole[layout.N_COORDINATES]
+    for wall in range(whole[layout.N_WALLS]):
         position = w[walls_at + wall * columns]
         side = wall_side(wall, whole)
         if side * (w[place] - position) >= 0.0:
@@ -115,17 +63,20 @@ def touched(flags: int, w: Vector, whole: Wholes) -> int:
 
 def pressed_by(side: int, flags: int, w: Vector, whole: Wholes) -> float:
     """Return the force that is missing for the slipping body to leave its stop."""
-    values = whole[VALUES]
+    values = whole[layout.VALUES]
     # In mode 2 * side the body is held at its stop, and the guard of the way back tells how firmly.
-    evaluate(GUARDS, 2 * side, flags, w[TIME], w, whole[Y], values)
-    return w[values + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
+    equations.evaluate(
+        equations.GUARDS, 2 * side, flags, w[layout.TIME], w, whole[layout.Y], values
+    )
+    return w[values + (layout.BREAK_BACKWARD if side > 0 else layout.BREAK_FORWARD)]
 
 
 def approach(guard: int, w: Vector, whole: Wholes) -> float:
     """Return the speed with which a coordinate nears the stop that a guard belongs to."""
-    wall = guard - whole[FIRST_WALL]
+    wall = guard - whole[layout.FIRST_WALL]
     return (
-        wall_side(wall, whole) * w[whole[Y] + whole[N_COORDINATES] + wall_coordinate(wall, whole)]
+        wall_side(wall, whole)
+        * w[whole[layout.Y] + whole[layout.N_COORDINATES] + wall_coordinate(wall, whole)]
     )
 
 
@@ -151,29 +102,41 @@ def energy_now(w: Vector, whole: Wholes) -> float:
     A guide keeps the rate of its coordinate. Its impulse follows from the changes of the others,
     and its work is what the energy changes by and the stops do not take.
     """
-    if whole[N_CHANNELS] == 0:
+    if whole[layout.N_CHANNELS] == 0:
         return 0.0
-    evaluate(ENERGY, whole[MODE], whole[FLAGS], w[TIME], w, whole[Y], whole[VALUES])
-    return w[whole[VALUES]]
+    equations.evaluate(
+        equations.ENERGY,
+        whole[layout.MODE],
+        whole[layout.FLAGS],
+        w[layout.TIME],
+        w,
+        whole[layout.Y],
+        whole[layout.VALUES],
+    )
+    return w[whole[layout.VALUES]]
 
 
 def strike(wall: int, w: Vector, whole: Wholes) -> None:
     """Change the rates by an impact of the slipping body."""
-    y = whole[Y]
-    walls_at = whole[WALLS]
-    coordinates = whole[N_COORDINATES]
-    flags = whole[FLAGS]
-    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
-    at = walls_at + wall * whole[WALL_COLUMNS]
+    y = whole[layout.Y]
+    walls_at = whole[layout.WALLS]
+    coordinates = whole[layout.N_COORDINATES]
+    flags = whole[layout.FLAGS]
+    equations.evaluate(equations.WALLS_OF, 0, flags, w[layout.TIME], w, y, walls_at)
+    at = walls_at + wall * whole[layout.WALL_COLUMNS]
     side = wall_side(wall, whole)
     rate = coordinates + wall_coordinate(wall, whole)
     restitution = w[at + 1]
     # To the last bit: by this place `touched` finds the body at its stop later.
     w[y + wall_coordinate(wall, whole)] = w[at]
-    evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, whole[VALUES])
-    push = side * w[whole[VALUES] + rate]
-    smallest = resting_speed(w[TIME], w[whole[SCALE] + rate], push, w[at], restitution)
-    speed = approach(whole[FIRST_WALL] + wall, w, whole)
+    equations.evaluate(
+        equations.FIELD, whole[layout.MODE], flags, w[layout.TIME], w, y, whole[layout.VALUES]
+    )
+    push = side * w[whole[layout.VALUES] + rate]
+    smallest = resting_speed(
+        w[layout.TIME], w[whole[layout.SCALE] + rate], push, w[at], restitution
+    )
+    speed = approach(whole[layout.FIRST_WALL] + wall, w, whole)
     # What nothing presses leaves its stop, however slow it is.
     if speed <= smallest and pressed_by(side, flags, w, whole) > 0.0:
         restitution = 0.0
@@ -185,13 +148,15 @@ def strike(wall: int, w: Vector, whole: Wholes) -> None:
             w[y + coordinates + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
         # Set, not added up: 0.0 - 0 is +0, so that what stays has no sign of motion.
         w[y + rate] = 0.0 - side * restitution * speed
-        if whole[BOOKS] and whole[STEPS] > 0:  # books open after what happens as a run begins
+        if (
+            whole[layout.BOOKS] and whole[layout.STEPS] > 0
+        ):  # books open after what happens as a run begins
             # The energy of the struck motion, m v^2 / 2, but for the share e^2 that comes back.
             lost = 0.5 * w[at + 2] * (1.0 - restitution * restitution) * speed * speed
-            w[LOST] += lost
-            w[GROSS] += lost
-            if whole[N_CHANNELS] > 0:
-                w[SUPPLIED] += energy_now(w, whole) - before + lost
+            w[layout.LOST] += lost
+            w[layout.GROSS] += lost
+            if whole[layout.N_CHANNELS] > 0:
+                w[layout.SUPPLIED] += energy_now(w, whole) - before + lost
 
 
 # Modes and switches: what holds at a state, and what follows an event.
@@ -208,11 +173,11 @@ def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing:
     A switch that stands at its threshold is off, unless it was left on there: the next step shows
     to which side it goes.
     """
-    switches = whole[N_SWITCHES]
-    values = whole[VALUES]
+    switches = whole[layout.N_SWITCHES]
+    values = whole[layout.VALUES]
     # One may depend on another: as many sweeps as there are switches settle any chain of them.
     for _ in range(switches):
-        evaluate(MARGINS, 0, flags, t, w, at, values)
+        equations.evaluate(equations.MARGINS, 0, flags, t, w, at, values)
         flags = 0
         for j in range(switches):
             margin = w[values + j]
@@ -226,15 +191,17 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
 
     That of a velocity which is 0 now is off: what it asks for has ended.
     """
-    values, rate = whole[VALUES], whole[Y] + whole[SLIP]
-    found, now = whole[FLAGS], w[rate]
-    if whole[N_SWITCHES] == 0:
+    values, rate = whole[layout.VALUES], whole[layout.Y] + whole[layout.SLIP]
+    found, now = whole[layout.FLAGS], w[rate]
+    if whole[layout.N_SWITCHES] == 0:
         return found
     # A switch that is at its threshold at both rates does not depend on the rate at all.
     for trial in range(2):
-        w[rate] = now + ANY_RATE if trial == 0 else now
-        evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
-        for j in range(whole[N_SWITCHES]):
+        w[rate] = now + equations.ANY_RATE if trial == 0 else now
+        equations.evaluate(
+            equations.MARGINS, 0, whole[layout.FLAGS], w[layout.TIME], w, whole[layout.Y], values
+        )
+        for j in range(whole[layout.N_SWITCHES]):
             if w[values + j] != 0.0:
                 found &= ~(1 << j)
     return found
@@ -242,30 +209,30 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
 
 def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a body whose slip velocity is zero."""
-    values = whole[VALUES]
+    values = whole[layout.VALUES]
     side = touched(flags, w, whole)
     # At its stop a body can only be pressed or leave it; friction decides nothing there.
     if side != 0:
         return 2 * side if pressed_by(side, flags, w, whole) >= 0.0 else -side
-    if whole[CAN_STICK]:
+    if whole[layout.CAN_STICK]:
         # CONTACT writes friction, normal force, needed friction and level, in this order.
-        evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
+        equations.evaluate(equations.CONTACT, 0, flags, w[layout.TIME], w, whole[layout.Y], values)
         if abs(w[values + 2]) <= w[values + 3]:
             return 0
-        if not whole[HAS_BRISTLES]:
+        if not whole[layout.HAS_BRISTLES]:
             return 1 if w[values + 2] > 0.0 else -1
     return direction(flags, w, whole)
 
 
 def direction(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the direction in which a bristle law's body leaves rest."""
-    y = whole[Y]
-    values = whole[VALUES]
-    slip = whole[SLIP]
+    y = whole[layout.Y]
+    values = whole[layout.VALUES]
+    slip = whole[layout.SLIP]
     # At rest both directions have the same field: bristles push as they are bent.
-    evaluate(FIELD, 1, flags, w[TIME], w, y, values)
+    equations.evaluate(equations.FIELD, 1, flags, w[layout.TIME], w, y, values)
     if w[values + slip] == 0.0:  # where a load begins to grow, its rate tells
-        evaluate(TIME_SLOPE, 1, flags, w[TIME], w, y, values)
+        equations.evaluate(equations.TIME_SLOPE, 1, flags, w[layout.TIME], w, y, values)
     return -1 if w[values + slip] < 0.0 else 1
 
 
@@ -275,32 +242,32 @@ def direction_of_break(guard: int, flags: int, w: Vector, whole: Wholes) -> int:
     Bristles that have yielded to that level leave nothing but rounding of the balance: the body
     goes where it was pulled.
     """
-    values = whole[VALUES]
-    evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
+    values = whole[layout.VALUES]
+    equations.evaluate(equations.CONTACT, 0, flags, w[layout.TIME], w, whole[layout.Y], values)
     needed, level = w[values + 2], w[values + 3]
-    evaluate(CONTACT, 1, flags, w[TIME], w, whole[Y], values)
+    equations.evaluate(equations.CONTACT, 1, flags, w[layout.TIME], w, whole[layout.Y], values)
     if abs(needed - w[values]) <= UNMOVED * level:
-        return 1 if guard == BREAK_FORWARD else -1
+        return 1 if guard == layout.BREAK_FORWARD else -1
     return direction(flags, w, whole)
 
 
 def initial_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state."""
-    whole[FLAGS] = 0
+    whole[layout.FLAGS] = 0
     set_mode(w, whole)
 
 
 def set_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state, from flags that held before."""
-    rate = whole[Y] + whole[SLIP]
-    flags = set_flags(w[TIME], w, whole, whole[Y], whole[FLAGS], 0)
-    whole[FLAGS] = flags
+    rate = whole[layout.Y] + whole[layout.SLIP]
+    flags = set_flags(w[layout.TIME], w, whole, whole[layout.Y], whole[layout.FLAGS], 0)
+    whole[layout.FLAGS] = flags
     if w[rate] > 0.0:
-        whole[MODE] = 1
+        whole[layout.MODE] = 1
     elif w[rate] < 0.0:
-        whole[MODE] = -1
+        whole[layout.MODE] = -1
     else:
-        whole[MODE] = mode_from_rest(flags, w, whole)
+        whole[layout.MODE] = mode_from_rest(flags, w, whole)
 
 
 def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
@@ -308,56 +275,62 @@ def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
 
     Forces that just reach the level say nothing, and would hold what has broken away there.
     """
-    whole[FLAGS] ^= 1 << switch
-    if w[TIME] == 0.0 and whole[STEPS] == 0 and w[whole[Y] + whole[SLIP]] == 0.0:
-        mode, values = mode_from_rest(whole[FLAGS], w, whole), whole[VALUES]
+    whole[layout.FLAGS] ^= 1 << switch
+    if (
+        w[layout.TIME] == 0.0
+        and whole[layout.STEPS] == 0
+        and w[whole[layout.Y] + whole[layout.SLIP]] == 0.0
+    ):
+        mode, values = mode_from_rest(whole[layout.FLAGS], w, whole), whole[layout.VALUES]
         if mode != 0 or abs(w[values + 2]) < w[values + 3]:
-            whole[MODE] = mode
+            whole[layout.MODE] = mode
 
 
 def transition(guard: int, w: Vector, whole: Wholes) -> float:
     """Change mode or flags for a violated guard; return the margin of the decision."""
-    first_wall = whole[FIRST_WALL]
-    first_limit = whole[FIRST_LIMIT]
-    y = whole[Y]
-    values = whole[VALUES]
-    t = w[TIME]
-    mode = whole[MODE]
-    flags = whole[FLAGS]
+    first_wall = whole[layout.FIRST_WALL]
+    first_limit = whole[layout.FIRST_LIMIT]
+    y = whole[layout.Y]
+    values = whole[layout.VALUES]
+    t = w[layout.TIME]
+    mode = whole[layout.MODE]
+    flags = whole[layout.FLAGS]
     if guard >= first_wall:
         strike(guard - first_wall, w, whole)
         set_mode(w, whole)
         return 0.0
     if guard >= first_limit:
-        whole[STATUS] = LIMITED + guard - first_limit
+        whole[layout.STATUS] = layout.LIMITED + guard - first_limit
         return 0.0
-    if guard >= SWITCH:
-        turn_switch(guard - SWITCH, w, whole)
+    if guard >= layout.SWITCH:
+        turn_switch(guard - layout.SWITCH, w, whole)
         return 0.0
-    if guard == LIFT_OFF:
-        whole[STATUS] = LIFTED_OFF
+    if guard == layout.LIFT_OFF:
+        whole[layout.STATUS] = layout.LIFTED_OFF
         return 0.0
     if (
-        guard == STOP
-        and whole[HAS_BRISTLES]
-        and not whole[CAN_STICK]
+        guard == layout.STOP
+        and whole[layout.HAS_BRISTLES]
+        and not whole[layout.CAN_STICK]
         and touched(flags, w, whole) == 0
     ):
-        whole[MODE] = -mode  # bristles go on without a jump of force: nothing has to hold
-    elif guard == STOP:
-        w[y + whole[SLIP]] = 0.0
-        whole[MODE] = mode_from_rest(flags, w, whole)
-        if whole[MODE] == mode and not whole[HAS_BRISTLES]:  # forces balance but for their rounding
-            whole[MODE] = 0
+        whole[layout.MODE] = -mode  # bristles go on without a jump of force: nothing has to hold
+    elif guard == layout.STOP:
+        w[y + whole[layout.SLIP]] = 0.0
+        whole[layout.MODE] = mode_from_rest(flags, w, whole)
+        if (
+            whole[layout.MODE] == mode and not whole[layout.HAS_BRISTLES]
+        ):  # forces balance but for their rounding
+            whole[layout.MODE] = 0
     elif abs(mode) == 2:  # it leaves its stop
-        whole[MODE] = -mode // 2
-    elif whole[HAS_BRISTLES]:
-        whole[MODE] = direction_of_break(guard, flags, w, whole)
+        whole[layout.MODE] = -mode // 2
+    elif whole[layout.HAS_BRISTLES]:
+        whole[layout.MODE] = direction_of_break(guard, flags, w, whole)
     else:
-        whole[MODE] = 1 if guard == BREAK_FORWARD else -1
-    whole[FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
-    if guard == STOP and whole[CAN_STICK] and abs(whole[MODE]) != 2:
-        evaluate(CONTACT, 0, whole[FLAGS], t, w, y, values)
+        whole[layout.MODE] = 1 if guard == layout.BREAK_FORWARD else -1
+    whole[layout.FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
+    if guard == layout.STOP and whole[layout.CAN_STICK] and abs(whole[layout.MODE]) != 2:
+        equations.evaluate(equations.CONTACT, 0, whole[layout.FLAGS], t, w, y, values)
         return w[values + 3] - abs(w[values + 2])
     return 0.0
 
@@ -368,48 +341,52 @@ def forbidden(w: Vector, whole: Wholes) -> int:
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
     Where the equations have no meaning the normal force has none either, so limits come first.
     """
-    limits = whole[N_LIMITS]
-    values = whole[VALUES]
-    first_limit = whole[FIRST_LIMIT]
-    if whole[CAN_LIFT] or limits > 0:
-        guards(w[TIME], w, whole, whole[Y], values)
+    limits = whole[layout.N_LIMITS]
+    values = whole[layout.VALUES]
+    first_limit = whole[layout.FIRST_LIMIT]
+    if whole[layout.CAN_LIFT] or limits > 0:
+        equations.guards(w[layout.TIME], w, whole, whole[layout.Y], values)
         for guard in range(first_limit, first_limit + limits):
             if w[values + guard] < 0.0:
                 return guard
-        if w[values + LIFT_OFF] < 0.0:
-            return LIFT_OFF
+        if w[values + layout.LIFT_OFF] < 0.0:
+            return layout.LIFT_OFF
     return 0
 
 
 def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
     """Turn the switches whose margins jumped with the drives, nested ones included."""
-    values = whole[VALUES]
-    for _ in range(whole[N_SWITCHES]):
-        for guard in range(SWITCH, whole[FIRST_LIMIT]):
-            guards(w[TIME], w, whole, whole[Y], values)
-            if w[values + guard] < -UNMOVED * w[whole[REACHED] + guard]:
+    values = whole[layout.VALUES]
+    for _ in range(whole[layout.N_SWITCHES]):
+        for guard in range(layout.SWITCH, whole[layout.FIRST_LIMIT]):
+            equations.guards(w[layout.TIME], w, whole, whole[layout.Y], values)
+            if w[values + guard] < -UNMOVED * w[whole[layout.REACHED] + guard]:
                 note_event(guard, w, whole, events)
 
 
 def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transitions that follow from a jump of forces, and from the start."""
-    values, mode = whole[VALUES], whole[MODE]
+    values, mode = whole[layout.VALUES], whole[layout.MODE]
     beyond = forbidden(w, whole)
     if beyond > 0:
         note_event(beyond, w, whole, events)
         return
     guard = -1  # a variable, so that machine code is made once for all of them
-    if whole[HAS_BRISTLES] and abs(mode) == 1 and w[whole[Y] + whole[SLIP]] == 0.0:
-        if mode_from_rest(whole[FLAGS], w, whole) != mode:
-            guard = STOP
-    elif whole[CAN_LIFT] or abs(mode) != 1:
-        guards(w[TIME], w, whole, whole[Y], values)
-        if w[values + LIFT_OFF] < 0.0:
-            guard = LIFT_OFF
-        elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
-            guard = BREAK_FORWARD
-        elif abs(mode) != 1 and w[values + BREAK_BACKWARD] < 0.0:
-            guard = BREAK_BACKWARD
+    if (
+        whole[layout.HAS_BRISTLES]
+        and abs(mode) == 1
+        and w[whole[layout.Y] + whole[layout.SLIP]] == 0.0
+    ):
+        if mode_from_rest(whole[layout.FLAGS], w, whole) != mode:
+            guard = layout.STOP
+    elif whole[layout.CAN_LIFT] or abs(mode) != 1:
+        equations.guards(w[layout.TIME], w, whole, whole[layout.Y], values)
+        if w[values + layout.LIFT_OFF] < 0.0:
+            guard = layout.LIFT_OFF
+        elif abs(mode) != 1 and w[values + layout.BREAK_FORWARD] < 0.0:
+            guard = layout.BREAK_FORWARD
+        elif abs(mode) != 1 and w[values + layout.BREAK_BACKWARD] < 0.0:
+            guard = layout.BREAK_BACKWARD
     if guard >= 0:
         handle_event(guard, w, whole, events)
 
@@ -417,7 +394,7 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
 def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard, and of a limit that lies behind it."""
     note_event(guard, w, whole, events)
-    if whole[STATUS] == RUNNING:
+    if whole[layout.STATUS] == layout.RUNNING:
         beyond = forbidden(w, whole)
         if beyond > 0:
             note_event(beyond, w, whole, events)
@@ -425,15 +402,15 @@ def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events."""
-    t = w[TIME]
-    mode = whole[MODE]
+    t = w[layout.TIME]
+    mode = whole[layout.MODE]
     margin = transition(guard, w, whole)
-    at = whole[EVENTS] * EVENT_COLUMNS
+    at = whole[layout.EVENTS] * layout.EVENT_COLUMNS
     events[at] = t
     events[at + 1] = mode
-    events[at + 2] = whole[MODE]
+    events[at + 2] = whole[layout.MODE]
     events[at + 3] = guard
-    events[at + 4] = whole[FLAGS]
+    events[at + 4] = whole[layout.FLAGS]
     events[at + 5] = margin
     events[at + 6] = 0.0
     count_event(t, whole, events, STALL_LIMIT)
@@ -442,9 +419,11 @@ def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def count_event(t: float, whole: Wholes, events: Vector, most: int) -> None:
     """Count an event that has been written; too many at one instant end the run."""
     # an event that a jump of the drives makes is no sign of others without end: time goes on
-    at = whole[EVENTS] * EVENT_COLUMNS
-    stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
-    whole[STALLS] = whole[STALLS] + 1 if stalled else 0
-    whole[EVENTS] += 1
-    if whole[STALLS] > most and whole[STATUS] == RUNNING:
-        whole[STATUS] = ZENO
+    at = whole[layout.EVENTS] * layout.EVENT_COLUMNS
+    stalled = whole[layout.EVENTS] > 0 and t - events[
+        at - layout.EVENT_COLUMNS
+    ] <= layout.ROUNDING * abs(t)
+    whole[layout.STALLS] = whole[layout.STALLS] + 1 if stalled else 0
+    whole[layout.EVENTS] += 1
+    if whole[layout.STALLS] > most and whole[layout.STATUS] == layout.RUNNING:
+        whole[layout.STATUS] = layout.ZENO

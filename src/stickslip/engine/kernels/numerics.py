@@ -9,15 +9,8 @@
    more than one is halved. No fall is missed, however short.
 """
 
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.state_layout import (
-    DEEPEST,
-    DENSE,
-    INTERVAL,
-    N_STATES,
-    POLYNOMIAL,
-    ROOM,
-)
 
 # Nodes and weights of Gauss and Legendre on 0 to 1, for integrals over a step.
 
@@ -113,8 +106,8 @@ NESTED_SHORT = -1.0
 
 def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
     """Evaluate the step at the fraction `x` of its length."""
-    dense = whole[DENSE]
-    n = whole[N_STATES]
+    dense = whole[layout.DENSE]
+    n = whole[layout.N_STATES]
     terms = int(w[dense])
     if terms > 0 and n == 2:
         values_of_two(w, x, dense + 1, terms, to)
@@ -186,24 +179,24 @@ EPSILON = 2.220446049250313e-16
 
 def horner(w: Vector, first: int, degree: int, x: float) -> float:
     """Return the polynomial over x to the power `first`."""
-    value = w[POLYNOMIAL + degree]
-    for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
+    value = w[layout.POLYNOMIAL + degree]
+    for k in range(layout.POLYNOMIAL + degree - 1, layout.POLYNOMIAL + first - 1, -1):
         value = value * x + w[k]
     return value
 
 
 def to_bernstein(w: Vector, first: int, d: int) -> None:
     """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack."""
-    w[ROOM] = 0.0
-    w[ROOM + 1] = 1.0
+    w[layout.ROOM] = 0.0
+    w[layout.ROOM + 1] = 1.0
     # b_i is the sum over j <= i of c_j binomial(i, j) / binomial(d, j): quotients, then sums of
     # neighbours as in Pascal's triangle
     binomial = 1.0
     for j in range(d + 1):
-        w[ROOM + 2 + j] = w[POLYNOMIAL + first + j] / binomial
+        w[layout.ROOM + 2 + j] = w[layout.POLYNOMIAL + first + j] / binomial
         binomial *= (d - j) / (j + 1.0)
     for row in range(d):
-        for i in range(ROOM + 2 + d, ROOM + 2 + row, -1):
+        for i in range(layout.ROOM + 2 + d, layout.ROOM + 2 + row, -1):
             w[i] += w[i - 1]
 
 
@@ -224,7 +217,7 @@ def sign_changes(w: Vector, at: int, d: int) -> int:
 
 def halve(w: Vector, at: int, d: int) -> None:
     """Split an interval in two (de Casteljau): its right half stays, the left one goes on top."""
-    top = at + INTERVAL
+    top = at + layout.INTERVAL
     half = 0.5 * w[at + 1]
     w[top] = w[at]
     w[top + 1] = half
@@ -251,9 +244,9 @@ def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
     last = high - low
     x = low + last * (f_low / (f_low - f_high))
     while True:
-        value = w[POLYNOMIAL + degree]
+        value = w[layout.POLYNOMIAL + degree]
         slope = 0.0
-        for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
+        for k in range(layout.POLYNOMIAL + degree - 1, layout.POLYNOMIAL + first - 1, -1):
             slope = slope * x + value
             value = value * x + w[k]
         if value < 0.0:
@@ -281,31 +274,31 @@ def first_fall(w: Vector, degree: int) -> float:
     total = 0.0
     down = 0.0
     for k in range(degree + 1):
-        coefficient = w[POLYNOMIAL + k]
+        coefficient = w[layout.POLYNOMIAL + k]
         total += abs(coefficient)
         if coefficient < 0.0:
             down -= coefficient
     first = 0
-    while first <= degree and abs(w[POLYNOMIAL + first]) <= ROUNDED * total:
+    while first <= degree and abs(w[layout.POLYNOMIAL + first]) <= ROUNDED * total:
         first += 1
     if first > degree:
         return NEVER_FALLS
-    if w[POLYNOMIAL + first] < 0.0:
+    if w[layout.POLYNOMIAL + first] < 0.0:
         return FALLS_AT_ONCE
     # on 0 to 1 the negative terms cannot outweigh the first one if it is more than their sum
-    if w[POLYNOMIAL + first] > down:
+    if w[layout.POLYNOMIAL + first] > down:
         return NEVER_FALLS
     d = degree - first
     to_bernstein(w, first, d)
     top = 0
     while top >= 0:
-        at = ROOM + top * INTERVAL
+        at = layout.ROOM + top * layout.INTERVAL
         changes = sign_changes(w, at, d)
         if changes == -1:
             return max(w[at], EPSILON)
         if changes == 1:
             return fall_in(w, first, degree, at)
-        if changes == 0 or top == DEEPEST:
+        if changes == 0 or top == layout.DEEPEST:
             top -= 1
         else:
             halve(w, at, d)

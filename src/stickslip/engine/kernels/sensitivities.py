@@ -15,67 +15,13 @@ those of the functions of these names.
 
 import math
 
+from stickslip.engine.kernels import equations
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
 from stickslip.engine.kernels.driver import restore, restore_modes, restore_start
-from stickslip.engine.kernels.equations import (
-    IMPACT,
-    PREPARE,
-    SERIES_FROM,
-    WALLS_OF,
-    ask,
-    ask_of,
-    bind,
-    evaluate,
-    field,
-    field_slopes,
-    guard_parameters,
-    guard_slopes,
-    guards,
-    impact_parameters,
-    impact_slopes,
-    jacobian,
-    load_piece,
-    put_constants,
-    turn_columns,
-)
 from stickslip.engine.kernels.guard_roots import NO_GUARD
 from stickslip.engine.kernels.mode_transitions import approach, wall_coordinate, wall_side
 from stickslip.engine.kernels.numerics import NODES, WEIGHTS, interpolate, lu_factor, lu_solve
-from stickslip.engine.kernels.state_layout import (
-    BOUNDS,
-    CAN_STICK,
-    EVENT_COLUMNS,
-    FIRST_WALL,
-    FLAGS,
-    HELD_FAST,
-    LOOPED,
-    MATRIX,
-    MODE,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_DRIVES,
-    N_GUARDS,
-    N_PAIRS,
-    N_STATES,
-    N_WALLS,
-    POINT,
-    ROW_COLUMNS,
-    ROW_DENSE,
-    SERIES,
-    SIZE,
-    SLIP,
-    SLOPES,
-    STOP,
-    STRUCK,
-    TIME,
-    VALUES,
-    WALL_COLUMNS,
-    WALLS,
-    Y1,
-    Y,
-)
 from stickslip.engine.kernels.steppers import VANISHED, series_fill
 
 RADAU_STAGES = 5
@@ -118,7 +64,7 @@ COINCIDENT = 1e-9
 """Distance from its level, over the latter, at which what breaks away has done so by itself."""
 TOGETHER_TOO = 1e-6
 """Difference of two moments' derivatives, over their size, up to which they are one."""
-MOST_TERMS = SERIES + 5
+MOST_TERMS = layout.SERIES + 5
 """Powers of the Jacobian: the derivative of a series needs some beyond its own."""
 SHARES = tuple(
     weight * (1.0 - node) ** k
@@ -130,22 +76,26 @@ SHARES = tuple(
 
 def guards_at(q: int, whole: Wholes) -> int:
     """Place of the guards' slopes."""
-    return whole[SIZE] + whole[N_STATES] * q
+    return whole[layout.SIZE] + whole[layout.N_STATES] * q
 
 
 def directions_at(q: int, whole: Wholes) -> int:
     """Place of the directions of the drives' numbers."""
-    return guards_at(q, whole) + whole[N_GUARDS] * q
+    return guards_at(q, whole) + whole[layout.N_GUARDS] * q
 
 
 def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
     """Place of sensitivities: 0 present, 1 result, 2 and 3 for terms; 4 moments; 5 what follows."""
-    return directions_at(q, whole) + 3 * whole[N_DRIVES] * m + which * whole[N_STATES] * m
+    return (
+        directions_at(q, whole)
+        + 3 * whole[layout.N_DRIVES] * m
+        + which * whole[layout.N_STATES] * m
+    )
 
 
 def sense_size(q: int, m: int, whole: Wholes) -> int:
     """Return how long the vector of a run must be."""
-    n = whole[N_STATES]
+    n = whole[layout.N_STATES]
     stages = RADAU_STAGES * n
     return columns_at(5, q, m, whole) + max(stages * (stages + 1 + m), len(NODES) * n * m)
 
@@ -157,10 +107,10 @@ def forcing(
 
     `own` has the quantity of each direction, -1 for an initial state.
     """
-    size = whole[SIZE]
-    n = whole[N_STATES]
-    n_drives = whole[N_DRIVES]
-    field_slopes(t, w, whole, at, size)
+    size = whole[layout.SIZE]
+    n = whole[layout.N_STATES]
+    n_drives = whole[layout.N_DRIVES]
+    equations.field_slopes(t, w, whole, at, size)
     directions = directions_at(q, whole)
     for c in range(m):
         for i in range(n):
@@ -174,7 +124,7 @@ def forcing(
 
 def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to: int) -> None:
     """Add the product of an n x n matrix with columns."""
-    n = whole[N_STATES]
+    n = whole[layout.N_STATES]
     for i in range(n):
         for j in range(n):
             factor = w[matrix + i * n + j]
@@ -188,7 +138,7 @@ def powers_needed(h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: in
 
     Terms are at most those of absolute values, of the largest sensitivity of each state.
     """
-    matrix, n, count = whole[MATRIX], whole[N_STATES], len(NODES)
+    matrix, n, count = whole[layout.MATRIX], whole[layout.N_STATES], len(NODES)
     now, forced = columns_at(0, q, m, whole), columns_at(5, q, m, whole)
     largest, after, before = (
         columns_at(1, q, m, whole),
@@ -231,20 +181,20 @@ def series_sensed(
     integral is taken by the rule of Gauss, of which each power of A has a sum of its own; powers
     end where what they add has vanished.
     """
-    y, matrix, point = whole[Y], whole[MATRIX], whole[POINT]
-    n, count = whole[N_STATES], len(NODES)
+    y, matrix, point = whole[layout.Y], whole[layout.MATRIX], whole[layout.POINT]
+    n, count = whole[layout.N_STATES], len(NODES)
     size = n * m
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     term, forced = columns_at(2, q, m, whole), columns_at(5, q, m, whole)
-    if whole[N_CONTACTS] > 0:
-        w[TIME] = t
-        ask_of(SERIES_FROM, h, w, whole, y, 0)
+    if whole[layout.N_CONTACTS] > 0:
+        w[layout.TIME] = t
+        equations.ask_of(equations.SERIES_FROM, h, w, whole, y, 0)
     else:
         series_fill(t, h, w, whole, y)
     for s in range(count):
         interpolate(w, whole, NODES[s], point)
         forcing(t + NODES[s] * h, point, w, whole, own, q, m, forced + s * size)
-    jacobian(t, w, whole, y, matrix)
+    equations.jacobian(t, w, whole, y, matrix)
     most = powers_needed(h, w, whole, own, q, m)
     for k in range(most, -1, -1):
         for i in range(size):
@@ -266,9 +216,9 @@ def radau_stage(
     s: int, t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Write the rows of one stage: of the matrix, and of all right-hand sides."""
-    point = whole[POINT]
-    matrix_at = whole[MATRIX]
-    n = whole[N_STATES]
+    point = whole[layout.POINT]
+    matrix_at = whole[layout.MATRIX]
+    n = whole[layout.N_STATES]
     stages = RADAU_STAGES * n
     now, slopes, matrix = (
         columns_at(0, q, m, whole),
@@ -280,7 +230,7 @@ def radau_stage(
     # spans.
     share = RADAU_NODES[s] * length / h
     interpolate(w, whole, share, point)
-    jacobian(t + share * h, w, whole, point, matrix_at)
+    equations.jacobian(t + share * h, w, whole, point, matrix_at)
     forcing(t + share * h, point, w, whole, own, q, m, slopes)
     # The unknowns are the slopes K of the stages: K = F + J (S + length * (sum of RADAU x K)).
     add_product(w, whole, matrix_at, now, m, slopes)
@@ -300,7 +250,7 @@ def radau_sensed(
     t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
-    n = whole[N_STATES]
+    n = whole[layout.N_STATES]
     stages = RADAU_STAGES * n
     now, result, matrix = (
         columns_at(0, q, m, whole),
@@ -323,7 +273,7 @@ def radau_sensed(
 
 def restore_sensed(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the start of a row; its series is filled in up to where it is needed."""
-    if log[row * whole[ROW_COLUMNS] + ROW_DENSE] > 0.0:
+    if log[row * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE] > 0.0:
         restore_start(log, row, table, w, whole)
     else:
         restore(log, row, table, w, whole)
@@ -333,8 +283,8 @@ def advance_sensed(
     log: Vector, row: int, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities from the start of a restored row; result in columns 1."""
-    at = row * whole[ROW_COLUMNS]
-    if log[at + ROW_DENSE] > 0.0:
+    at = row * whole[layout.ROW_COLUMNS]
+    if log[at + layout.ROW_DENSE] > 0.0:
         series_sensed(log[at], length, w, whole, own, q, m)
     else:
         radau_sensed(log[at], log[at + 2], length, w, whole, own, q, m)
@@ -344,13 +294,13 @@ def guard_changes(
     guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Write how a guard changes; state in Y."""
-    y = whole[Y]
-    slopes = whole[SLOPES]
-    n_drives = whole[N_DRIVES]
-    n = whole[N_STATES]
+    y = whole[layout.Y]
+    slopes = whole[layout.SLOPES]
+    n_drives = whole[layout.N_DRIVES]
+    n = whole[layout.N_STATES]
     now, to = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
-    guard_slopes(t, w, whole, y, slopes)
-    guard_parameters(t, w, whole, y, guards_at(q, whole))
+    equations.guard_slopes(t, w, whole, y, slopes)
+    equations.guard_parameters(t, w, whole, y, guards_at(q, whole))
     row = slopes + guard * (n + 1)
     parameters, directions = guards_at(q, whole) + guard * q, directions_at(q, whole)
     for c in range(m):
@@ -364,12 +314,12 @@ def guard_changes(
 
 def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
     """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1."""
-    n, to = whole[N_STATES], columns_at(4, q, m, whole)
+    n, to = whole[layout.N_STATES], columns_at(4, q, m, whole)
     guard_changes(guard, t, w, whole, own, q, m)
-    row = whole[SLOPES] + guard * (n + 1)
+    row = whole[layout.SLOPES] + guard * (n + 1)
     rate = w[row + n]
     for i in range(n):
-        rate += w[row + i] * w[whole[Y1] + i]
+        rate += w[row + i] * w[whole[layout.Y1] + i]
     for c in range(m):
         # implicit function theorem; where the guard only touches zero there is no such derivative
         w[to + c] = -w[to + c] / rate if rate != 0.0 else 0.0
@@ -391,9 +341,9 @@ def same_moment(
 
 def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4."""
-    n = whole[N_STATES]
-    y1 = whole[Y1]
-    values = whole[VALUES]
+    n = whole[layout.N_STATES]
+    y1 = whole[layout.Y1]
+    values = whole[layout.VALUES]
     now, moment = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
     # Saltation: a run that meets the event dt later follows the slope before it for that long, and
     # misses as much of the slope after it.
@@ -405,7 +355,7 @@ def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
 
 def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Give the sensitivities up: what came before the start is not known."""
-    n = whole[N_STATES]
+    n = whole[layout.N_STATES]
     now = columns_at(0, q, m, whole)
     for i in range(n * m):
         w[now + i] = math.nan
@@ -417,8 +367,8 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
     They become those of the state right after the impact, whenever it comes: as the slope of that
     is what is left to subtract, the slope before is 0 from here on.
     """
-    n, coordinates = whole[N_STATES], whole[N_COORDINATES]
-    y1, size, slopes = whole[Y1], whole[SIZE], whole[MATRIX]
+    n, coordinates = whole[layout.N_STATES], whole[layout.N_COORDINATES]
+    y1, size, slopes = whole[layout.Y1], whole[layout.SIZE], whole[layout.MATRIX]
     now, new = columns_at(0, q, m, whole), columns_at(3, q, m, whole)
     moment = columns_at(4, q, m, whole)
     for i in range(n):
@@ -426,8 +376,8 @@ def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, 
             # to the moment of the impact, which parameters move, from the end of the row
             w[now + i * m + c] += w[y1 + i] * w[moment + c]
         w[y1 + i] = 0.0
-    impact_slopes(case, t, w, whole, whole[Y], slopes)
-    impact_parameters(case, t, w, whole, whole[Y], size)
+    equations.impact_slopes(case, t, w, whole, whole[layout.Y], slopes)
+    equations.impact_parameters(case, t, w, whole, whole[layout.Y], size)
     for i in range(coordinates):
         for c in range(m):
             total = w[size + i * q + int(own[c])] if own[c] >= 0.0 else 0.0
@@ -444,13 +394,13 @@ def bounces(wall: int, end: float, held: bool, w: Vector, whole: Wholes) -> bool
 
     Without restitution nothing bounces, but more of it would make what is not held then do so.
     """
-    restitution = w[whole[WALLS] + wall * whole[WALL_COLUMNS] + 1]
+    restitution = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS] + 1]
     return end != 0.0 or (restitution == 0.0 and not held)
 
 
 def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Put the directions of one piece of the drives in their place."""
-    n_drives = whole[N_DRIVES]
+    n_drives = whole[layout.N_DRIVES]
     directions = directions_at(q, whole)
     at = piece * (1 + 3 * n_drives) * m + m
     for k in range(3 * n_drives * m):
@@ -461,13 +411,13 @@ def pass_piece(
     t: float, piece: int, table: Vector, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int
 ) -> None:
     """Go over to another piece of the drives, at a moment that its start gives."""
-    y = whole[Y]
-    n_drives = whole[N_DRIVES]
+    y = whole[layout.Y]
+    n_drives = whole[layout.N_DRIVES]
     moment = columns_at(4, q, m, whole)
-    field(t, w, whole, y, whole[Y1])
-    load_piece(table, piece, w, whole)
+    equations.field(t, w, whole, y, whole[layout.Y1])
+    equations.load_piece(table, piece, w, whole)
     load_directions(piece, dtable, w, whole, q, m)
-    field(t, w, whole, y, whole[VALUES])
+    equations.field(t, w, whole, y, whole[layout.VALUES])
     for c in range(m):
         w[moment + c] = dtable[piece * (1 + 3 * n_drives) * m + c]
     jump(w, whole, q, m)
@@ -475,11 +425,11 @@ def pass_piece(
 
 def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Go over to the mode and the flags that follow an event."""
-    y = whole[Y]
+    y = whole[layout.Y]
     # The run has stopped it exactly; the dense output leaves rounding.
-    if guard == STOP and whole[CAN_STICK]:
-        w[y + whole[SLIP]] = 0.0
-    field(t, w, whole, y, whole[VALUES])
+    if guard == layout.STOP and whole[layout.CAN_STICK]:
+        w[y + whole[layout.SLIP]] = 0.0
+    equations.field(t, w, whole, y, whole[layout.VALUES])
     jump(w, whole, q, m)
 
 
@@ -499,17 +449,17 @@ def pass_impact(
 
     `following` is the row that begins after the instant.
     """
-    n, y, wall = whole[N_COORDINATES], whole[Y], guard - whole[FIRST_WALL]
+    n, y, wall = whole[layout.N_COORDINATES], whole[layout.Y], guard - whole[layout.FIRST_WALL]
     rate = n + wall_coordinate(wall, whole)
-    evaluate(WALLS_OF, 0, whole[FLAGS], t, w, y, whole[WALLS])
+    equations.evaluate(equations.WALLS_OF, 0, whole[layout.FLAGS], t, w, y, whole[layout.WALLS])
     held = mode not in (1, -1)
     # The mode after the impact and the rate in the next row tell whether it bounced or stayed.
-    end = log[following * whole[ROW_COLUMNS] + ROW_DENSE + 1 + rate]
-    case = wall if bounces(wall, end, held, w, whole) else whole[N_WALLS] + wall
+    end = log[following * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + rate]
+    case = wall if bounces(wall, end, held, w, whole) else whole[layout.N_WALLS] + wall
     rebound(case, t, w, whole, own, q, m)
-    evaluate(IMPACT, case, whole[FLAGS], t, w, y, whole[VALUES])
+    equations.evaluate(equations.IMPACT, case, whole[layout.FLAGS], t, w, y, whole[layout.VALUES])
     for i in range(n):
-        w[y + n + i] = w[whole[VALUES] + i]
+        w[y + n + i] = w[whole[layout.VALUES] + i]
 
 
 def pass_instant(
@@ -530,22 +480,24 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
     """
-    width = whole[ROW_COLUMNS]
-    point = whole[POINT]
-    n = whole[N_STATES]
-    y = whole[Y]
-    y1 = whole[Y1]
+    width = whole[layout.ROW_COLUMNS]
+    point = whole[layout.POINT]
+    n = whole[layout.N_STATES]
+    y = whole[layout.Y]
+    y1 = whole[layout.Y1]
     at = row * width
     t = log[at + 1]
-    whole_row = log[at + ROW_DENSE] > 0.0  # the series at hand is that up to the end of the row
+    whole_row = (
+        log[at + layout.ROW_DENSE] > 0.0
+    )  # the series at hand is that up to the end of the row
     interpolate(w, whole, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
     for i in range(n):
         w[y + i] = w[point + i]
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         guard = first_guard(events, first, number, t)
         struck = note_struck(log, row + 1, events, number, first, w, whole)
         pass_contacts(log, row, guard, struck, table, dtable, w, whole, own, q, m)
-        while first < number and events[first * EVENT_COLUMNS] <= t:
+        while first < number and events[first * layout.EVENT_COLUMNS] <= t:
             first += 1
         return first
     following = int(log[at + width + 5])
@@ -555,21 +507,21 @@ def pass_instant(
     if known:
         pass_piece(t, following, table, dtable, w, whole, q, m)
     k, last = first, NO_GUARD
-    while k < number and events[k * EVENT_COLUMNS] <= t:
-        event = k * EVENT_COLUMNS
+    while k < number and events[k * layout.EVENT_COLUMNS] <= t:
+        event = k * layout.EVENT_COLUMNS
         guard = int(events[event + 3])
-        field(t, w, whole, y, y1)
+        equations.field(t, w, whole, y, y1)
         if not known:
             moments(guard, t, w, whole, own, q, m)
             known = True
         # A second stop met in the same instant has a moment of its own, for parameters nearby.
-        elif guard >= whole[FIRST_WALL] and guard != last:
+        elif guard >= whole[layout.FIRST_WALL] and guard != last:
             same_moment(guard, t, w, whole, own, q, m)
-        if guard >= whole[FIRST_WALL]:
+        if guard >= whole[layout.FIRST_WALL]:
             last = guard
             pass_impact(guard, int(events[event + 2]), row + 1, t, log, w, whole, own, q, m)
-        whole[MODE] = int(events[event + 2])
-        whole[FLAGS] = int(events[event + 4])
+        whole[layout.MODE] = int(events[event + 2])
+        whole[layout.FLAGS] = int(events[event + 4])
         pass_event(guard, t, w, whole, q, m)
         k += 1
     return k
@@ -577,18 +529,18 @@ def pass_instant(
 
 def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
     """Take over modes, flags and state with which a row begins, of several contacts."""
-    at = row * whole[ROW_COLUMNS]
-    for i in range(whole[N_STATES]):
-        w[whole[Y] + i] = log[at + ROW_DENSE + 1 + i]
-    whole[FLAGS] = int(log[at + 4])
-    restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+    at = row * whole[layout.ROW_COLUMNS]
+    for i in range(whole[layout.N_STATES]):
+        w[whole[layout.Y] + i] = log[at + layout.ROW_DENSE + 1 + i]
+    whole[layout.FLAGS] = int(log[at + 4])
+    restore_modes(at + whole[layout.ROW_COLUMNS], log, w, whole)
 
 
 def first_guard(events: Vector, k: int, number: int, t: float) -> int:
     """Return the guard that fell first of those at an instant, NO_GUARD if none did."""
     guard = NO_GUARD
-    while k < number and events[k * EVENT_COLUMNS] <= t:
-        known = int(events[k * EVENT_COLUMNS + 3])
+    while k < number and events[k * layout.EVENT_COLUMNS] <= t:
+        known = int(events[k * layout.EVENT_COLUMNS + 3])
         if guard == NO_GUARD:
             # Events of changed modes carry the guard that fell first as -2 - guard: see
             # `transitions.OF_MODES`.
@@ -604,20 +556,24 @@ def note_struck(
 
     What else changes then, such as a rate that friction has stopped, was 0 but for rounding.
     """
-    n, rates = whole[N_COORDINATES], whole[Y] + whole[N_COORDINATES]
-    after = row * whole[ROW_COLUMNS] + ROW_DENSE + 1 + n
+    n, rates = whole[layout.N_COORDINATES], whole[layout.Y] + whole[layout.N_COORDINATES]
+    after = row * whole[layout.ROW_COLUMNS] + layout.ROW_DENSE + 1 + n
     # The modes after the instant stand at the end of the next row.
-    modes = (row + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
-    t, found, k = log[row * whole[ROW_COLUMNS]], False, first
+    modes = (
+        (row + 1) * whole[layout.ROW_COLUMNS] - whole[layout.N_PAIRS] - 2 * whole[layout.N_CONTACTS]
+    )
+    t, found, k = log[row * whole[layout.ROW_COLUMNS]], False, first
     for i in range(n):
-        whole[whole[STRUCK] + i] = 0
-        w[whole[BOUNDS] + i] = log[after + i] - w[rates + i]
-    while k < number and events[k * EVENT_COLUMNS] <= t:
-        wall = int(events[k * EVENT_COLUMNS + 3]) - whole[FIRST_WALL]
+        whole[whole[layout.STRUCK] + i] = 0
+        w[whole[layout.BOUNDS] + i] = log[after + i] - w[rates + i]
+    while k < number and events[k * layout.EVENT_COLUMNS] <= t:
+        wall = int(events[k * layout.EVENT_COLUMNS + 3]) - whole[layout.FIRST_WALL]
         if wall >= 0:
             i = wall_coordinate(wall, whole)
-            held = int(log[modes + i]) == HELD_FAST
-            whole[whole[STRUCK] + i] = 2 if bounces(wall, log[after + i], held, w, whole) else 1
+            held = int(log[modes + i]) == layout.HELD_FAST
+            whole[whole[layout.STRUCK] + i] = (
+                2 if bounces(wall, log[after + i], held, w, whole) else 1
+            )
             found = True
         k += 1
     return found
@@ -641,22 +597,29 @@ def own_moments(
     derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
     as it has reached its level, and not because of another.
     """
-    values, rates = whole[VALUES], whole[Y1] + whole[N_COORDINATES]
-    after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
+    values, rates = whole[layout.VALUES], whole[layout.Y1] + whole[layout.N_COORDINATES]
+    after = (
+        (following + 1) * whole[layout.ROW_COLUMNS]
+        - whole[layout.N_PAIRS]
+        - 2 * whole[layout.N_CONTACTS]
+    )
     moments(first, t, w, whole, own, q, m)
-    guards(t, w, whole, whole[Y], values)
-    for other in range(2 * whole[N_PAIRS]):
-        mode, is_cut = whole[whole[MODES] + other // 2], other >= 2 * whole[N_DIRECTIONS]
+    equations.guards(t, w, whole, whole[layout.Y], values)
+    for other in range(2 * whole[layout.N_PAIRS]):
+        mode, is_cut = (
+            whole[whole[layout.MODES] + other // 2],
+            other >= 2 * whole[layout.N_DIRECTIONS],
+        )
         if other == first or (mode == int(log[after + other // 2]) and not is_cut):
             continue
-        if mode == HELD_FAST and whole[whole[LOOPED] + other // 2]:
+        if mode == layout.HELD_FAST and whole[whole[layout.LOOPED] + other // 2]:
             continue  # its cuts tell
-        stops = mode != HELD_FAST and other % 2 == 0 and not is_cut
+        stops = mode != layout.HELD_FAST and other % 2 == 0 and not is_cut
         if stops and struck:  # an impact may give it another mode, however fast it is
             stops = abs(w[values + other]) <= COINCIDENT * t * abs(w[rates + other // 2])
         # Both guards of what is held add up to its two levels.
         level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
-        breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
+        breaks = mode == layout.HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
         if stops or breaks:
             same_moment(other, t, w, whole, own, q, m)
 
@@ -675,44 +638,44 @@ def pass_contacts(
     m: int,
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump."""
-    at = row * whole[ROW_COLUMNS]
-    y, t = whole[Y], log[at + 1]
-    w[TIME] = t
-    piece = int(log[at + whole[ROW_COLUMNS] + 5])
+    at = row * whole[layout.ROW_COLUMNS]
+    y, t = whole[layout.Y], log[at + 1]
+    w[layout.TIME] = t
+    piece = int(log[at + whole[layout.ROW_COLUMNS] + 5])
     moment = columns_at(4, q, m, whole)
-    field(t, w, whole, y, whole[Y1])
+    equations.field(t, w, whole, y, whole[layout.Y1])
     if piece != int(log[at + 5]):
-        load_piece(table, piece, w, whole)
+        equations.load_piece(table, piece, w, whole)
         load_directions(piece, dtable, w, whole, q, m)
         for c in range(m):
-            w[moment + c] = dtable[piece * (1 + 3 * whole[N_DRIVES]) * m + c]
+            w[moment + c] = dtable[piece * (1 + 3 * whole[layout.N_DRIVES]) * m + c]
     elif guard != NO_GUARD:
         own_moments(guard, row + 1, struck, t, log, w, whole, own, q, m)
     else:
         return
     if struck:
-        for wall in range(whole[N_WALLS]):
-            meets = whole[whole[STRUCK] + wall_coordinate(wall, whole)] != 0
-            other = whole[FIRST_WALL] + wall
+        for wall in range(whole[layout.N_WALLS]):
+            meets = whole[whole[layout.STRUCK] + wall_coordinate(wall, whole)] != 0
+            other = whole[layout.FIRST_WALL] + wall
             if meets and other != guard and approach(other, w, whole) > 0.0:
                 same_moment(other, t, w, whole, own, q, m)
         rebound(0, t, w, whole, own, q, m)
     restore_contacts(log, row + 1, w, whole)
-    field(t, w, whole, y, whole[VALUES])
+    equations.field(t, w, whole, y, whole[layout.VALUES])
     jump(w, whole, q, m)
     hold_contacts(w, whole, q, m)
 
 
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away the rates of what is held."""
-    n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
+    n, now = whole[layout.N_COORDINATES], columns_at(0, q, m, whole)
     for i in range(n):
-        if whole[whole[MODES] + i] == HELD_FAST:
+        if whole[whole[layout.MODES] + i] == layout.HELD_FAST:
             for c in range(m):
                 w[now + (n + i) * m + c] = 0.0
-    if whole[N_DIRECTIONS] > n:
+    if whole[layout.N_DIRECTIONS] > n:
         for c in range(m):
-            bind(now + n * m + c, m, w, whole)
+            equations.bind(now + n * m + c, m, w, whole)
 
 
 def hold_at_stops(
@@ -722,23 +685,26 @@ def hold_at_stops(
 
     What follows there depends on what an impact would do right after the start.
     """
-    n, states = whole[N_COORDINATES], whole[N_STATES]
+    n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
     now, moves = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
-    for wall in range(whole[N_WALLS]):
+    for wall in range(whole[layout.N_WALLS]):
         i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
-        if whole[N_CONTACTS] > 0:
-            position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
-            held = whole[whole[MODES] + i] == HELD_FAST and w[whole[Y] + i] == position
+        if whole[layout.N_CONTACTS] > 0:
+            position = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]]
+            held = (
+                whole[whole[layout.MODES] + i] == layout.HELD_FAST
+                and w[whole[layout.Y] + i] == position
+            )
         else:
-            held = mode == 2 * side and n + i == whole[SLIP]
-            whole[MODE] = side if held else mode  # one that slips watches its stop
+            held = mode == 2 * side and n + i == whole[layout.SLIP]
+            whole[layout.MODE] = side if held else mode  # one that slips watches its stop
         if held:
-            guard_changes(whole[FIRST_WALL] + wall, t, w, whole, own, q, m)
+            guard_changes(whole[layout.FIRST_WALL] + wall, t, w, whole, own, q, m)
             for c in range(m):
                 if w[moves + c] != 0.0 or w[now + (n + i) * m + c] != 0.0:
                     for j in range(states):
                         w[now + j * m + c] = math.nan
-    whole[MODE] = mode
+    whole[layout.MODE] = mode
 
 
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
@@ -746,7 +712,7 @@ def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
     if mode == 0:
         now = columns_at(0, q, m, whole)
         for c in range(m):
-            w[now + whole[SLIP] * m + c] = 0.0
+            w[now + whole[layout.SLIP] * m + c] = 0.0
 
 
 def sense(
@@ -768,25 +734,25 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
     """
-    width = whole[ROW_COLUMNS]
+    width = whole[layout.ROW_COLUMNS]
     m = len(own)
-    n = whole[N_STATES]
+    n = whole[layout.N_STATES]
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     asked = 0
     k = 0
     # What happens as a run begins has no row before it.
-    while k < number and events[k * EVENT_COLUMNS] <= log[0]:
-        if events[k * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
+    while k < number and events[k * layout.EVENT_COLUMNS] <= log[0]:
+        if events[k * layout.EVENT_COLUMNS + 3] >= whole[layout.FIRST_WALL]:
             lose(w, whole, q, m)
         k += 1
-    put_constants(w, whole)
-    if whole[N_CONTACTS] > 0:
-        ask(PREPARE, log[0], w, whole)
-        turn_columns(now, m, 0, w, whole)
+    equations.put_constants(w, whole)
+    if whole[layout.N_CONTACTS] > 0:
+        equations.ask(equations.PREPARE, log[0], w, whole)
+        equations.turn_columns(now, m, 0, w, whole)
     load_directions(int(log[5]), dtable, w, whole, q, m)
     restore(log, 0, table, w, whole)
     hold_at_stops(int(log[3]), log[0], w, whole, own, q, m)
-    if whole[N_CONTACTS] > 0:
+    if whole[layout.N_CONTACTS] > 0:
         hold_contacts(w, whole, q, m)
     else:
         hold(int(log[3]), w, whole, q, m)
@@ -798,7 +764,7 @@ def sense(
         while asked < len(times) and (last or times[asked] < log[at + 1]):
             restore_sensed(log, row, table, w, whole)
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
-            turn_columns(result, m, 1, w, whole)
+            equations.turn_columns(result, m, 1, w, whole)
             for i in range(n * m):
                 out[to + asked * n * m + i] = w[result + i]
             asked += 1

@@ -13,54 +13,11 @@ begins with DOP853 and goes over to Rodas5P where stability, not accuracy, limit
 
 import math
 
+from stickslip.engine.kernels import equations
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.equations import (
-    FIELD,
-    WAVES_OF,
-    bind,
-    evaluate,
-    field,
-    jacobian,
-    linear,
-    time_slope,
-)
 from stickslip.engine.kernels.mode_transitions import set_flags
 from stickslip.engine.kernels.numerics import NESTED_SHORT, interpolate, lu_factor, lu_solve
-from stickslip.engine.kernels.state_layout import (
-    DENSE,
-    DOP853_STAGES,
-    DRIFT,
-    EXACT,
-    FLAGS,
-    HAS_BRISTLES,
-    HELD_FAST,
-    MATRIX,
-    MODE,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_STATES,
-    N_VARIABLES,
-    N_WAVES,
-    PIVOTS,
-    POINT,
-    PULLS,
-    SCALE,
-    SERIES,
-    SLIP,
-    SLOW,
-    SMOOTH,
-    STAGES,
-    STEP,
-    STEPPER,
-    STIFF,
-    TIME,
-    VALUES,
-    WAVES,
-    Y1,
-    Y,
-)
 
 # What errors are judged against: the sizes that the states have had in the run.
 
@@ -83,43 +40,43 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
     as a power of time, which no relative error control gets started; a floor far below any speed
     of interest does. It follows from the forces at rest, and so from the scale of the problem.
     """
-    n = whole[N_STATES]
-    scale = whole[SCALE]
-    y = whole[Y]
-    point = whole[POINT]
-    slip = whole[SLIP]
-    values = whole[VALUES]
+    n = whole[layout.N_STATES]
+    scale = whole[layout.SCALE]
+    y = whole[layout.Y]
+    point = whole[layout.POINT]
+    slip = whole[layout.SLIP]
+    values = whole[layout.VALUES]
     for i in range(n):
         w[scale + i] = abs(w[y + i])
         w[point + i] = w[y + i]
     w[point + slip] = 0.0
     flags = set_flags(t, w, whole, point, 0, 0)
-    evaluate(FIELD, 1, flags, t, w, point, values)
+    equations.evaluate(equations.FIELD, 1, flags, t, w, point, values)
     forward = w[values + slip]
-    evaluate(FIELD, -1, flags, t, w, point, values)
+    equations.evaluate(equations.FIELD, -1, flags, t, w, point, values)
     floor = LEAST * 0.5 * abs(forward - w[values + slip]) * (t_end - t)
     w[scale + slip] = max(w[scale + slip], floor)
 
 
 def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return what an error of state `i` in a step is judged against."""
-    scale = whole[SCALE]
-    coordinates = whole[N_COORDINATES]
-    size = max(w[scale + i], abs(w[whole[Y] + i]), abs(w[whole[Y1] + i]))
+    scale = whole[layout.SCALE]
+    coordinates = whole[layout.N_COORDINATES]
+    size = max(w[scale + i], abs(w[whole[layout.Y] + i]), abs(w[whole[layout.Y1] + i]))
     if i < coordinates:
         return max(size, abs(h) * w[scale + i + coordinates])
     if i < 2 * coordinates:
-        return max(size, BALANCED * abs(h) * w[whole[PULLS] + i - coordinates])
+        return max(size, BALANCED * abs(h) * w[whole[layout.PULLS] + i - coordinates])
     return size
 
 
 def series_tail(h: float, w: Vector, whole: Wholes) -> float:
     """Return the tail of the series in the dense output over what is allowed."""
-    dense = whole[DENSE]
-    n = whole[N_STATES]
+    dense = whole[layout.DENSE]
+    n = whole[layout.N_STATES]
     error = 0.0
-    if w[dense] >= SERIES:
-        last = dense + 1 + SERIES * n
+    if w[dense] >= layout.SERIES:
+        last = dense + 1 + layout.SERIES * n
         for i in range(n):
             tail = abs(w[last + i]) + abs(w[last - n + i])
             if not tail < math.inf:
@@ -239,16 +196,16 @@ D = (
 
 def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Evaluate stage `s` from the ones before it, at a state that is written to `at`."""
-    stages = whole[STAGES]
-    y = whole[Y]
-    n = whole[N_STATES]
+    stages = whole[layout.STAGES]
+    y = whole[layout.Y]
+    n = whole[layout.N_STATES]
     row = s * (s - 1) // 2
     for i in range(n):
         total = 0.0
         for j in range(s):
             total += A[row + j] * w[stages + j * n + i]
         w[at + i] = w[y + i] + h * total
-    field(t + C[s] * h, w, whole, at, stages + s * n)
+    equations.field(t + C[s] * h, w, whole, at, stages + s * n)
 
 
 def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
@@ -256,10 +213,10 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 
     Stage 12 is the slope at the solution, which is left in Y1.
     """
-    stages = whole[STAGES]
-    y1 = whole[Y1]
-    n = whole[N_STATES]
-    field(t, w, whole, whole[Y], stages)
+    stages = whole[layout.STAGES]
+    y1 = whole[layout.Y1]
+    n = whole[layout.N_STATES]
+    equations.field(t, w, whole, whole[layout.Y], stages)
     for s in range(1, 13):
         dop853_stage(s, t, h, w, whole, y1)
     sum_5 = 0.0
@@ -285,12 +242,12 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 
 def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
     """Fill the dense output of the step just taken."""
-    dense = whole[DENSE]
-    stages = whole[STAGES]
-    y1 = whole[Y1]
-    y = whole[Y]
-    point = whole[POINT]
-    n = whole[N_STATES]
+    dense = whole[layout.DENSE]
+    stages = whole[layout.STAGES]
+    y1 = whole[layout.Y1]
+    y = whole[layout.Y]
+    point = whole[layout.POINT]
+    n = whole[layout.N_STATES]
     w[dense] = 0.0
     for i in range(n):
         # The first four rows are the cubic of Hermite through both ends and their slopes; four more
@@ -307,7 +264,7 @@ def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
     for row in range(4):
         for i in range(n):
             total = 0.0
-            for s in range(DOP853_STAGES):
+            for s in range(layout.DOP853_STAGES):
                 total += D[16 * row + s] * w[stages + s * n + i]
             w[dense + 1 + (4 + row) * n + i] = h * total
 
@@ -366,29 +323,29 @@ RODAS_STAGES = 8
 
 def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
     """Factorise 1 / (gamma h) - J."""
-    matrix = whole[MATRIX]
-    n = whole[N_STATES]
-    jacobian(t, w, whole, whole[Y], matrix)
+    matrix = whole[layout.MATRIX]
+    n = whole[layout.N_STATES]
+    equations.jacobian(t, w, whole, whole[layout.Y], matrix)
     for i in range(n * n):
         w[matrix + i] = -w[matrix + i]
     for i in range(n):
         w[matrix + i * n + i] += 1.0 / (GAMMA * h)
-    return lu_factor(w, matrix, n, whole[PIVOTS])
+    return lu_factor(w, matrix, n, whole[layout.PIVOTS])
 
 
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1."""
-    y = whole[Y]
-    drift = whole[DRIFT]
-    stages = whole[STAGES]
-    y1 = whole[Y1]
-    matrix = whole[MATRIX]
-    pivots = whole[PIVOTS]
-    point = whole[POINT]
-    n = whole[N_STATES]
+    y = whole[layout.Y]
+    drift = whole[layout.DRIFT]
+    stages = whole[layout.STAGES]
+    y1 = whole[layout.Y1]
+    matrix = whole[layout.MATRIX]
+    pivots = whole[layout.PIVOTS]
+    point = whole[layout.POINT]
+    n = whole[layout.N_STATES]
     if not rodas_matrix(t, h, w, whole):
         return math.inf
-    time_slope(t, w, whole, y, drift)
+    equations.time_slope(t, w, whole, y, drift)
     per_step = 1.0 / h
     # Stages are those of Hairer and Wanner, section IV.7: sums of C over h stand for products with
     # the Jacobian, so that each costs one evaluation and one solution with the same factors.
@@ -404,7 +361,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
                 product += C_RODAS[row + j] * earlier
             w[y1 + i] = total
             w[point + i] = product
-        field(t + TIMES_RODAS[s] * h, w, whole, y1, stage)
+        equations.field(t + TIMES_RODAS[s] * h, w, whole, y1, stage)
         slope = h * SLOPES_RODAS[s]
         for i in range(n):
             w[stage + i] += w[point + i] * per_step + slope * w[drift + i]
@@ -417,24 +374,24 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
 
 def hold_still(to: int, w: Vector, whole: Wholes) -> None:
     """Keep what is held where it is, whatever pivots round to."""
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     for i in range(n):
-        if whole[N_CONTACTS] > 0:
-            held = whole[whole[MODES] + i] == HELD_FAST
+        if whole[layout.N_CONTACTS] > 0:
+            held = whole[whole[layout.MODES] + i] == layout.HELD_FAST
         else:
-            held = whole[MODE] == 0 and whole[SLIP] == n + i
+            held = whole[layout.MODE] == 0 and whole[layout.SLIP] == n + i
         if held:
             w[to + i] = 0.0
             w[to + n + i] = 0.0
-    if whole[N_DIRECTIONS] > n:
-        bind(to, 1, w, whole)
-        bind(to + n, 1, w, whole)
+    if whole[layout.N_DIRECTIONS] > n:
+        equations.bind(to, 1, w, whole)
+        equations.bind(to + n, 1, w, whole)
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Return the last stage, which is the error estimate, over the tolerance."""
-    stages = whole[STAGES]
-    n = whole[N_STATES]
+    stages = whole[layout.STAGES]
+    n = whole[layout.N_STATES]
     total = 0.0
     for i in range(n):
         error = w[stages + 7 * n + i]
@@ -447,11 +404,11 @@ def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
 
 def rodas_dense(w: Vector, whole: Wholes) -> None:
     """Fill the dense output of the step just taken."""
-    dense = whole[DENSE]
-    stages = whole[STAGES]
-    y = whole[Y]
-    y1 = whole[Y1]
-    n = whole[N_STATES]
+    dense = whole[layout.DENSE]
+    stages = whole[layout.STAGES]
+    y = whole[layout.Y]
+    y1 = whole[layout.Y1]
+    n = whole[layout.N_STATES]
     w[dense] = NESTED_SHORT
     for i in range(n):
         at = dense + 1 + i
@@ -483,25 +440,25 @@ def rodas_dense(w: Vector, whole: Wholes) -> None:
 # Harmonic forces of one angular frequency W enter with their terms and the rates of these: a power
 # (-1)^j (W h)^2j / (2 j)! of the former and (-1)^j (W h)^2j h / (2 j + 1)! of the latter in turn.
 
-RATIOS = (0.0, 0.0, *(1.0 / (k * (k - 1.0)) for k in range(2, SERIES + 1)))
+RATIOS = (0.0, 0.0, *(1.0 / (k * (k - 1.0)) for k in range(2, layout.SERIES + 1)))
 """1 / (k (k - 1)): the power k of a harmonic over that before the last, over the angle squared."""
 
 
 def fill_waves(t: float, h: float, w: Vector, whole: Wholes, at: int) -> int:
     """Write the factors of all powers of the harmonics; return the last that counts, 0 if none."""
-    first, rows = whole[WAVES], whole[N_WAVES]
+    first, rows = whole[layout.WAVES], whole[layout.N_WAVES]
     if rows == 0:
         return 0
-    terms = first + SERIES + 1
-    evaluate(WAVES_OF, whole[MODE], whole[FLAGS], t, w, at, terms)
+    terms = first + layout.SERIES + 1
+    equations.evaluate(equations.WAVES_OF, whole[layout.MODE], whole[layout.FLAGS], t, w, at, terms)
     acts = False
     for i in range(2 * rows):
         acts = acts or w[terms + i] != 0.0
     square = h * h * w[terms + 2 * rows] if acts else 0.0
     w[first] = 1.0
     w[first + 1] = h
-    last = SERIES + 1 if acts else 0
-    for k in range(2, SERIES + 1):
+    last = layout.SERIES + 1 if acts else 0
+    for k in range(2, layout.SERIES + 1):
         factor = -square * RATIOS[k] * w[first + k - 2]
         w[first + k] = factor
         if k % 2 == 0 and last > k and abs(factor) <= VANISHED:
@@ -511,26 +468,26 @@ def fill_waves(t: float, h: float, w: Vector, whole: Wholes, at: int) -> int:
 
 def wave_at(k: int, w: Vector, whole: Wholes) -> tuple[float, int]:
     """Return the factor of a power of the harmonics, and the place of what it multiplies."""
-    first = whole[WAVES]
-    return w[first + k], first + SERIES + 1 + whole[N_WAVES] * (k % 2)
+    first = whole[layout.WAVES]
+    return w[first + k], first + layout.SERIES + 1 + whole[layout.N_WAVES] * (k % 2)
 
 
 def waves_tail(w: Vector, whole: Wholes) -> float:
     """Return the last term of the harmonics over what is allowed."""
-    return abs(w[whole[WAVES] + SERIES]) / TAIL if whole[N_WAVES] > 0 else 0.0
+    return abs(w[whole[layout.WAVES] + layout.SERIES]) / TAIL if whole[layout.N_WAVES] > 0 else 0.0
 
 
 def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output with the series of a step from the state at `at`."""
-    dense = whole[DENSE]
-    drift = whole[DRIFT]
-    matrix = whole[MATRIX]
-    point = whole[POINT]
-    n = whole[N_STATES]
+    dense = whole[layout.DENSE]
+    drift = whole[layout.DRIFT]
+    matrix = whole[layout.MATRIX]
+    point = whole[layout.POINT]
+    n = whole[layout.N_STATES]
     last = dense + 1
-    field(t, w, whole, at, last + n)
-    time_slope(t, w, whole, at, drift)
-    jacobian(t, w, whole, at, matrix)
+    equations.field(t, w, whole, at, last + n)
+    equations.time_slope(t, w, whole, at, drift)
+    equations.jacobian(t, w, whole, at, matrix)
     for i in range(n):
         w[last + i] = w[at + i]
         w[last + n + i] *= h
@@ -543,7 +500,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     # of an oscillation from rest is.
     small = 0
     terms = 1
-    while terms < SERIES and small < 2:
+    while terms < layout.SERIES and small < 2:
         last += n
         terms += 1
         factor = h / terms
@@ -570,9 +527,9 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
     Most linear modes have two. In variables of their own the terms wait for no memory, which takes
     half the time.
     """
-    drift = whole[DRIFT]
-    matrix = whole[MATRIX]
-    last = whole[DENSE] + 1
+    drift = whole[layout.DRIFT]
+    matrix = whole[layout.MATRIX]
+    last = whole[layout.DENSE] + 1
     a = w[matrix]
     b = w[matrix + 1]
     c = w[matrix + 2]
@@ -586,7 +543,7 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
     grown_v = h * w[drift + 1]
     small = 0
     terms = 1
-    while terms < SERIES and small < 2:
+    while terms < layout.SERIES and small < 2:
         terms += 1
         factor = h / terms
         next_x = grown_x + a * x + b * v
@@ -601,13 +558,13 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
         largest_v = max(largest_v, abs(v))
         ended = abs(x) <= VANISHED * largest_x and abs(v) <= VANISHED * largest_v
         small = small + 1 if ended else 0
-    w[whole[DENSE]] = terms - small
+    w[whole[layout.DENSE]] = terms - small
 
 
 def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1."""
     series_fill(t, h, w, whole, at)
-    interpolate(w, whole, 1.0, whole[Y1])
+    interpolate(w, whole, 1.0, whole[layout.Y1])
     return max(series_tail(h, w, whole), waves_tail(w, whole))
 
 
@@ -638,19 +595,29 @@ many as in the test of stiffness in Hairer's DOP853."""
 
 def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins."""
-    values = whole[VALUES]
-    whole[SLOW] = 0
-    if whole[N_CONTACTS] == 0 and whole[HAS_BRISTLES] and abs(whole[MODE]) == 1:
-        whole[STEPPER] = STIFF
+    values = whole[layout.VALUES]
+    whole[layout.SLOW] = 0
+    if (
+        whole[layout.N_CONTACTS] == 0
+        and whole[layout.HAS_BRISTLES]
+        and abs(whole[layout.MODE]) == 1
+    ):
+        whole[layout.STEPPER] = layout.STIFF
     else:
-        linear(w[TIME], w, whole, whole[Y], values)
-        others = STIFF if whole[N_CONTACTS] > 0 and whole[HAS_BRISTLES] else SMOOTH
-        whole[STEPPER] = EXACT if w[values] > 0.0 else others
-    if whole[STEPPER] != EXACT:
-        if whole[N_CONTACTS] == 0:
+        equations.linear(w[layout.TIME], w, whole, whole[layout.Y], values)
+        others = (
+            layout.STIFF
+            if whole[layout.N_CONTACTS] > 0 and whole[layout.HAS_BRISTLES]
+            else layout.SMOOTH
+        )
+        whole[layout.STEPPER] = layout.EXACT if w[values] > 0.0 else others
+    if whole[layout.STEPPER] != layout.EXACT:
+        if whole[layout.N_CONTACTS] == 0:
             probe_sizes(stop, w, whole)
-        if not stop + w[STEP] > stop:  # none yet, or one left over from an event soon after 0
-            w[STEP] = FIRST_SHARE * (stop - w[TIME])
+        if (
+            not stop + w[layout.STEP] > stop
+        ):  # none yet, or one left over from an event soon after 0
+            w[layout.STEP] = FIRST_SHARE * (stop - w[layout.TIME])
 
 
 def note_pulls(w: Vector, whole: Wholes) -> None:
@@ -659,14 +626,18 @@ def note_pulls(w: Vector, whole: Wholes) -> None:
     Where they balance, as those of a spring without tension far from 0 do, what is left of them as
     others begin to move is no more than their rounding for a while.
     """
-    n, coordinates, slopes = whole[N_STATES], whole[N_COORDINATES], whole[MATRIX]
-    jacobian(w[TIME], w, whole, whole[Y], slopes)
+    n, coordinates, slopes = (
+        whole[layout.N_STATES],
+        whole[layout.N_COORDINATES],
+        whole[layout.MATRIX],
+    )
+    equations.jacobian(w[layout.TIME], w, whole, whole[layout.Y], slopes)
     for i in range(coordinates):
         rate = coordinates + i
-        w[whole[PULLS] + i] = 0.0
-        if w[whole[SCALE] + rate] == 0.0:
+        w[whole[layout.PULLS] + i] = 0.0
+        if w[whole[layout.SCALE] + rate] == 0.0:
             for j in range(n):
-                w[whole[PULLS] + i] += abs(w[slopes + rate * n + j] * w[whole[Y] + j])
+                w[whole[layout.PULLS] + i] += abs(w[slopes + rate * n + j] * w[whole[layout.Y] + j])
 
 
 def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
@@ -674,41 +645,48 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
 
     What is at rest begins as a power of time, which no relative error control gets started.
     """
-    n = whole[N_STATES]
-    scale = whole[SCALE]
-    y1 = whole[Y1]
-    slip = whole[SLIP]
-    y = whole[Y]
-    mode = whole[MODE]
-    half = whole[DENSE]
+    n = whole[layout.N_STATES]
+    scale = whole[layout.SCALE]
+    y1 = whole[layout.Y1]
+    slip = whole[layout.SLIP]
+    y = whole[layout.Y]
+    mode = whole[layout.MODE]
+    half = whole[layout.DENSE]
     missing = False
     for i in range(n):
         missing = missing or w[scale + i] == 0.0
     if missing:
         note_pulls(w, whole)
-    h = PROBE * (stop - w[TIME])
+    h = PROBE * (stop - w[layout.TIME])
     trials = 0
-    while missing and trials < PROBES and w[TIME] + h > w[TIME]:
+    while missing and trials < PROBES and w[layout.TIME] + h > w[layout.TIME]:
         trials += 1
-        rodas_step(w[TIME], 0.5 * h, w, whole, 1.0)
+        rodas_step(w[layout.TIME], 0.5 * h, w, whole, 1.0)
         for i in range(n):
             w[half + i] = abs(w[y1 + i] - w[y + i])
-        error = rodas_step(w[TIME], h, w, whole, 1.0)
+        error = rodas_step(w[layout.TIME], h, w, whole, 1.0)
         for i in range(n):
             if w[scale + i] == 0.0 and abs(w[y1 + i] - w[y + i]) > BEYOND_HALF * w[half + i]:
                 error = math.inf
-        if error <= 1.0 and w[y1 + slip] * whole[MODE] >= 0.0:
-            blurred = abs(w[TIME]) / (BLURRED * h)
+        if error <= 1.0 and w[y1 + slip] * whole[layout.MODE] >= 0.0:
+            blurred = abs(w[layout.TIME]) / (BLURRED * h)
             share = max(PROBED, min(1.0, blurred * blurred))
             for i in range(n):
                 w[scale + i] = max(w[scale + i], share * abs(w[y1 + i] - w[y + i]))
             missing = False
-        elif whole[HAS_BRISTLES] and error <= 1.0 and w[y + slip] == 0.0 and whole[MODE] == mode:
-            whole[MODE] = -mode  # what leads to the body tells only later which way it is drawn
+        elif (
+            whole[layout.HAS_BRISTLES]
+            and error <= 1.0
+            and w[y + slip] == 0.0
+            and whole[layout.MODE] == mode
+        ):
+            whole[
+                layout.MODE
+            ] = -mode  # what leads to the body tells only later which way it is drawn
         else:
             h *= PROBE
-            whole[MODE] = mode
-    whole[MODE] = mode
+            whole[layout.MODE] = mode
+    whole[layout.MODE] = mode
 
 
 def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
@@ -717,21 +695,21 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
     asked for only where nothing changes much.
     """
-    if whole[N_CONTACTS] > 0 and whole[N_VARIABLES] == 0:
+    if whole[layout.N_CONTACTS] > 0 and whole[layout.N_VARIABLES] == 0:
         return  # there are no slopes, for nothing dies away
-    y1 = whole[Y1]
-    y = whole[Y]
-    n = whole[N_STATES]
+    y1 = whole[layout.Y1]
+    y = whole[layout.Y]
+    n = whole[layout.N_STATES]
     slow = True
     for i in range(n):
         change = abs(w[y1 + i] - w[y + i])
         slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w, whole)
     if slow:
         slow = h * damping_of(w, whole) > 1.0
-    whole[SLOW] = whole[SLOW] + 1 if slow else 0
-    if whole[SLOW] > SLOW_STEPS:
-        whole[STEPPER] = STIFF
-        w[STEP] = h
+    whole[layout.SLOW] = whole[layout.SLOW] + 1 if slow else 0
+    if whole[layout.SLOW] > SLOW_STEPS:
+        whole[layout.STEPPER] = layout.STIFF
+        w[layout.STEP] = h
 
 
 def damping_of(w: Vector, whole: Wholes) -> float:
@@ -739,9 +717,9 @@ def damping_of(w: Vector, whole: Wholes) -> float:
 
     The series of one contact has the Jacobian at hand.
     """
-    matrix, n = whole[MATRIX], whole[N_STATES]
-    if whole[STEPPER] != EXACT or whole[N_CONTACTS] > 0:
-        jacobian(w[TIME], w, whole, whole[Y], matrix)
+    matrix, n = whole[layout.MATRIX], whole[layout.N_STATES]
+    if whole[layout.STEPPER] != layout.EXACT or whole[layout.N_CONTACTS] > 0:
+        equations.jacobian(w[layout.TIME], w, whole, whole[layout.Y], matrix)
     damping = 0.0
     for i in range(n):
         damping -= w[matrix + i * n + i]

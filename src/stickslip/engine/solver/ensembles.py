@@ -30,33 +30,10 @@ from stickslip.engine.kernels import state_layout
 from stickslip.engine.kernels.batch import EVIDENCE
 from stickslip.engine.kernels.sensitivities import sense_size
 from stickslip.engine.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
+from stickslip.engine.solver import certify, reducers, starts
 from stickslip.engine.solver.backend import Runner, runner_of
-from stickslip.engine.solver.certify import (
-    Directions,
-    directions_of,
-    passes,
-    quantities_of,
-    roots_of,
-)
 from stickslip.engine.solver.event_driven import EventDriven, status_of
-from stickslip.engine.solver.reducers import (
-    Final,
-    Output,
-    asked,
-    is_gradient,
-    output_unit,
-    value_of,
-)
 from stickslip.engine.solver.run import FIRST_ROWS, path_units, work_of
-from stickslip.engine.solver.starts import (
-    narrowest,
-    refuse_masses,
-    refuse_turned,
-    schedule,
-    starts_as_told,
-    starts_within_stops,
-    values_of,
-)
 from stickslip.engine.trajectory import Ensemble
 from stickslip.errors import InputError, ParameterError, check_size, concerning
 from stickslip.friction import FrictionLaw, Laws
@@ -130,8 +107,8 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     # Without drives that vary, one schedule serves all rows. Parameters of drives have a dot more
     # than those of the mechanism itself; so have laws by contact, which cost a schedule a row.
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
-    plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
-    along = directions_of(
+    plan = starts.schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
+    along = certify.directions_of(
         job.mechanism, model, job.gradients, columns, plan.table, job.t_end, job.told
     )
     width = len(job.kinds) // 2
@@ -170,7 +147,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array], arguments: Arr
     )
 
 
-def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
+def _settings(job: Job, runner: Runner, along: certify.Directions) -> list[Any]:
     """Return what the runs of a chunk are made with: end, limits, and room to work in."""
     header, whole = runner.header, runner.whole()
     # Sensitivities stand behind the vector of a run, which is longer then.
@@ -201,7 +178,7 @@ def _places(model: Model, columns: Mapping[str, Array]) -> list[float]:
 def _base(job: Job, runner: Runner) -> Any:
     """Return the vector of a run with the numbers that all rows share."""
     model = job.model()
-    values = values_of(job.mechanism, job.law)
+    values = starts.values_of(job.mechanism, job.law)
     numbers = [float(values[path]) for path in model.parameter_paths]
     base = runner.working(numbers)
     for i, value in enumerate(job.y0, runner.header[Y]):
@@ -216,7 +193,7 @@ def _cuts(
 
     Runs that are known to take long are divided into so many shares.
     """
-    pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
+    pieces = starts.schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     count = len(next(iter(columns.values())))
     # A chunk holds the tables of all its rows: fewer rows where drives have many pieces.
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
@@ -255,7 +232,7 @@ def run_ensemble(
     y0: Sequence[float],
     told: Sequence[str],
     t_end: float,
-    outputs: Sequence[str] | Mapping[str, Output] | None,
+    outputs: Sequence[str] | Mapping[str, reducers.Output] | None,
     solver: EventDriven,
     executor: Executor | None,
     progress: Callable[[int, int], object] | None,
@@ -265,8 +242,10 @@ def run_ensemble(
     columns, count = check_columns(mechanism, law, varied)
     wanted = _outputs(mechanism, law, model, outputs)
     told = tuple(state for state in told if f"initial.{state}" not in columns)
-    kinds, arguments, places = asked(wanted, model, t_end, count)
-    gradients = tuple(sorted({one.parameter for one in wanted.values() if is_gradient(one)}))
+    kinds, arguments, places = reducers.asked(wanted, model, t_end, count)
+    gradients = tuple(
+        sorted({one.parameter for one in wanted.values() if reducers.is_gradient(one)})
+    )
     job = Job(mechanism, law, tuple(y0), t_end, kinds, gradients, solver, told)
     parts = _Parts(job, model, wanted, places, count)
 
@@ -275,15 +254,15 @@ def run_ensemble(
         answer = None if progress is None else progress(parts.done, count)
         return answer is None or bool(answer)
 
-    begun = starts_as_told(mechanism, columns, told)
-    begun = starts_within_stops(mechanism, begun, y0)
+    begun = starts.starts_as_told(mechanism, columns, told)
+    begun = starts.starts_within_stops(mechanism, begun, y0)
     # Where anything is extreme; to look at the masses of each row would take too long.
     for row in _extreme(columns):
         state = [
             float(begun.get(f"initial.{name}", np.full(count, value))[row])
             for name, value in zip(mechanism.coordinates, y0, strict=False)
         ]
-        refuse_masses(_varied(mechanism, "mechanism", columns, row), state)
+        starts.refuse_masses(_varied(mechanism, "mechanism", columns, row), state)
     run_chunks(job, begun, arguments, executor, keep)
     bristles = model.states[2 * len(mechanism.coordinates) :]
     units = path_units(mechanism, law, bristles)
@@ -298,7 +277,7 @@ class _Parts:
         self,
         job: Job,
         model: Model,
-        wanted: Mapping[str, Output],
+        wanted: Mapping[str, reducers.Output],
         places: Mapping[str, slice],
         count: int,
     ) -> None:
@@ -323,7 +302,7 @@ class _Parts:
         """Return all of it."""
         wanted, evidence = self.wanted, self.evidence
         for name, output in wanted.items():
-            if is_gradient(output):
+            if reducers.is_gradient(output):
                 state = self.model.states.index(output.state)
                 direction = self.job.gradients.index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
@@ -332,19 +311,19 @@ class _Parts:
         table = np.array([status_of(code, self.model) for code in range(most)])
         return Ensemble(
             outputs={
-                name: value_of(self.results, place, wanted[name])
+                name: reducers.value_of(self.results, place, wanted[name])
                 for name, place in self.places.items()
             },
             parameters=columns,
             status=table[self.codes],
-            certified=passes(evidence, self.job.solver.tolerance_for(self.job.law)),
+            certified=certify.passes(evidence, self.job.solver.tolerance_for(self.job.law)),
             energy_error=evidence[:, 0],
             guard_violation=evidence[:, 1],
             event_residual=evidence[:, 2],
             steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
             units={
                 **{path: units[path] for path in columns},
-                **{name: output_unit(one, units) for name, one in wanted.items()},
+                **{name: reducers.output_unit(one, units) for name, one in wanted.items()},
             },
         )
 
@@ -353,9 +332,9 @@ def _outputs(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
     model: Model,
-    outputs: Sequence[str] | Mapping[str, Output] | None,
-) -> Mapping[str, Output]:
-    if isinstance(outputs, (str, Output)):
+    outputs: Sequence[str] | Mapping[str, reducers.Output] | None,
+) -> Mapping[str, reducers.Output]:
+    if isinstance(outputs, (str, reducers.Output)):
         raise InputError(f"outputs must be a sequence of names or a mapping, got {outputs!r}.")
     for name in outputs or ():
         if not _is_name(name):
@@ -364,17 +343,19 @@ def _outputs(
                 f" {', '.join(RESERVED)} to Final, Max, ...; got {name!r}."
             )
     if outputs is None or not isinstance(outputs, Mapping):
-        return {name: Final(name) for name in (model.states if outputs is None else outputs)}
+        return {
+            name: reducers.Final(name) for name in (model.states if outputs is None else outputs)
+        }
     for name, output in outputs.items():
-        if not isinstance(output, Output):
+        if not isinstance(output, reducers.Output):
             raise InputError(
                 f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes,"
                 f" EventCount or Sensitivity, got {output!r}."
             )
-    known, roots = quantities_of(mechanism, law, model), roots_of(mechanism, law)
+    known, roots = certify.quantities_of(mechanism, law, model), certify.roots_of(mechanism, law)
     return {
         name: replace(o, parameter=standing_path(o.parameter, known, roots))
-        if is_gradient(o)
+        if reducers.is_gradient(o)
         else o
         for name, o in outputs.items()
     }
@@ -391,9 +372,9 @@ def check_columns(
     model = formulate(mechanism, law)
     if not isinstance(varied, Mapping):
         raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
-    known = quantities_of(mechanism, law, model)
+    known = certify.quantities_of(mechanism, law, model)
     check_size("ensemble", sum(map(np.size, varied.values())), FEWER)
-    roots = roots_of(mechanism, law)
+    roots = certify.roots_of(mechanism, law)
     given = {
         standing_path(path, known, roots): _numbers(path, values) for path, values in varied.items()
     }
@@ -444,10 +425,10 @@ def _check(
         for value in (values.min(), values.max()):
             known[path].check(owner, name, float(value))
     # Ranges hold by the extremes; what depends on several parameters is checked there alone.
-    for row in sorted(_extreme(columns) | narrowest(mechanism, columns)):
+    for row in sorted(_extreme(columns) | starts.narrowest(mechanism, columns)):
         own = _varied(mechanism, "mechanism", columns, row)
         try:
-            refuse_turned(own, model)
+            starts.refuse_turned(own, model)
         except InputError as error:
             raise InputError(f"run {row}: {error}") from None
         _varied(law, "friction", columns, row)

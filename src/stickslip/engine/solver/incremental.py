@@ -27,14 +27,8 @@ from stickslip.engine.formulation import formulate
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.batch import kept_size
 from stickslip.engine.kernels.equations import state_seen
+from stickslip.engine.solver import event_driven
 from stickslip.engine.solver.backend import Runner, runner_of
-from stickslip.engine.solver.event_driven import (
-    BareRun,
-    EventDriven,
-    bare_run,
-    status_of,
-    trajectory_of,
-)
 from stickslip.engine.solver.run import FIRST_ROWS, STRETCH, Record, work_of
 from stickslip.engine.solver.starts import Inputs, gather, values_of, within_stops
 from stickslip.engine.trajectory import Status, Trajectory
@@ -60,7 +54,7 @@ class IncrementalRun:
         drives: Sequence[str],
         y0: Sequence[float],
         t_end: float,
-        solver: EventDriven,
+        solver: event_driven.EventDriven,
     ) -> None:
         """Begin at time 0.
 
@@ -147,12 +141,14 @@ class IncrementalRun:
         """Return the run, of the mechanism with the drives that were told."""
         inputs, record = self._recorded(mechanism)
         tolerance = self.solver.tolerance_for(self.law)
-        return trajectory_of(mechanism, self.law, self.model, inputs, record, tolerance, self.t_end)
+        return event_driven.trajectory_of(
+            mechanism, self.law, self.model, inputs, record, tolerance, self.t_end
+        )
 
-    def bare(self, mechanism: Mechanism) -> BareRun:
+    def bare(self, mechanism: Mechanism) -> event_driven.BareRun:
         """Return the run as `finished` does, without a certificate."""
         inputs, record = self._recorded(mechanism)
-        return bare_run(mechanism, self.law, self.model, inputs, record, self.t_end)
+        return event_driven.bare_run(mechanism, self.law, self.model, inputs, record, self.t_end)
 
     def _recorded(self, mechanism: Mechanism) -> tuple[Inputs, Record]:
         """Return the numbers of the run, and what the kernels wrote down of it."""
@@ -183,7 +179,7 @@ class IncrementalEnsemble:
         law: FrictionLaw | Laws,
         *,
         count: int,
-        solver: EventDriven,
+        solver: event_driven.EventDriven,
         threads: int | None = None,
     ) -> None:
         """Make room for the runs; each has to begin before it can go on."""
@@ -260,7 +256,7 @@ class IncrementalEnsemble:
 
     def status(self, row: int) -> Status:
         """Return how the last stretch of a run ended."""
-        return status_of(int(self._wholes[row, layout.STATUS]), self.model)
+        return event_driven.status_of(int(self._wholes[row, layout.STATUS]), self.model)
 
     def begin(
         self,

@@ -24,17 +24,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from stickslip.engine.formulation import Model, formulate
-from stickslip.engine.kernels.state_layout import (
-    ADDRESS,
-    EVENT_COLUMNS,
-    N_DRIVES,
-    ROW_COLUMNS,
-    SEVERAL,
-    STATUS,
-    STEP_LIMIT,
-    STEPS,
-    Y,
-)
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.solver.backend import Runner, runner_of
 from stickslip.engine.solver.compile.modules import compile_in_background, load_compiled
 from stickslip.engine.solver.compile.programs import KERNELS, code_of
@@ -234,8 +224,8 @@ class Record:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle numbers only: the vector of a run has addresses in it, or functions."""
         numbers = list(self.w)
-        numbers[ADDRESS] = numbers[SEVERAL] = 0.0
-        taken = self.whole[STEPS] * self.runner.header[ROW_COLUMNS]
+        numbers[layout.ADDRESS] = numbers[layout.SEVERAL] = 0.0
+        taken = self.whole[layout.STEPS] * self.runner.header[layout.ROW_COLUMNS]
         log, events = (np.array(rows, dtype=np.float64) for rows in (self.log, self.events))
         rows = self.runner, log[:taken], events, np.array(numbers)
         return _restored, (*rows, self.whole, self.spent)
@@ -264,19 +254,23 @@ def execute(
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and work.is_enough()))
     header = runner.header
     w, whole = runner.working(inputs.p), runner.whole()
-    for i, value in enumerate(y0, header[Y]):
+    for i, value in enumerate(y0, header[layout.Y]):
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
     table, bounds = map(runner.flat, given)
     # Each piece of the drives takes a step at least: room for as many spares doubling a long log.
     # Pages that no step reaches cost nothing.
-    pieces = len(table) // (1 + 3 * header[N_DRIVES]) if runner.compiled else 0
-    log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[ROW_COLUMNS])
-    events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
+    pieces = len(table) // (1 + 3 * header[layout.N_DRIVES]) if runner.compiled else 0
+    log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[layout.ROW_COLUMNS])
+    events: Any = runner.zeros(FIRST_ROWS * layout.EVENT_COLUMNS)
     spent = 0.0
     while True:
         # plain runs stop now and then to ask whether machine code would pay by now
-        most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
+        most = (
+            limit
+            if tier != "auto" or runner.compiled
+            else min(limit, whole[layout.STEPS] + STRETCH)
+        )
         start = 0.0 if runner.compiled else thread_time()
         log, events = runner.run(
             w, whole, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
@@ -285,7 +279,9 @@ def execute(
             taken = thread_time() - start
             work.add(taken)
             spent += taken
-        if most >= limit or whole[STATUS] != STEP_LIMIT:  # of the run, not of the stretch
+        if (
+            most >= limit or whole[layout.STATUS] != layout.STEP_LIMIT
+        ):  # of the run, not of the stretch
             known = spent if tier == "auto" else None
             return Record(runner, log, events, w, np.asarray(whole).tolist(), known)
         if work.is_enough(spent):  # the rest in machine code, which gives the same bits

@@ -8,32 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.engine import solver
 from stickslip.engine.formulation import formulate
+from stickslip.engine.kernels import exchange
 from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.equations import next_stop
-from stickslip.engine.kernels.exchange import (
-    COLUMNS_AT,
-    ENTER,
-    FALLEN,
-    JUMP,
-    LOOK,
-    NOTE,
-    PLACE,
-    RATES_AT,
-    SHOWN,
-    exchange,
-    take_over,
-)
 from stickslip.engine.kernels.guard_roots import guard_values
 from stickslip.engine.simulation import check_pair, initial_state
-from stickslip.engine.solver import (
-    Equations,
-    EventDriven,
-    column_units,
-    gather,
-    status_of,
-    within_stops,
-)
 from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import Friction, PrintedForm
@@ -177,19 +158,19 @@ class ModeProblem:
         self.names, self.t_end = model.states, float(t_end)
         self.contacts = () if model.alone else tuple(model.contacts)
         bristles = model.states[2 * len(mechanism.coordinates) :]
-        self._units = column_units(mechanism, bristles)
-        inputs = gather(mechanism, laws, model, self.t_end)
-        equations = Equations(model, inputs)
+        self._units = solver.column_units(mechanism, bristles)
+        inputs = solver.gather(mechanism, laws, model, self.t_end)
+        equations = solver.Equations(model, inputs)
         self._w, self._whole, self._table = equations.w, equations.whole, inputs.table.tolist()
-        self._tolerance = EventDriven().tolerance_for(laws)
+        self._tolerance = solver.EventDriven().tolerance_for(laws)
         self._longest = inputs.time_scale / 6.0
         self._rows = [0.0] * (2 * (self._whole[layout.MOST_EVENTS] + 2) * layout.EVENT_COLUMNS)
         self._log = [0.0] * (2 * self._whole[layout.ROW_COLUMNS])
         self._known: tuple[float, list[float], list[float]] | None = None
         self.changes: list[Change] = []
         start = initial_state("to_ivp", mechanism, laws, y0)
-        self._put(within_stops(mechanism, start), layout.Y)
-        self._happen(ENTER)
+        self._put(solver.within_stops(mechanism, start), layout.Y)
+        self._happen(exchange.ENTER)
         self._look()
         self.events = [self._event(guard) for guard in range(self._whole[layout.N_GUARDS])]
 
@@ -201,7 +182,7 @@ class ModeProblem:
     @property
     def y(self) -> Array:
         """State there (n,) [SI]."""
-        self._ask(SHOWN)
+        self._ask(exchange.SHOWN)
         return np.array(self._seen(layout.POINT, len(self.names)), dtype=np.float64)
 
     @property
@@ -209,8 +190,8 @@ class ModeProblem:
         """0 stick, 1 and -1 slip, 2 and -2 pressed against a stop; a tuple of several contacts."""
         if not self._model.contacts:
             return int(self._whole[layout.MODE])
-        self._ask(SHOWN)
-        self._ask(COLUMNS_AT)
+        self._ask(exchange.SHOWN)
+        self._ask(exchange.COLUMNS_AT)
         count = len(self._model.contacts)  # columns have friction and loads first
         modes = tuple(int(mode) for mode in self._seen(layout.VALUES, 3 * count)[2 * count :])
         return modes if self.contacts else modes[0]
@@ -224,7 +205,7 @@ class ModeProblem:
     def status(self) -> Status | None:
         """How the motion ended; None while it goes on."""
         if self._whole[layout.STATUS] != layout.RUNNING:
-            return status_of(self._whole[layout.STATUS], self._model)
+            return solver.status_of(self._whole[layout.STATUS], self._model)
         return Status.END_TIME if self.t >= self.t_end else None
 
     def fun(self, t: float, y: Sequence[float]) -> list[float]:
@@ -244,12 +225,12 @@ class ModeProblem:
         """
         self._w[layout.TIME] = float(t)
         self._put(y, layout.POINT)
-        self._ask(RATES_AT)
+        self._ask(exchange.RATES_AT)
         return self._seen(layout.STAGES, len(self.names))
 
     def _ask(self, question: int, guard: int = 0) -> int:
         """Ask the kernels at the time and states in the vector of the run."""
-        return exchange(
+        return exchange.exchange(
             question, guard, self.t_end, self._tolerance, self._longest, self._w, self._whole,
             self._table, self._log, self._rows,
         )  # fmt: skip
@@ -271,7 +252,7 @@ class ModeProblem:
             self._w[layout.TIME] = float(t)
             self._put(state, layout.POINT)
             at, to = self._whole[layout.POINT], self._whole[layout.SAMPLED]
-            take_over(at, self._w, self._whole)
+            exchange.take_over(at, self._w, self._whole)
             guard_values(t, self._w, self._whole, at, to)
             self._known = (t, state, self._seen(layout.SAMPLED, self._whole[layout.N_GUARDS]))
         return self._known[2]
@@ -303,19 +284,19 @@ class ModeProblem:
         begins = guard is None and t >= stop
         self._w[layout.TIME] = stop if begins else float(t)
         self._put(y, layout.Y)
-        self._ask(PLACE)
-        self._ask(NOTE)
+        self._ask(exchange.PLACE)
+        self._ask(exchange.NOTE)
         if guard is not None:
-            self._happen(FALLEN, guard)
+            self._happen(exchange.FALLEN, guard)
         elif begins and stop < self.t_end:
-            self._happen(JUMP)
+            self._happen(exchange.JUMP)
         self._look()
 
     def _look(self) -> None:
         """Let everything happen that falls at once, and note the time."""
         self._t = float(self._w[layout.TIME])
         for _ in range(MOST_FALLS):
-            if self.status is not None or not self._happen(LOOK):
+            if self.status is not None or not self._happen(exchange.LOOK):
                 break
         else:
             raise SimulationError(

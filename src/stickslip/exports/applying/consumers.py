@@ -14,22 +14,8 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.exports.applying import models
 from stickslip.exports.applying.markup import Edit, root_of
-from stickslip.exports.applying.models import (
-    ONE_DAMPING,
-    Beside,
-    Carried,
-    Mjcf,
-    Model,
-    ModelJoint,
-    Newton,
-    Physx,
-    Urdf,
-    Wishes,
-    level_and_damping,
-    number,
-    of_damper,
-)
 from stickslip.exports.joints import JointFriction, SmoothFriction, compared, steady_of
 from stickslip.exports.program import Subject
 from stickslip.friction import LAWS, FrictionLaw
@@ -46,14 +32,14 @@ FEED_FORWARD: Final = "ff_velocity_scale"
 CALLED: Final = "the controller"
 
 
-class Ros2(Model):
+class Ros2(models.Model):
     """Parameters of the nodes of ROS 2."""
 
     name: ClassVar[str] = "ros2"
     title: ClassVar[str] = "YAML of ROS 2"
     program: ClassVar[str] = "ROS 2"
     refuses: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {**ONE_DAMPING, "holds": "has no friction at rest"}
+        {**models.ONE_DAMPING, "holds": "has no friction at rest"}
     )
 
     @classmethod
@@ -87,7 +73,7 @@ class Ros2(Model):
             raise InputError(f"{self.path} has no ros__parameters, so it has none of a ROS 2 node.")
         return found
 
-    def joints(self) -> Iterator[ModelJoint]:
+    def joints(self) -> Iterator[models.ModelJoint]:
         for node, parameters in self.nodes:
             names = _texts(parameters.get("joints"))
             friction = _yaml_members(parameters.get("friction"))
@@ -105,7 +91,7 @@ class Ros2(Model):
                     if FEED_FORWARD in own:
                         place = {f"{node}.gains.{name}.{FEED_FORWARD}": own[FEED_FORWARD]}
                 if len(place) in (1, len(ARRAYS)):
-                    yield ModelJoint(
+                    yield models.ModelJoint(
                         name=name,
                         kind="either",
                         line=parameters["joints"].start_mark.line + 1,
@@ -123,11 +109,17 @@ class Ros2(Model):
                 )
         return ""
 
-    def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
+    def carry(
+        self,
+        joint: models.ModelJoint,
+        subject: Subject,
+        beside: models.Beside,
+        wishes: models.Wishes,
+    ) -> models.Carried:
         steady = steady_of(subject)
         v, force = steady.velocity, steady.force + beside.damping * steady.velocity
         steady, (place, use) = replace(steady, force=force), joint.place
-        lost: tuple[str, ...] = tuple(of_damper(subject, beside))
+        lost: tuple[str, ...] = tuple(models.of_damper(subject, beside))
         law: JointFriction | SmoothFriction
         if len(place) == 1:
             damping = max(0.0, float(v @ force) / float(v @ v))
@@ -142,7 +134,7 @@ class Ros2(Model):
             if use is None or use.value.lower() not in ("true", "yes", "on"):
                 lost += ("use_friction is not true: the controller leaves friction as it is.",)
         near = compared(subject, steady, law, CALLED)
-        return Carried(
+        return models.Carried(
             values=dict(zip(place, map(_real, values), strict=True)),
             near=near,
             lost=(*lost, *near.lost),
@@ -161,7 +153,7 @@ class Ros2(Model):
             )
         return found
 
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+    def edits(self, joint: models.ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         place, _ = joint.place
         return [
             Edit(self._byte(one.start_mark), self._byte(one.end_mark), values[key].encode("ascii"))
@@ -174,7 +166,7 @@ class Ros2(Model):
 
 def _real(value: float) -> str:
     """Return a number as all of ROS 2 reads it for a double: with a point, without an exponent."""
-    text = format(Decimal(number(value)), "f")
+    text = format(Decimal(models.number(value)), "f")
     return text if "." in text else f"{text}.0"
 
 
@@ -232,13 +224,13 @@ NAMES: Final = frozenset((*LEVELS, *SPEEDS, SURPLUS, "kt", "R", "armature", "mod
 MEMBER: Final = re.compile(r'\s*("(?:\\.|[^"\\])*")\s*:\s*')
 
 
-class Bam(Model):
+class Bam(models.Model):
     """A file of parameters of a servo."""
 
     name: ClassVar[str] = "bam"
     title: ClassVar[str] = "JSON of Rhoban/bam"
     program: ClassVar[str] = "Rhoban/bam"
-    refuses: ClassVar[Mapping[str, str]] = ONE_DAMPING
+    refuses: ClassVar[Mapping[str, str]] = models.ONE_DAMPING
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
@@ -266,29 +258,35 @@ class Bam(Model):
             )
         return dict(_json_members(self.text))
 
-    def joints(self) -> Iterator[ModelJoint]:
+    def joints(self) -> Iterator[models.ModelJoint]:
         name = str(self.members["actuator"][0])
         given = {
             key: (self.text[start:end].strip('"'), "")
             for key, (_, start, end) in self.members.items()
             if key in NAMES
         }
-        yield ModelJoint(name=name, kind="hinge", line=1, place=None, given=given)
+        yield models.ModelJoint(name=name, kind="hinge", line=1, place=None, given=given)
 
     def has_exactly(self, subject: Subject) -> bool:
         return gear_law(subject.law) is not None
 
-    def carry(self, joint: ModelJoint, subject: Subject, beside: Beside, wishes: Wishes) -> Carried:
+    def carry(
+        self,
+        joint: models.ModelJoint,
+        subject: Subject,
+        beside: models.Beside,
+        wishes: models.Wishes,
+    ) -> models.Carried:
         values, lost = _of_motor(beside)
         law = gear_law(subject.law)
         if law is not None and not wishes.holds:
             model, near = MODELS[law.name], None
             friction = dict(_gear_parameters(law, subject.needed_load()))
             friction["friction_viscous"] += beside.damping
-            lost = (*of_damper(subject, beside), *lost)
+            lost = (*models.of_damper(subject, beside), *lost)
         else:
             model = "m1"
-            found, near, left = level_and_damping(subject, beside, wishes)
+            found, near, left = models.level_and_damping(subject, beside, wishes)
             friction = {"friction_base": found.level, "friction_viscous": found.damping[0]}
             lost = (*left, *lost)
         stays = [
@@ -296,10 +294,10 @@ class Bam(Model):
         ]
         if stays:
             lost += (f"{model.upper()} does not read {', '.join(stays)}, which stay as they were.",)
-        written = {key: number(value) for key, value in (*friction.items(), *values.items())}
-        return Carried(values={**written, "model": model}, near=near, lost=lost)
+        written = {key: models.number(value) for key, value in (*friction.items(), *values.items())}
+        return models.Carried(values={**written, "model": model}, near=near, lost=lost)
 
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+    def edits(self, joint: models.ModelJoint, values: Mapping[str, str]) -> list[Edit]:
         found, added = [], []
         for key, value in values.items():
             text = json.dumps(value) if key == "model" else value
@@ -368,7 +366,7 @@ def _gear_parameters(law: FrictionLaw, load: float) -> Iterator[tuple[str, float
             yield name, getattr(law, own)
 
 
-def _of_motor(beside: Beside) -> tuple[Mapping[str, float], tuple[str, ...]]:
+def _of_motor(beside: models.Beside) -> tuple[Mapping[str, float], tuple[str, ...]]:
     """Return the values of the motor at the shaft of the servo, and what they leave of it."""
     motor, found = beside.motor, dict[str, float]()
     lost: tuple[str, ...] = ()
@@ -386,8 +384,8 @@ def _of_motor(beside: Beside) -> tuple[Mapping[str, float], tuple[str, ...]]:
 
 # The formats of model files by name.
 
-CONSUMERS: Final[Mapping[str, type[Model]]] = MappingProxyType(
-    {one.name: one for one in (Urdf, Mjcf, Physx, Newton, Bam, Ros2)}
+CONSUMERS: Final[Mapping[str, type[models.Model]]] = MappingProxyType(
+    {one.name: one for one in (models.Urdf, models.Mjcf, models.Physx, models.Newton, Bam, Ros2)}
 )
 """What laws can be applied to."""
 
@@ -396,12 +394,12 @@ XML: Final = (".xml", ".urdf", ".mjcf", ".xacro")
 """Names of files that are XML, or should be."""
 
 
-def read_model(path: Path, to: str | None = None) -> Model:
+def read_model(path: Path, to: str | None = None) -> models.Model:
     """Read a file in the format that it seems to have, or in a named one."""
     data = read_bytes(path)
-    fitting = [one for one in CONSUMERS.values() if one.recognises(path, data)]
+    fitting = [consumer for consumer in CONSUMERS.values() if consumer.recognises(path, data)]
     if to is not None:
-        wanted: type[Model] = named(CONSUMERS, to, "format")
+        wanted: type[models.Model] = named(CONSUMERS, to, "format")
         if wanted not in fitting:
             raise InputError(f"{path} is no file of {wanted.title}.")
         return wanted(path, data)
@@ -422,5 +420,5 @@ def _unknown(path: Path, data: bytes) -> InputError:
         return InputError(
             f"{path} has the root <{root}>; a URDF file has <robot>, an MJCF file <mujoco>."
         )
-    known = "; ".join(one.title for one in CONSUMERS.values())
+    known = "; ".join(consumer.title for consumer in CONSUMERS.values())
     return InputError(f"{path} is none of the files that friction can be written into: {known}.")

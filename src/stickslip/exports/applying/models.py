@@ -15,17 +15,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 from stickslip.errors import InputError, nearest
-from stickslip.exports.applying.markup import (
-    Edit,
-    Markup,
-    Prim,
-    Stage,
-    Tag,
-    edited,
-    markup_of,
-    root_of,
-    stage_of,
-)
+from stickslip.exports.applying import markup as markups
 from stickslip.exports.joints import SOFT, Compared, PolynomialFriction, Simplified, simplified
 from stickslip.exports.program import Subject
 from stickslip.friction import SetValuedLaw
@@ -146,7 +136,7 @@ class Model(ABC):
         """Return a law as a joint of the file has it."""
 
     @abstractmethod
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[markups.Edit]:
         """Return the edits that give a joint values."""
 
     def has_exactly(self, subject: Subject) -> bool:  # most have no law itself
@@ -157,7 +147,7 @@ class Model(ABC):
         """Return where else a joint of a name is, in a sentence; empty if that is not known."""
         return ""
 
-    def included(self) -> Sequence[Markup]:
+    def included(self) -> Sequence[markups.Markup]:
         """Return the files of XML that the file includes."""
         return ()
 
@@ -167,7 +157,7 @@ class Model(ABC):
 
     def written(self, values: Sequence[tuple[ModelJoint, Mapping[str, str]]]) -> bytes:
         """Return the file with values of its joints."""
-        return edited(self.data, [one for pair in values for one in self.edits(*pair)])
+        return markups.edited(self.data, [edit for pair in values for edit in self.edits(*pair)])
 
     def joint(self, name: str) -> ModelJoint:
         """Return a joint by its name."""
@@ -327,12 +317,12 @@ class Mjcf(JointModel):
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
-        return root_of(data) in ("mujoco", "mujocoinclude")
+        return markups.root_of(data) in ("mujoco", "mujocoinclude")
 
     @cached_property
-    def markup(self) -> Markup:
+    def markup(self) -> markups.Markup:
         """The elements of the file."""
-        return markup_of(self.path, self.data)
+        return markups.markup_of(self.path, self.data)
 
     def joints(self) -> Iterator[ModelJoint]:
         classes = self._classes()
@@ -360,7 +350,7 @@ class Mjcf(JointModel):
         """Return attributes of joints by default class, with the class that gives each."""
         found: dict[str, dict[str, tuple[str, str]]] = {"": {}}
 
-        def read(tag: Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
+        def read(tag: markups.Tag, outer: Mapping[str, tuple[str, str]], top: str) -> None:
             name = tag.attributes.get("class", top or "main")
             own = dict(outer)
             for child in tag.children:
@@ -388,7 +378,7 @@ class Mjcf(JointModel):
             values["armature"] = number(friction.armature)
         return values
 
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[markups.Edit]:
         return self.markup.with_attributes({joint.place: values})
 
     def lost(self, joint: ModelJoint, friction: Friction) -> Iterator[str]:
@@ -419,11 +409,11 @@ class Mjcf(JointModel):
                     " come on top of those of the joint."
                 )
 
-    def parts(self) -> Iterator[tuple[str, Markup]]:
+    def parts(self) -> Iterator[tuple[str, markups.Markup]]:
         """Yield the files that are included, each behind those that it includes, by their names."""
         yield from _parts(self.path.parent, self.markup, {self.path.resolve()})
 
-    def included(self) -> Sequence[Markup]:
+    def included(self) -> Sequence[markups.Markup]:
         return [part for _, part in self.parts()]
 
     def elsewhere(self, name: str) -> str:
@@ -439,13 +429,15 @@ class Mjcf(JointModel):
                 )
         return ""
 
-    def _roots(self) -> Iterator[Tag]:
+    def _roots(self) -> Iterator[markups.Tag]:
         """Yield the roots of the files that are included, and that of the file."""
         yield from (part.root for _, part in self.parts())
         yield self.markup.root
 
 
-def _parts(main: Path, markup: Markup, read: set[Path]) -> Iterator[tuple[str, Markup]]:
+def _parts(
+    main: Path, markup: markups.Markup, read: set[Path]
+) -> Iterator[tuple[str, markups.Markup]]:
     """Yield what a file includes, each once: MuJoCo takes no file twice, nor one within itself."""
     for tag in markup.root.walk():
         name = tag.attributes.get("file", "")
@@ -461,14 +453,14 @@ def _parts(main: Path, markup: Markup, read: set[Path]) -> Iterator[tuple[str, M
             continue
         read.add(path.resolve())
         try:
-            part = markup_of(path, read_bytes(path))
+            part = markups.markup_of(path, read_bytes(path))
         except InputError:
             continue
         yield from _parts(main, part, read)
         yield name, part
 
 
-def _class_of(tag: Tag) -> str:
+def _class_of(tag: markups.Tag) -> str:
     """Return the default class of a joint: its own, or the nearest childclass around it."""
     if "class" in tag.attributes:
         return tag.attributes["class"]
@@ -499,12 +491,12 @@ class Urdf(JointModel):
 
     @classmethod
     def recognises(cls, path: Path, data: bytes) -> bool:
-        return root_of(data) == "robot"
+        return markups.root_of(data) == "robot"
 
     @cached_property
-    def markup(self) -> Markup:
+    def markup(self) -> markups.Markup:
         """The elements of the file."""
-        found = markup_of(self.path, self.data)
+        found = markups.markup_of(self.path, self.data)
         if any(
             tag.name.startswith("xacro:") or "${" in "".join(tag.attributes.values())
             for tag in found.root.walk()
@@ -528,8 +520,8 @@ class Urdf(JointModel):
     def attributes(self, joint: ModelJoint, friction: Friction) -> Mapping[str, str]:
         return {"damping": number(friction.damping[0]), "friction": number(friction.level)}
 
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
-        tag: Tag = joint.place
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[markups.Edit]:
+        tag: markups.Tag = joint.place
         dynamics = _dynamics(tag)
         if dynamics is not None:
             return self.markup.with_attributes({dynamics: values})
@@ -559,7 +551,7 @@ class Urdf(JointModel):
         )
 
 
-def _dynamics(tag: Tag) -> Tag | None:
+def _dynamics(tag: markups.Tag) -> markups.Tag | None:
     return next((child for child in tag.children if child.name == "dynamics"), None)
 
 
@@ -598,9 +590,9 @@ class UsdModel(JointModel):
         return data.startswith(b"#usda")
 
     @cached_property
-    def stage(self) -> Stage:
+    def stage(self) -> markups.Stage:
         """The elements of the file."""
-        return stage_of(self.path, self.data)
+        return markups.stage_of(self.path, self.data)
 
     def joints(self) -> Iterator[ModelJoint]:
         for prim in self.stage.prims:
@@ -628,8 +620,8 @@ class UsdModel(JointModel):
         names = self.names(AXES[joint.kind])
         return {names[key]: number(value) for key, value in values.items() if key in names}
 
-    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[Edit]:
-        prim: Prim = joint.place
+    def edits(self, joint: ModelJoint, values: Mapping[str, str]) -> list[markups.Edit]:
+        prim: markups.Prim = joint.place
         return self.stage.edits(prim, values, self.schema(AXES[joint.kind]))
 
 

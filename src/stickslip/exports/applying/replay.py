@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import mechanisms
 from stickslip.data import (
     Measurement,
     as_recorded,
@@ -22,28 +23,7 @@ from stickslip.engine.simulation import simulate
 from stickslip.errors import InputError, StickslipError
 from stickslip.exports.applying.running import ROUNDING, Compiled, Tested, alone, not_run, timed
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits import (
-    JointPiece,
-    applied_force,
-    contacts_along,
-    goes_straight,
-    hold_of,
-    joint_pieces,
-    torque_along,
-    usual_values,
-    with_drive,
-    with_inputs,
-)
-from stickslip.mechanisms import (
-    CurrentLoop,
-    DCMotor,
-    Mechanism,
-    Robot,
-    SerialArm,
-    TwoLinkArm,
-    motor_of,
-    slip_of,
-)
+from stickslip.identify import fits
 from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import turned
 from stickslip.show.described import Described
@@ -138,23 +118,23 @@ class JointReplay(metaclass=Described):
     def to_dict(self) -> Mapping[str, Any]:
         """Return the joint as plain values."""
         own = {name: value for name, value in vars(self).items() if name != "rotary"}
-        models = [one.to_dict() for one in self.models]
+        models = [model.to_dict() for model in self.models]
         return own | {"models": models, "sentences": list(self.sentences)}
 
 
-def replay_of(record: Measurement, mechanism: Mechanism) -> "Replay":
+def replay_of(record: Measurement, mechanism: mechanisms.Mechanism) -> "Replay":
     """Return a record in stretches between its gaps, as the mechanism of its laws has it."""
     commands: tuple[_Commanded, ...] = ()
-    if motor_of(mechanism) is None:
+    if mechanisms.motor_of(mechanism) is None:
         own = _by_coordinate(mechanism, record)
-        found = hold_of(mechanism, own, None)
+        found = fits.hold_of(mechanism, own, None)
         hold = "first" if found is None else found.hold
     else:
         commands = tuple(_commanded(mechanism, record))
-        own = Measurement(trials=tuple(one.by_torque() for one in commands))
+        own = Measurement(trials=tuple(command.by_torque() for command in commands))
         mechanism, hold = _without_current(mechanism), "first"
     torques = JointTorques.of(mechanism, [])
-    pieces = tuple(joint_pieces(torques, mechanism, own, hold=hold, resolved=True))
+    pieces = tuple(fits.joint_pieces(torques, mechanism, own, hold=hold, resolved=True))
     if not pieces:
         raise InputError(
             "the record has no stretch without a gap that is long enough to be filtered."
@@ -163,21 +143,21 @@ def replay_of(record: Measurement, mechanism: Mechanism) -> "Replay":
         record=own,
         mechanism=mechanism,
         pieces=pieces,
-        contacts={along: one.name for along, one in contacts_along(mechanism).items()},
+        contacts={along: one.name for along, one in fits.contacts_along(mechanism).items()},
         commands=commands,
     )
 
 
-def _by_coordinate(mechanism: Mechanism, measurement: Measurement) -> Measurement:
+def _by_coordinate(mechanism: mechanisms.Mechanism, measurement: Measurement) -> Measurement:
     """Return a record of one coordinate as one by joint."""
     if measurement.joint_names():
         return measurement
-    name = slip_of(mechanism)
+    name = mechanisms.slip_of(mechanism)
     found = []
     for record in measurement.records():
         if record.time is None or not {"position", "velocity"} & {*record.quantities()}:
             raise InputError("a motion in time is needed: position or velocity, and force.")
-        force = applied_force(as_recorded(mechanism, record), record)
+        force = fits.applied_force(as_recorded(mechanism, record), record)
         what = "position" if "position" in record.quantities() else "velocity"
         motion = {what: {name: np.asarray(record.values(what))}}
         found.append(
@@ -197,7 +177,7 @@ def _by_coordinate(mechanism: Mechanism, measurement: Measurement) -> Measuremen
 class _Commanded:
     """What a motor was told between two gaps of a record."""
 
-    mechanism: Mechanism
+    mechanism: mechanisms.Mechanism
     """With the motor as it was in the record."""
     record: Measurement
     what: str
@@ -208,21 +188,21 @@ class _Commanded:
     """Whether that goes straight from sample to sample."""
 
     @property
-    def motor(self) -> DCMotor:
+    def motor(self) -> mechanisms.DCMotor:
         """The motor."""
-        motor: Any = motor_of(self.mechanism)
+        motor: Any = mechanisms.motor_of(self.mechanism)
         assert motor is not None
-        found: DCMotor = motor
+        found: mechanisms.DCMotor = motor
         return found
 
     def by_torque(self) -> Measurement:
         """Return the same as a record of the motor's torque along the measured motion."""
-        name = slip_of(self.mechanism)
+        name = mechanisms.slip_of(self.mechanism)
         what = "position" if "position" in self.record.quantities() else "velocity"
         motion = {what: {name: np.asarray(self.record.values(what))}}
         return Measurement(
             time=self.record.time,
-            force={name: torque_along(self.mechanism, self.record, HOLD)},
+            force={name: fits.torque_along(self.mechanism, self.record, HOLD)},
             inputs=self.record.inputs,
             overrides=self.record.overrides,
             name=self.record.name,
@@ -238,7 +218,7 @@ class _Commanded:
         return Sampled(times=times, values=values, hold="first" if self.straight else "zero")
 
 
-def _commanded(mechanism: Mechanism, measurement: Measurement) -> Iterator[_Commanded]:
+def _commanded(mechanism: mechanisms.Mechanism, measurement: Measurement) -> Iterator[_Commanded]:
     """Yield what lies between gaps of the records of a motor, with what it was told."""
     if len(mechanism.coordinates) != 1:
         raise InputError(
@@ -252,20 +232,22 @@ def _commanded(mechanism: Mechanism, measurement: Measurement) -> Iterator[_Comm
         record = with_voltage(mechanism, given, HOLD)
         set_up, what = as_recorded(mechanism, record), command_of(record)
         for piece in between_gaps(record):
-            told = applied_force(set_up, piece)
+            told = fits.applied_force(set_up, piece)
             yield _Commanded(
                 mechanism=set_up,
                 record=piece,
                 what=what or "voltage",
                 values=np.zeros(len(np.asarray(piece.time))) if told is None else told,
-                straight=goes_straight(piece, HOLD),
+                straight=fits.goes_straight(piece, HOLD),
             )
 
 
-def _without_current(mechanism: Mechanism) -> Mechanism:
+def _without_current(mechanism: mechanisms.Mechanism) -> mechanisms.Mechanism:
     """Return a mechanism whose motor has its rotor and no torque."""
-    motor: Any = motor_of(mechanism)
-    still = replace(motor, loop=CurrentLoop(), supply=None, supply_resistance=None, drive=None)
+    motor: Any = mechanisms.motor_of(mechanism)
+    still = replace(
+        motor, loop=mechanisms.CurrentLoop(), supply=None, supply_resistance=None, drive=None
+    )
     return replace(mechanism, drive=still)  # type: ignore[call-arg]  # it has one
 
 
@@ -274,8 +256,8 @@ class Replay:
     """A record that models are compared on."""
 
     record: Measurement
-    mechanism: Mechanism
-    pieces: tuple[JointPiece, ...]
+    mechanism: mechanisms.Mechanism
+    pieces: tuple[fits.JointPiece, ...]
     contacts: Mapping[str, str]
     """Contacts by coordinate."""
     commands: tuple[_Commanded, ...] = ()
@@ -294,7 +276,7 @@ class Replay:
         i = self.mechanism.coordinates.index(self._coordinate(contact))
         told = [piece.inputs[i][0] for piece in self.pieces]
         known = [name for name in names if all(name in one for one in told)]
-        return usual_values({name: [one[name] for one in told] for name in known})
+        return fits.usual_values({name: [one[name] for one in told] for name in known})
 
     def judged(
         self,
@@ -306,7 +288,7 @@ class Replay:
 
         `laws` are those of all contacts of the mechanism; MuJoCo's models may be missing.
         """
-        places = {self._coordinate(one.subject.contact): one for one in joints}
+        places = {self._coordinate(joint.subject.contact): joint for joint in joints}
         if len(self.contacts) == 1:  # which may have no name
             laws = dict(zip(self.contacts.values(), laws.values(), strict=True))
         near = {**laws, **{self.contacts[along]: one.joint for along, one in places.items()}}
@@ -321,7 +303,7 @@ class Replay:
         }
         constants, rows = {}, {}
         for i, name in enumerate(self.mechanism.coordinates):
-            columns = self._forces(i, name, [forces[one] for one in theirs])
+            columns = self._forces(i, name, [forces[other] for other in theirs])
             measured, own = columns[:2]
             known = len(measured) and not self.commands
             constants[name] = float(np.mean(measured - own)) if known else 0.0
@@ -370,7 +352,7 @@ class Replay:
         law, near = (one.get(contact) for one in self.laws)
         table: list[list[Array]] = []
         for number, piece in enumerate(self.pieces):
-            whole = [one[number][:, i] for one in theirs]
+            whole = [other[number][:, i] for other in theirs]
             measured, own, *rest = piece.compared(i, law, whole)
             _, simple = piece.compared(i, near)
             table.append([measured, own, simple, *rest])
@@ -428,14 +410,14 @@ class Replay:
                 return [None] * (len(self.laws) + len(theirs))
         for there in theirs.values():
             try:
-                moved = [there.moved(one, known, self._command_of(one)) for one in parts]
+                moved = [there.moved(part, known, self._command_of(part)) for part in parts]
                 found.append(np.concatenate(moved))
             except InputError as error:
                 said.append(not_run(error))
                 found.append(None)
         return found
 
-    def _command_of(self, part: "_Part") -> tuple[DCMotor, Sampled] | None:
+    def _command_of(self, part: "_Part") -> tuple[mechanisms.DCMotor, Sampled] | None:
         """Return the motor of a part and what it is told there; None without one."""
         if not self.commands:
             return None
@@ -446,7 +428,7 @@ class Replay:
         names = self.mechanism.coordinates
         time, forces, told = part.time, part.forces - constants, self._command_of(part)
         if told is not None:
-            rig = with_drive(self.commands[part.piece.record].mechanism, told[1])
+            rig = fits.with_drive(self.commands[part.piece.record].mechanism, told[1])
         else:
             drives = {
                 name: Sampled(times=time, values=column, hold="first")
@@ -454,7 +436,7 @@ class Replay:
             }
             rig = driven_by(part.piece.mechanism, drives)
         whole = self.record.records()[part.piece.record]
-        rig = with_inputs(rig, whole, part.piece.time[part.rows])
+        rig = fits.with_inputs(rig, whole, part.piece.time[part.rows])
         place, rate = part.start
         begin = dict(zip(names, place.tolist(), strict=True))
         begin |= dict(zip(self.mechanism.rates, rate.tolist(), strict=True))
@@ -468,28 +450,30 @@ class Replay:
         return np.column_stack([run[name] for name in names])
 
 
-def driven_by(mechanism: Mechanism, drives: Mapping[str, Drive]) -> Mechanism:
+def driven_by(mechanism: mechanisms.Mechanism, drives: Mapping[str, Drive]) -> mechanisms.Mechanism:
     """Return a mechanism with a drive along each coordinate."""
-    if isinstance(mechanism, Robot):
-        joints = tuple(replace(one, effort=drives[one.coordinate]) for one in mechanism.joints)
+    if isinstance(mechanism, mechanisms.Robot):
+        joints = tuple(
+            replace(joint, effort=drives[joint.coordinate]) for joint in mechanism.joints
+        )
         return replace(mechanism, joints=joints)
-    if isinstance(mechanism, SerialArm):
+    if isinstance(mechanism, mechanisms.SerialArm):
         pairs = zip(mechanism.links, mechanism.coordinates, strict=True)
         return replace(
             mechanism, links=tuple(replace(one, torque=drives[name]) for one, name in pairs)
         )
-    if isinstance(mechanism, TwoLinkArm):
+    if isinstance(mechanism, mechanisms.TwoLinkArm):
         shoulder, elbow = (drives[name] for name in mechanism.coordinates)
         return replace(mechanism, shoulder_drive=shoulder, elbow_drive=elbow)
     (only,) = drives.values()
-    return with_drive(mechanism, only)
+    return fits.with_drive(mechanism, only)
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Part:
     """What is simulated at a time."""
 
-    piece: JointPiece
+    piece: fits.JointPiece
     rows: slice
 
     @property
@@ -504,7 +488,7 @@ class _Part:
         """Measured forces (n, m)."""
         return self.piece.applied[self.rows]
 
-    def motion(self, mechanism: Mechanism) -> Array:
+    def motion(self, mechanism: mechanisms.Mechanism) -> Array:
         """Return the measured positions (n, m)."""
         count = len(mechanism.coordinates)
         return np.column_stack([self.piece.motions[i].position[self.rows] for i in range(count)])
@@ -514,7 +498,7 @@ class _Part:
         """Positions and velocities at which it begins (m,)."""
         at, motions = self.rows.start, self.piece.motions
         return (
-            np.array([one.position[at] for one in motions]),
+            np.array([motion.position[at] for motion in motions]),
             np.array([one.velocity[at] for one in motions]),
         )
 
@@ -545,12 +529,12 @@ class _InMuJoCo:
             still=tuple(name for name in names if name not in joints),
         )
 
-    def torques(self, piece: JointPiece) -> Array:
+    def torques(self, piece: fits.JointPiece) -> Array:
         """Return the forces that the motion takes, friction included (n, m)."""
         data = self.mujoco.MjData(self.model)
         found = np.empty((len(piece.time), len(self.dofs)))
         motions = piece.motions
-        places = np.column_stack([one.position for one in motions])
+        places = np.column_stack([motion.position for motion in motions])
         rates = np.column_stack([one.velocity for one in motions])
         for row, (q, v, a) in enumerate(zip(places, rates, piece.accelerations, strict=True)):
             data.qpos[self.places], data.qvel[self.dofs], data.qacc[self.dofs] = q, v, a
@@ -559,7 +543,10 @@ class _InMuJoCo:
         return found
 
     def moved(
-        self, part: _Part, constants: Array, command: tuple[DCMotor, Sampled] | None = None
+        self,
+        part: _Part,
+        constants: Array,
+        command: tuple[mechanisms.DCMotor, Sampled] | None = None,
     ) -> Array:
         """Return the positions that the measured forces, or what a motor was told, lead to (n, m).
 

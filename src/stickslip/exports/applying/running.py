@@ -122,12 +122,12 @@ def timed(steps: Iterable[T]) -> Iterator[T]:
     [1.0, 2.0]
     """
     start = time.process_time()
-    for one in steps:
+    for step in steps:
         if time.process_time() - start > MOST_PROCESSOR_TIME:
             raise InputError(
                 f"a motion takes more than {MOST_PROCESSOR_TIME:g} s of processor time: {CURE}."
             )
-        yield one
+        yield step
 
 
 def _copied(tag: Tag, copies: float) -> Iterator[tuple[Tag, float]]:
@@ -319,8 +319,8 @@ def motions_of(
     mujoco, found = compiled.mujoco, defaultdict[str, tuple[JointMotion, ...]](tuple)
     try:
         for settings, model in compiled.models:
-            for one in joints:
-                found[one.name] += tuple(_motions(mujoco, model, one, settings))
+            for joint in joints:
+                found[joint.name] += tuple(_motions(mujoco, model, joint, settings))
     except (ValueError, KeyError, mujoco.FatalError, StickslipError) as error:
         return {}, not_run(error)
     return dict(found), ""
@@ -351,8 +351,8 @@ def _unpainted(spec: Any) -> Any:
     for material in spec.materials:
         for place in range(len(material.textures)):
             material.textures[place] = ""
-    for one in [*spec.textures, *spec.skins]:
-        spec.delete(one)
+    for texture in [*spec.textures, *spec.skins]:
+        spec.delete(texture)
     return spec
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from stickslip import mechanisms
 from stickslip.data import Measurement, Rig
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports.applying.consumers import read_model
@@ -16,16 +17,6 @@ from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, m
 from stickslip.exports.program import Subject
 from stickslip.exports.verb import Asked, evaluated, law_or_rig, laws_by_contact, subject_of
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import (
-    Axis,
-    DCMotor,
-    Mechanism,
-    Pendulum,
-    Robot,
-    RobotJoint,
-    SerialArm,
-    driving_inertia,
-)
 from stickslip.quantities import Given, turned
 from stickslip.show.described import Described
 from stickslip.show.documents import write_file
@@ -99,7 +90,7 @@ class AppliedJoint(metaclass=Described):
             "largest": self.largest,
             "unit": turned("N", self.rotary),
             "lost": list(self.lost),
-            "motions": [one.to_dict() for one in self.motions],
+            "motions": [motion.to_dict() for motion in self.motions],
             "record": None if self.replay is None else self.replay.to_dict(),
         }
 
@@ -148,12 +139,12 @@ class Applied(metaclass=Described):
         return {
             "target": self.target,
             "input": str(self.path),
-            "joints": [one.to_dict() for one in self.joints],
+            "joints": [joint.to_dict() for joint in self.joints],
             "remarks": list(self.remarks),
         }
 
     def __repr__(self) -> str:
-        return f"<Applied {self.target}: {', '.join(one.joint for one in self.joints)}>"
+        return f"<Applied {self.target}: {', '.join(joint.joint for joint in self.joints)}>"
 
 
 def check_output(source: Path, path: Path, *, force: bool) -> None:
@@ -326,7 +317,7 @@ def _of_record() -> Iterator[None]:
         raise InputError(f"record (--record): {error}") from None
 
 
-def _replay_of(record: Measurement, mechanism: Mechanism | None) -> Replay:
+def _replay_of(record: Measurement, mechanism: mechanisms.Mechanism | None) -> Replay:
     if mechanism is None:
         raise InputError(RECORDED.format("this law stands alone"))
     with _of_record():
@@ -399,7 +390,7 @@ def _same(contact: str, joint: str) -> bool:
     if contact == joint:
         return True
     try:
-        return RobotJoint(joint=joint, mass=1.0).contact_name == contact
+        return mechanisms.RobotJoint(joint=joint, mass=1.0).contact_name == contact
     except InputError:  # a name without letters
         return False
 
@@ -415,24 +406,24 @@ def _check_kind(model: Model, joint: ModelJoint, subject: Subject) -> None:
         )
 
 
-def _beside(mechanism: Mechanism | None, contact: str) -> Beside:
+def _beside(mechanism: mechanisms.Mechanism | None, contact: str) -> Beside:
     """Return the damper, the motor and its inertia at a joint."""
-    if isinstance(mechanism, Axis | Pendulum):
-        motor = mechanism.drive if isinstance(mechanism.drive, DCMotor) else None
-        inertia = float(driving_inertia(mechanism.drive))
+    if isinstance(mechanism, mechanisms.Axis | mechanisms.Pendulum):
+        motor = mechanism.drive if isinstance(mechanism.drive, mechanisms.DCMotor) else None
+        inertia = float(mechanisms.driving_inertia(mechanism.drive))
         return Beside(damping=mechanism.damping, armature=inertia or None, motor=motor)
-    if isinstance(mechanism, Robot):
-        for one in mechanism.joints:
-            if contact in ("", one.contact_name):
-                if one.coupling:
+    if isinstance(mechanism, mechanisms.Robot):
+        for joint in mechanism.joints:
+            if contact in ("", joint.contact_name):
+                if joint.coupling:
                     raise InputError(
-                        f"friction of {one.joint!r} acts along a motor that other joints turn too"
+                        f"friction of {joint.joint!r} acts along a motor that other joints turn too"
                         " (coupling), and that of a joint in a file along its own angle: choose the"
                         " other joints with --joint."
                     )
-                inertia = max(0.0, one.armature + one.added_armature)
-                return Beside(damping=one.damping, armature=inertia or None)
-    if isinstance(mechanism, SerialArm):
+                inertia = max(0.0, joint.armature + joint.added_armature)
+                return Beside(damping=joint.damping, armature=inertia or None)
+    if isinstance(mechanism, mechanisms.SerialArm):
         names = [one.name for one in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]
         inertia = link.rotor_inertia * link.gear_ratio**2

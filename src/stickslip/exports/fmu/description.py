@@ -11,21 +11,13 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from stickslip import mechanisms
 from stickslip.data import unit_of_input, unit_on
 from stickslip.engine.formulation import Model
 from stickslip.engine.kernels import state_layout
 from stickslip.engine.solver import column_units, path_units
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm, assigned, law_of
-from stickslip.mechanisms import (
-    Mechanism,
-    given_inputs,
-    given_names,
-    has_one_slip,
-    input_field,
-    input_names,
-    told_fields,
-)
 from stickslip.mechanisms.drives import Drive, Piece, Profile, Sampled, Straight, parts_of
 from stickslip.quantities import Parametrised, Quantity, parameters, shadow
 
@@ -50,16 +42,16 @@ class Input(NamedTuple):
 
 
 def told_from_outside(
-    mechanism: Mechanism, law: Friction | PrintedForm, names: Sequence[str]
-) -> tuple[Mechanism, tuple[str, ...]]:
+    mechanism: mechanisms.Mechanism, law: Friction | PrintedForm, names: Sequence[str]
+) -> tuple[mechanisms.Mechanism, tuple[str, ...]]:
     """Return a mechanism whose contact inputs that are told from outside are drives."""
     found = list(names)
     for contact, name in _from_outside(mechanism, law, names):
-        field = input_field(contact, name)
+        field = mechanisms.input_field(contact, name)
         before = getattr(mechanism, field, 0.0)
         start = before.value(0.0) if isinstance(before, Drive) else float(before)
         held = {name: Sampled(times=(0.0,), values=(start,))}
-        mechanism = given_inputs(mechanism, {contact: held} if contact else held)
+        mechanism = mechanisms.given_inputs(mechanism, {contact: held} if contact else held)
         found = [*(one for one in found if one != label_of(contact, name)), field]
     return mechanism, tuple(found)
 
@@ -70,10 +62,10 @@ def label_of(contact: str, name: str) -> str:
 
 
 def _from_outside(
-    mechanism: Mechanism, law: Friction | PrintedForm, names: Sequence[str]
+    mechanism: mechanisms.Mechanism, law: Friction | PrintedForm, names: Sequence[str]
 ) -> Iterator[tuple[str, str]]:
     """Yield contact and name of what is asked for, or what laws need and nothing tells."""
-    if isinstance(law, PrintedForm) or not isinstance(mechanism, Mechanism):
+    if isinstance(law, PrintedForm) or not isinstance(mechanism, mechanisms.Mechanism):
         return  # refused where it is checked with what it is given for
     contacts = tuple(one.name for one in mechanism.contacts())
     laws = assigned(contacts, law)
@@ -83,11 +75,11 @@ def _from_outside(
         for name in () if one is None else one.inputs:
             asked.setdefault(name, []).append(contact)
     for name, those in asked.items():
-        untold = [one for one in those if name not in input_names(mechanism, one)]
+        untold = [one for one in those if name not in mechanisms.input_names(mechanism, one)]
         apart = [one for one in those if len(contacts) > 1 and label_of(one, name) in names]
         for contact in (*([""] if untold or name in names else []), *apart):
             if not any(
-                name in given_names(mechanism, one) or one in untold
+                name in mechanisms.given_names(mechanism, one) or one in untold
                 for one in ([contact] if contact else those)
             ):
                 raise InputError(
@@ -97,7 +89,9 @@ def _from_outside(
             yield contact, name
 
 
-def with_inputs(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, Input]]:
+def with_inputs(
+    mechanism: mechanisms.Mechanism, names: Sequence[str]
+) -> tuple[mechanisms.Mechanism, dict[str, Input]]:
     """Return a mechanism whose drives of some names are told from outside."""
     found: dict[str, Input] = {}
     for given in names:
@@ -108,7 +102,7 @@ def with_inputs(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, 
     return mechanism, found
 
 
-def _with_input(mechanism: Mechanism, given: str) -> tuple[Mechanism, Input]:
+def _with_input(mechanism: mechanisms.Mechanism, given: str) -> tuple[mechanisms.Mechanism, Input]:
     """Return a mechanism of which one more drive is told."""
     known = []
     for path, before, held, driven in _places(mechanism):
@@ -280,7 +274,7 @@ class Variable:
 
 
 def variables_of(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     law: FrictionLaw | Laws,
     model: Model,
     *,
@@ -379,7 +373,7 @@ def variables_of(
     return tuple(found)
 
 
-def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
+def _guards(mechanism: mechanisms.Mechanism, model: Model) -> Iterator[tuple[str, str]]:
     """Yield a name and words for each guard, in their order."""
     header = model.sizes.header
     names: Sequence[str] = mechanism.coordinates
@@ -416,7 +410,7 @@ def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
         yield f"{names[coordinate]}.{where}_stop", f"distance to its {where} stop"
 
 
-def _state_words(mechanism: Mechanism, state: str) -> str:
+def _state_words(mechanism: mechanisms.Mechanism, state: str) -> str:
     if state in mechanism.coordinates:
         return f"Coordinate {state}"
     if state in mechanism.rates:
@@ -426,7 +420,7 @@ def _state_words(mechanism: Mechanism, state: str) -> str:
 
 
 def _parameters(
-    mechanism: Mechanism,
+    mechanism: mechanisms.Mechanism,
     law: FrictionLaw | Laws,
     model: Model,
     first: int,
@@ -444,7 +438,7 @@ def _parameters(
         quantity, value = known[path]
         parent, _, last = path.rpartition(".")
         symbol = f" ({quantity.symbol})" if quantity.symbol else ""
-        weighed = path.startswith("friction.") and has_one_slip(mechanism)
+        weighed = path.startswith("friction.") and mechanisms.has_one_slip(mechanism)
         owner = "of the mechanism" if path.startswith("mechanism.") else "of the friction law"
         fixed = path.startswith("mechanism.") and _shapes_tables(mechanism, path, value)
         least = "" if quantity.at_least is None else f"{parent}.{quantity.at_least}"
@@ -461,7 +455,7 @@ def _parameters(
         )
 
 
-def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
+def _moves_a_guide(mechanism: mechanisms.Mechanism, path: str) -> bool:
     """Whether a parameter belongs to a prescribed motion, which would jump with it."""
     root, *steps = path.split(".")
     owner: Any = mechanism if root == "mechanism" else None
@@ -472,7 +466,7 @@ def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
     return isinstance(owner, Profile)
 
 
-def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:
+def _shapes_tables(mechanism: mechanisms.Mechanism, path: str, value: float) -> bool:
     """Whether a parameter stands in what is made before a run: tables, starts, largest steps."""
     # Another value, and NaN, which spreads to all that is made of it.
     other = value * SHIFT if value else SHIFT - 1.0
@@ -480,7 +474,7 @@ def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:
     return any(_made_before(mechanism, path, one) != before for one in (other, math.nan))
 
 
-def _made_before(mechanism: Mechanism, path: str, value: float) -> Any:
+def _made_before(mechanism: mechanisms.Mechanism, path: str, value: float) -> Any:
     """Return what is made before a run with one parameter of another value."""
     own = {name: number for name, _, number in parameters(mechanism, "mechanism")}
     own[path] = value
@@ -495,17 +489,17 @@ def _made_before(mechanism: Mechanism, path: str, value: float) -> Any:
         return repr(error)
 
 
-def _called(mechanism: Mechanism, drive: str) -> str:
+def _called(mechanism: mechanisms.Mechanism, drive: str) -> str:
     """Return what a drive is, in words."""
-    told = told_fields(mechanism).get(drive)
+    told = mechanisms.told_fields(mechanism).get(drive)
     return f"Contact input {label_of(*told)}" if told else f"Drive {drive}"
 
 
-def _drive_unit(mechanism: Mechanism, name: str) -> str:
+def _drive_unit(mechanism: mechanisms.Mechanism, name: str) -> str:
     """Return the unit of a contact input, of a force, torque or load; empty for other drives."""
-    if name in told_fields(mechanism):
+    if name in mechanisms.told_fields(mechanism):
         turning = set(mechanism.units) == {"rad"}
-        return unit_of_input(told_fields(mechanism)[name][1], turning=turning)
+        return unit_of_input(mechanisms.told_fields(mechanism)[name][1], turning=turning)
     # A unit of the drive shows on which coordinates it acts, and so its unit.
     q = dict.fromkeys(mechanism.coordinates, 0.0)
     still = dict.fromkeys(mechanism.drives(), 0.0)

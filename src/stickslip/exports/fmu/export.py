@@ -35,16 +35,7 @@ from stickslip.engine.solver import (
 )
 from stickslip.engine.trajectory import Status
 from stickslip.errors import CompilationError, InputError
-from stickslip.exports.fmu.description import (
-    Fmi,
-    Heading,
-    Variable,
-    label_of,
-    model_description,
-    told_from_outside,
-    variables_of,
-    with_inputs,
-)
+from stickslip.exports.fmu import description
 from stickslip.exports.program import identifier
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, told_fields
@@ -78,7 +69,7 @@ TOO_MANY = "The step took too many steps of the solver; results so far are kept.
 
 def model_header(
     model: Model,
-    variables: Sequence[Variable],
+    variables: Sequence[description.Variable],
     *,
     table: Sequence[float],
     nominals: Sequence[float],
@@ -160,7 +151,7 @@ def _endings(model: Model) -> Iterable[str]:
     yield f"{{HAS_FAILED, {_text(TOO_MANY)}}}"
 
 
-def _row(variable: Variable) -> str:
+def _row(variable: description.Variable) -> str:
     quantity = variable.quantity
     is_bound = variable.role == "parameter"
     open_ = is_bound and quantity.above is not None
@@ -196,7 +187,7 @@ def _text(words: str) -> str:
     )
 
 
-FOLDERS: Mapping[Fmi, str] = {2: "linux64", 3: "x86_64-linux"}
+FOLDERS: Mapping[description.Fmi, str] = {2: "linux64", 3: "x86_64-linux"}
 """Folder of the binaries by version of FMI."""
 COMPILERS = ("cc", "gcc", "clang")
 # Products are not fused into sums, and nothing but the model is in the binary: the same model gives
@@ -224,7 +215,7 @@ def compiler_here() -> str:
     )
 
 
-def compiled(objects: Mapping[str, bytes], header: str, fmi: Fmi) -> bytes:
+def compiled(objects: Mapping[str, bytes], header: str, fmi: description.Fmi) -> bytes:
     """Return the binary."""
     compiler = compiler_here()
     sources = files("stickslip.exports.fmu").joinpath("c")
@@ -264,7 +255,7 @@ def export_fmu(
     t_end: float,
     y0: Mapping[str, float] | Sequence[float] | None = None,
     inputs: Sequence[str] = (),
-    fmi: Fmi = 3,
+    fmi: description.Fmi = 3,
     name: str | None = None,
     title: str = "",
     solver: EventDriven | None = None,
@@ -339,21 +330,23 @@ def export_fmu(
     compiler_here()
     stop = END.check("export_fmu", "t_end", t_end)
     solver = EventDriven() if solver is None else solver
-    mechanism, inputs = told_from_outside(mechanism, law, inputs)
+    mechanism, inputs = description.told_from_outside(mechanism, law, inputs)
     laws = check_pair(mechanism, law)
     if isinstance(laws, PrintedForm):
         raise InputError(
             f"{type(laws).__name__} has no exact event-driven solution: export the corrected law"
             f" {laws.corrected.__name__}."
         )
-    driven, drives = with_inputs(mechanism, inputs)
-    labels = {field: label_of(*at) for field, at in told_fields(driven).items()}
+    driven, drives = description.with_inputs(mechanism, inputs)
+    labels = {field: description.label_of(*at) for field, at in told_fields(driven).items()}
     found = {labels.get(name, name): drive for name, drive in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     nominals = _nominals(driven, laws, solver, start, stop)
-    variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
+    variables = description.variables_of(
+        driven, laws, model, y0=start, nominals=nominals, inputs=found
+    )
     names = [variable.name for variable in variables]
     twice = [one for one in found if names.count(one) > 1]
     if twice:
@@ -378,7 +371,7 @@ def export_fmu(
         model, variables, table=table, nominals=nominals, settings=settings, token=token
     )
     label = name if name is not None else target.stem
-    heading = Heading(
+    heading = description.Heading(
         name=printable(label),
         identifier=identifier(label),
         token=token,
@@ -391,7 +384,7 @@ def export_fmu(
         target,
         _zipped(
             {
-                "modelDescription.xml": model_description(heading, variables, fmi),
+                "modelDescription.xml": description.model_description(heading, variables, fmi),
                 f"binaries/{FOLDERS[fmi]}/{heading.identifier}.so": binary,
             }
         ),

@@ -9,16 +9,7 @@ from typing import Annotated
 from typing_extensions import Doc, override
 
 from stickslip.friction.base import ViscousCoefficient, ViscousExponent
-from stickslip.friction.parts.base import (
-    Becomes,
-    Factor,
-    Flow,
-    Parameter,
-    Part,
-    Slip,
-    SmoothSign,
-    Values,
-)
+from stickslip.friction.parts import base
 from stickslip.maths import Scalar, arctan, cos, exp, power, sin, sqrt, tanh, where
 from stickslip.quantities import Quantity
 
@@ -32,7 +23,7 @@ shorter steps, and lubricants do not thin at such speeds either.
 """
 
 
-class Viscous(Flow):
+class Viscous(base.Flow):
     """In proportion to the speed."""
 
     name = "viscous"
@@ -41,23 +32,23 @@ class Viscous(Flow):
     viscous_coefficient: ViscousCoefficient
 
     @override
-    def flow(self, p: Values, s: Slip) -> Scalar:
+    def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         return p.viscous_coefficient * s.along
 
 
-class Power(Flow):
+class Power(base.Flow):
     """A power of the speed, as of lubricants that thin; linear below `PLATEAU`."""
 
     name = "power"
     title = "power of speed"
     tex = r"\sigma_2 |v|^p \operatorname{sgn} v"
     vanishes = {"viscous_coefficient": 0.0}
-    becomes = (Becomes(name="viscous", values={"viscous_exponent": 1.0}),)
+    becomes = (base.Becomes(name="viscous", values={"viscous_exponent": 1.0}),)
     viscous_coefficient: ViscousCoefficient
     viscous_exponent: ViscousExponent
 
     @override
-    def flow(self, p: Values, s: Slip) -> Scalar:
+    def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         sigma_2, n = p.viscous_coefficient, p.viscous_exponent
         if isinstance(n, (float, int)) and n == 1.0:  # it has a slope at rest, and needs no plateau
             return sigma_2 * s.along
@@ -66,7 +57,7 @@ class Power(Flow):
         return sigma_2 * power(w, n - 1.0) * s.along
 
 
-class Drag(Flow):
+class Drag(base.Flow):
     """In proportion to the square of the speed, as of motion through air or oil."""
 
     name = "drag"
@@ -79,18 +70,18 @@ class Drag(Flow):
     ]
 
     @override
-    def flow(self, p: Values, s: Slip) -> Scalar:
+    def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         return p.quadratic_coefficient * s.speed * s.along
 
 
-class Saturating(Flow):
+class Saturating(base.Flow):
     """The traction of a lubricant that saturates with the speed."""
 
     name = "saturating"
     title = "saturating viscous"
     tex = r"\sigma_2 v_m \arctan(v / v_m)"
     vanishes = {"viscous_coefficient": 0.0}
-    becomes = (Becomes(name="viscous", values={}, limits=("saturation_velocity",)),)
+    becomes = (base.Becomes(name="viscous", values={}, limits=("saturation_velocity",)),)
     viscous_coefficient: ViscousCoefficient
     saturation_velocity: Annotated[
         float,
@@ -99,12 +90,12 @@ class Saturating(Flow):
     ]
 
     @override
-    def flow(self, p: Values, s: Slip) -> Scalar:
+    def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         v_m = p.saturation_velocity
         return p.viscous_coefficient * v_m * arctan(s.along / v_m)
 
 
-class Polynomial(Flow):
+class Polynomial(base.Flow):
     """A polynomial of the speed, up to the power in its brackets."""
 
     name = "polynomial"
@@ -117,7 +108,7 @@ class Polynomial(Flow):
         self.degree = degree
 
     @override
-    def of(self, argument: str) -> Part:
+    def of(self, argument: str) -> base.Part:
         return Polynomial(int(argument)) if argument.isdecimal() else self
 
     @property
@@ -126,9 +117,9 @@ class Polynomial(Flow):
 
     @functools.cached_property
     @override
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[base.Parameter, ...]:
         return tuple(
-            Parameter(name=name, hint=_coefficient(i + 1), default=MISSING)
+            base.Parameter(name=name, hint=_coefficient(i + 1), default=MISSING)
             for i, name in enumerate(self._names)
         )
 
@@ -140,13 +131,13 @@ class Polynomial(Flow):
 
     @property
     @override
-    def becomes(self) -> tuple[Becomes, ...]:  # type: ignore[override]
+    def becomes(self) -> tuple[base.Becomes, ...]:  # type: ignore[override]
         first, *others = self._names
         values: dict[str, float | str] = {first: "viscous_coefficient"}
-        return (Becomes(name="viscous", values={**values, **dict.fromkeys(others, 0.0)}),)
+        return (base.Becomes(name="viscous", values={**values, **dict.fromkeys(others, 0.0)}),)
 
     @override
-    def flow(self, p: Values, s: Slip) -> Scalar:
+    def flow(self, p: base.Values, s: base.Slip) -> Scalar:
         # Horner's scheme from the highest power on; the last factor v has the sign.
         found: Scalar = 0.0
         for name in reversed(self._names):
@@ -174,7 +165,7 @@ def _coefficient(power: int) -> object:
 # What multiplies a part, or one of its parameters, as an input of the contact changes.
 
 
-class Linear(Factor):
+class Linear(base.Factor):
     """A straight line through 1 where the input is 0."""
 
     name = "linear"
@@ -187,12 +178,12 @@ class Linear(Factor):
     ]
 
     @override
-    def factor(self, p: Values, s: Slip) -> Scalar:
+    def factor(self, p: base.Values, s: base.Slip) -> Scalar:
         (x,) = s.inputs
         return 1.0 + p.slope * x
 
 
-class Exponential(Factor):
+class Exponential(base.Factor):
     """A decay from 1 where the input is 0, as of a viscosity with the temperature."""
 
     name = "exponential"
@@ -206,12 +197,12 @@ class Exponential(Factor):
     ]
 
     @override
-    def factor(self, p: Values, s: Slip) -> Scalar:
+    def factor(self, p: base.Values, s: base.Slip) -> Scalar:
         (x,) = s.inputs
         return exp(-p.decay * x)
 
 
-class Ripple(Factor):
+class Ripple(base.Factor):
     """One harmonic of the input, as of cogging and tooth mesh."""
 
     name = "ripple"
@@ -235,13 +226,13 @@ class Ripple(Factor):
     ] = 1.0
 
     @override
-    def factor(self, p: Values, s: Slip) -> Scalar:
+    def factor(self, p: base.Values, s: base.Slip) -> Scalar:
         (x,) = s.inputs
         phase = p.harmonic * x
         return 1.0 + p.cosine * cos(phase) + p.sine * sin(phase)
 
     @override
-    def positive(self, p: Values) -> bool:
+    def positive(self, p: base.Values) -> bool:
         return bool(p.cosine**2 + p.sine**2 <= 1.0)
 
 
@@ -254,7 +245,7 @@ SmoothingVelocity = Annotated[
 ]
 
 
-class Tanh(SmoothSign):
+class Tanh(base.SmoothSign):
     """A hyperbolic tangent."""
 
     name = "tanh"
@@ -262,11 +253,11 @@ class Tanh(SmoothSign):
     smoothing_velocity: SmoothingVelocity
 
     @override
-    def shape(self, p: Values, s: Slip) -> Scalar:
+    def shape(self, p: base.Values, s: base.Slip) -> Scalar:
         return tanh(s.speed / p.smoothing_velocity)
 
 
-class Atan(SmoothSign):
+class Atan(base.SmoothSign):
     """An inverse tangent, which approaches the level slowly."""
 
     name = "atan"
@@ -276,11 +267,11 @@ class Atan(SmoothSign):
     smoothing_velocity: SmoothingVelocity
 
     @override
-    def shape(self, p: Values, s: Slip) -> Scalar:
+    def shape(self, p: base.Values, s: base.Slip) -> Scalar:
         return 2.0 / math.pi * arctan(s.speed / p.smoothing_velocity)
 
 
-class Root(SmoothSign):
+class Root(base.SmoothSign):
     """The speed over the root of its square plus a constant."""
 
     name = "root"
@@ -290,12 +281,12 @@ class Root(SmoothSign):
     smoothing_velocity: SmoothingVelocity
 
     @override
-    def shape(self, p: Values, s: Slip) -> Scalar:
+    def shape(self, p: base.Values, s: base.Slip) -> Scalar:
         v_t = p.smoothing_velocity
         return s.speed / sqrt(s.speed * s.speed + v_t * v_t)
 
 
-class Ramp(SmoothSign):
+class Ramp(base.SmoothSign):
     """A straight line up to the smoothing velocity."""
 
     name = "ramp"
@@ -304,12 +295,12 @@ class Ramp(SmoothSign):
     smoothing_velocity: SmoothingVelocity
 
     @override
-    def shape(self, p: Values, s: Slip) -> Scalar:
+    def shape(self, p: base.Values, s: base.Slip) -> Scalar:
         v_t = p.smoothing_velocity
         return where(s.speed < v_t, s.speed / v_t, 1.0)
 
 
-class Threlfall(SmoothSign):
+class Threlfall(base.SmoothSign):
     """An exponential rise that reaches the level at the smoothing velocity."""
 
     name = "threlfall"
@@ -322,7 +313,7 @@ class Threlfall(SmoothSign):
     smoothing_velocity: SmoothingVelocity
 
     @override
-    def shape(self, p: Values, s: Slip) -> Scalar:
+    def shape(self, p: base.Values, s: base.Slip) -> Scalar:
         v_t = p.smoothing_velocity
         # Divided by its value at v_t, so that the level is reached there.
         rise = (1.0 - exp(-3.0 * s.speed / v_t)) / (1.0 - math.exp(-3.0))

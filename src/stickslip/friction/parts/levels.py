@@ -12,12 +12,7 @@ from typing import Annotated
 from typing_extensions import Doc, override
 
 from stickslip.errors import InputError, StickslipError
-from stickslip.friction.base import (
-    FadingExponent,
-    KineticCoefficient,
-    StaticCoefficient,
-    StribeckVelocity,
-)
+from stickslip.friction import base
 from stickslip.friction.parts.base import Becomes, Extra, Level, Part, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
@@ -49,7 +44,7 @@ class Kinetic(Level):
     rest = "kinetic_coefficient"
     vanishes = {"kinetic_coefficient": 0.0}
     below = ("step",)
-    kinetic_coefficient: KineticCoefficient
+    kinetic_coefficient: base.KineticCoefficient
 
     @override
     def sliding(self, p: Values, s: Slip) -> Scalar:
@@ -80,7 +75,7 @@ class Step(Level):
     tex = ""
     rest = "static_coefficient"
     vanishes = {"static_coefficient": "kinetic_coefficient"}
-    static_coefficient: StaticCoefficient | None = None
+    static_coefficient: base.StaticCoefficient | None = None
 
     @override
     def sliding(self, p: Values, s: Slip) -> None:
@@ -122,9 +117,9 @@ class Stribeck(Surplus):
     name = "stribeck"
     title = "Stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
-    static_coefficient: StaticCoefficient
-    stribeck_velocity: StribeckVelocity
-    fading_exponent: FadingExponent = 2.0
+    static_coefficient: base.StaticCoefficient
+    stribeck_velocity: base.StribeckVelocity
+    fading_exponent: base.FadingExponent = 2.0
 
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
@@ -138,8 +133,8 @@ class Tustin(Surplus):
     title = "Tustin"
     compared = False
     tex = r"(\mu_s - \mu_k) e^{-|v|/v_s}"
-    static_coefficient: StaticCoefficient
-    stribeck_velocity: StribeckVelocity
+    static_coefficient: base.StaticCoefficient
+    stribeck_velocity: base.StribeckVelocity
 
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
@@ -153,8 +148,8 @@ class Lorentz(Surplus):
     title = "Hess and Soom"
     compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + (v/v_s)^2}"
-    static_coefficient: StaticCoefficient
-    stribeck_velocity: StribeckVelocity
+    static_coefficient: base.StaticCoefficient
+    stribeck_velocity: base.StribeckVelocity
 
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
@@ -169,8 +164,8 @@ class Hyperbolic(Surplus):
     title = "Popp and Stelter"
     compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + |v|/v_s}"
-    static_coefficient: StaticCoefficient
-    stribeck_velocity: StribeckVelocity
+    static_coefficient: base.StaticCoefficient
+    stribeck_velocity: base.StribeckVelocity
 
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
@@ -184,8 +179,8 @@ class BrownMcPhee(SmoothLevel):
     title = "Brown and McPhee"
     tex = r"\left[\mu_k \tanh(4u) + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
     tex_where = r"u = |v|/v_t"
-    kinetic_coefficient: KineticCoefficient
-    static_coefficient: StaticCoefficient
+    kinetic_coefficient: base.KineticCoefficient
+    static_coefficient: base.StaticCoefficient
     transition_velocity: Annotated[
         float,
         Quantity("v_t", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
@@ -208,8 +203,8 @@ class Simscape(SmoothLevel):
     title = "Simscape"
     tex = r"\left[\sqrt{2e} (\mu_s - \mu_k) u e^{-u^2} + \mu_k \tanh(10 |v|/v_b)\right]"
     tex_where = r"u = |v|/(\sqrt 2 v_b)"
-    kinetic_coefficient: KineticCoefficient
-    static_coefficient: StaticCoefficient
+    kinetic_coefficient: base.KineticCoefficient
+    static_coefficient: base.StaticCoefficient
     breakaway_velocity: Annotated[
         float,
         Quantity("v_b", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
@@ -281,7 +276,7 @@ class Makkar(SmoothLevel):
         rate("gamma_2", 100.0, "fall_rate"),
         Doc("How fast the bump rises; it is none below fall_rate, where friction would drive."),
     ]
-    kinetic_coefficient: KineticCoefficient
+    kinetic_coefficient: base.KineticCoefficient
     smoothing_rate: Annotated[
         float, rate("gamma_5", 100.0), Doc("How fast the kinetic level is reached.")
     ]
@@ -304,8 +299,8 @@ class BengisuAkay(SmoothLevel):
         r"h = \begin{cases} \mu_s \frac{|v|}{v_0} \left(2 - \frac{|v|}{v_0}\right) & |v| < v_0 \\"
         r" \mu_k + (\mu_s - \mu_k) e^{-\xi (|v| - v_0)} & |v| \ge v_0 \end{cases}"
     )
-    kinetic_coefficient: KineticCoefficient
-    static_coefficient: StaticCoefficient
+    kinetic_coefficient: base.KineticCoefficient
+    static_coefficient: base.StaticCoefficient
     peak_velocity: Annotated[
         float,
         Quantity("v_0", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),

@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.identify.candidates.candidates import LEFT_OUT as LEFT_OUT
 from stickslip.identify.candidates.candidates import Watch as Watch
 from stickslip.identify.candidates.candidates import check_any as check_any

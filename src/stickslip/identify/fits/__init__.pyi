@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.identify.fits.contact_inputs import VARIES as VARIES
 from stickslip.identify.fits.contact_inputs import as_informed as as_informed
 from stickslip.identify.fits.contact_inputs import as_loaded as as_loaded

@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.identify.kinds.features.features import StickSlipFeatures as StickSlipFeatures
 from stickslip.identify.kinds.features.features import features_of as features_of
 from stickslip.identify.kinds.features.fit import compare_features as compare_features

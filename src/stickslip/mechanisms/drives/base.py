@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, final
 
+import numpy as np
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
@@ -237,8 +238,6 @@ def earlier(first: Scalar, second: Scalar) -> Scalar:
     >>> earlier(1.0, 2.0), earlier(3.0, 2.0)
     (1.0, 2.0)
     """
-    import numpy as np
-
     # By real parts: imaginary ones carry derivatives and do not count in order.
     if np.ndim(first) == np.ndim(second) == 0:
         return second if np.real(second) < np.real(first) else first
@@ -253,8 +252,6 @@ def least(values: Any) -> float:
     >>> least([0.5, 0.2 + 1e-30j])
     0.2
     """
-    import numpy as np
-
     return float(np.min(np.real(values)))
 
 

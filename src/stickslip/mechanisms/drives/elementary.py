@@ -11,20 +11,12 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
-from stickslip.mechanisms.drives.base import (
-    BEGINNING,
-    Drive,
-    Piece,
-    Straight,
-    earlier,
-    least,
-    repeated,
-)
+from stickslip.mechanisms.drives import base
 from stickslip.quantities import Numbers, Quantity
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pulse(Straight):
+class Pulse(base.Straight):
     """A constant level for a given duration, zero before and after.
 
     Examples
@@ -41,15 +33,15 @@ class Pulse(Straight):
     """When it begins."""
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         return (
-            Piece(self.start, self.level, 0.0),
-            Piece(self.start + self.duration, 0.0, 0.0),
+            base.Piece(self.start, self.level, 0.0),
+            base.Piece(self.start + self.duration, 0.0, 0.0),
         )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Square(Straight):
+class Square(base.Straight):
     """A square wave: in each cycle a high level for a share of the period, then a low one.
 
     It is 0 before its start, which may lie before time 0: that shifts the wave.
@@ -82,21 +74,21 @@ class Square(Straight):
         return self.period
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         turn = self.start + self.duty * self.period
-        cycle = (Piece(self.start, self.high, 0.0), Piece(turn, self.low, 0.0))
+        cycle = (base.Piece(self.start, self.high, 0.0), base.Piece(turn, self.low, 0.0))
         # a cycle more than begins: what holds at the end of a run is not the last there is
-        span = until - least(self.start) + least(self.period)
-        found = list(repeated(type(self).__name__, cycle, self.period, span))
+        span = until - base.least(self.start) + base.least(self.period)
+        found = list(base.repeated(type(self).__name__, cycle, self.period, span))
         # a wave that is always high falls where it rises again, but for a rounding error
         for i, following in enumerate(found[1:]):
-            start = earlier(found[i].start, following.start)
-            found[i] = Piece(start, found[i].value, found[i].slope)
+            start = base.earlier(found[i].start, following.start)
+            found[i] = base.Piece(start, found[i].value, found[i].slope)
         return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True)
-class HalfSine(Drive):
+class HalfSine(base.Drive):
     """Pulses that are the half of a sine, one in each cycle, and 0 between them.
 
     Its pieces are the phase of the pulse, so that both ends are met exactly.
@@ -133,15 +125,15 @@ class HalfSine(Drive):
         return self.amplitude * sin(linear)
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         width = self.duty * self.period
         cycle = (
-            Piece(self.start, 0.0, math.pi / width),
-            Piece(self.start + width, 0.0, 0.0),
+            base.Piece(self.start, 0.0, math.pi / width),
+            base.Piece(self.start + width, 0.0, 0.0),
         )
         # A cycle more, as in `Square`.
-        span = until - least(self.start) + least(self.period)
-        return repeated(type(self).__name__, cycle, self.period, span)
+        span = until - base.least(self.start) + base.least(self.period)
+        return base.repeated(type(self).__name__, cycle, self.period, span)
 
     @override
     def smooth_bound(self) -> tuple[Scalar, Scalar]:
@@ -158,7 +150,7 @@ class HalfSine(Drive):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ramp(Straight):
+class Ramp(base.Straight):
     """Grows at a constant rate from a given time.
 
     Examples
@@ -173,12 +165,12 @@ class Ramp(Straight):
     """When it begins."""
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
-        return (Piece(self.start, 0.0, self.rate),)
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
+        return (base.Piece(self.start, 0.0, self.rate),)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sine(Drive):
+class Sine(base.Drive):
     """A harmonic force, ``amplitude * sin(2 pi frequency t + phase)``.
 
     Examples
@@ -199,7 +191,7 @@ class Sine(Drive):
         return self.amplitude * sin(2.0 * math.pi * self.frequency * t + self.phase)
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         return ()
 
     @override
@@ -248,7 +240,7 @@ def _series(
 
 
 @dataclass(frozen=True, kw_only=True)
-class PiecewiseLinear(Straight):
+class PiecewiseLinear(base.Straight):
     """Linear interpolation between points, with constant values before and after.
 
     Examples
@@ -276,16 +268,16 @@ class PiecewiseLinear(Straight):
         object.__setattr__(self, "values", tuple(u))
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         t, u = self.times, self.values
         inner = [
-            Piece(t[i], u[i], (u[i + 1] - u[i]) / (t[i + 1] - t[i])) for i in range(len(t) - 1)
+            base.Piece(t[i], u[i], (u[i + 1] - u[i]) / (t[i + 1] - t[i])) for i in range(len(t) - 1)
         ]
-        return (Piece(BEGINNING, u[0], 0.0), *inner, Piece(t[-1], u[-1], 0.0))
+        return (base.Piece(base.BEGINNING, u[0], 0.0), *inner, base.Piece(t[-1], u[-1], 0.0))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sampled(Straight):
+class Sampled(base.Straight):
     """Values of a sampled signal: held until the next sample, or interpolated linearly.
 
     Examples
@@ -319,15 +311,15 @@ class Sampled(Straight):
         object.__setattr__(self, "values", tuple(u))
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
         if self.hold == "first":
             return PiecewiseLinear(times=self.times, values=self.values).pieces()
-        held = [Piece(t, u, 0.0) for t, u in zip(self.times, self.values, strict=True)]
-        return (Piece(BEGINNING, self.values[0], 0.0), *held[1:])
+        held = [base.Piece(t, u, 0.0) for t, u in zip(self.times, self.values, strict=True)]
+        return (base.Piece(base.BEGINNING, self.values[0], 0.0), *held[1:])
 
 
 @dataclass(frozen=True, kw_only=True)
-class PiecewiseAffine(Straight):
+class PiecewiseAffine(base.Straight):
     """Straight lines that need not join: what a long signal is condensed to.
 
     The last one is held from its start on.
@@ -362,6 +354,8 @@ class PiecewiseAffine(Straight):
             object.__setattr__(self, name, tuple(found))
 
     @override
-    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
-        held = [Piece(*piece) for piece in zip(self.times, self.values, self.slopes, strict=True)]
-        return (Piece(BEGINNING, self.values[0], 0.0), *held)
+    def pieces(self, until: float = 0.0) -> tuple[base.Piece, ...]:
+        held = [
+            base.Piece(*piece) for piece in zip(self.times, self.values, self.slopes, strict=True)
+        ]
+        return (base.Piece(base.BEGINNING, self.values[0], 0.0), *held)

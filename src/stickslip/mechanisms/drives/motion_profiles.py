@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, final
 
+import numpy as np
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
@@ -522,8 +523,6 @@ class SplineSwing(Stepped):
     @functools.cached_property
     def _scaled(self) -> tuple[float, list[float]]:
         """First rate and the accelerations at the knots, for a cycle of 1 s."""
-        import numpy as np
-
         y = np.array(self.positions)
         n = len(y)
         # slopes of neighbouring cubics agree: a_before + 4 a + a_after = 6 n^2 (second difference)
@@ -702,8 +701,6 @@ def _smoothed(
     times: tuple[float, ...], positions: tuple[float, ...], spacing: float | None
 ) -> _Smoothed:
     """Fit a cubic spline with even knots by least squares."""
-    import numpy as np
-
     t, y = np.array(times), np.array(positions)
     t[0] = 0.0
     end, n = float(t[-1]), len(t)
@@ -747,8 +744,6 @@ class _Spline:
     """Least-squares weights (count + 3,) of cubic B-splines with even knots from 0 to the end."""
 
     def __init__(self, t: Any, y: Any, count: int) -> None:
-        import numpy as np
-
         place = t * (count / t[-1])
         cell = np.minimum(place.astype(int), count - 1)
         u = place - cell
@@ -774,8 +769,6 @@ class _Spline:
 
     def bent_by_noise(self, h: float) -> float:
         """Return the standard error of the second derivative over that of a sample."""
-        import numpy as np
-
         size = len(self.weights)
         knots = np.unique(np.linspace(0, size - 3, MOST_KNOTS).astype(int))
         bends = np.zeros((size, len(knots)))

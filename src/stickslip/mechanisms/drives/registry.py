@@ -3,36 +3,18 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from stickslip.mechanisms.drives import elementary, motion_profiles
 from stickslip.mechanisms.drives.base import Drive
-from stickslip.mechanisms.drives.elementary import (
-    HalfSine,
-    PiecewiseLinear,
-    Pulse,
-    Ramp,
-    Sampled,
-    Sine,
-    Square,
-)
-from stickslip.mechanisms.drives.motion_profiles import (
-    Profile,
-    Rotation,
-    SampledSwing,
-    SevenStep,
-    SineSwing,
-    SplineSwing,
-    ThreePhase,
-    TimedThreePhase,
-)
 
 DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
     {
-        "half-sine": HalfSine,
-        "piecewise-linear": PiecewiseLinear,
-        "pulse": Pulse,
-        "ramp": Ramp,
-        "sampled": Sampled,
-        "sine": Sine,
-        "square": Square,
+        "half-sine": elementary.HalfSine,
+        "piecewise-linear": elementary.PiecewiseLinear,
+        "pulse": elementary.Pulse,
+        "ramp": elementary.Ramp,
+        "sampled": elementary.Sampled,
+        "sine": elementary.Sine,
+        "square": elementary.Square,
     }
 )
 """The drives that come with the package, by the ``type`` they have in rig files.
@@ -40,15 +22,15 @@ DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
 Sums have no name of their own: a list of drives is their sum.
 """
 
-PROFILES: Mapping[str, type[Profile]] = MappingProxyType(
+PROFILES: Mapping[str, type[motion_profiles.Profile]] = MappingProxyType(
     {
-        "rotation": Rotation,
-        "sampled-swing": SampledSwing,
-        "seven-step": SevenStep,
-        "sine-swing": SineSwing,
-        "spline-swing": SplineSwing,
-        "three-phase": ThreePhase,
-        "timed-three-phase": TimedThreePhase,
+        "rotation": motion_profiles.Rotation,
+        "sampled-swing": motion_profiles.SampledSwing,
+        "seven-step": motion_profiles.SevenStep,
+        "sine-swing": motion_profiles.SineSwing,
+        "spline-swing": motion_profiles.SplineSwing,
+        "three-phase": motion_profiles.ThreePhase,
+        "timed-three-phase": motion_profiles.TimedThreePhase,
     }
 )
 """The motion profiles that come with the package, by the ``type`` they have in rig files."""

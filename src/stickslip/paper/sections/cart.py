@@ -18,6 +18,7 @@ from stickslip.paper.sections.common import (
     table,
     values_of,
 )
+from stickslip.show import plots, report
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -28,26 +29,6 @@ from stickslip.show.formatting import (
     quantity,
     significant,
     with_unit,
-)
-from stickslip.show.plots import (
-    CYCLE_SIZES,
-    MotionView,
-    animation_html,
-    draw_cycles,
-    draw_motion,
-    inline_svg,
-)
-from stickslip.show.report import (
-    Animation,
-    Caption,
-    Column,
-    Figure,
-    Name,
-    Paragraph,
-    Row,
-    Section,
-    Subheading,
-    Table,
 )
 
 # The paper's cart: the printed equations and exactly (Fig. 2), then a chosen law (Fig. 11).
@@ -70,22 +51,22 @@ STEADY = 1e-6
 """Share of the travel within which cycles are the same."""
 
 
-def cart_section(found: PaperAudit) -> Section:
+def cart_section(found: PaperAudit) -> report.Section:
     """Fig. 2: the cart with the printed equations, in fixed steps and exactly."""
     study = found.cart
-    return Section(
+    return report.Section(
         id="cart",
         nav="Fig. 2, the cart",
         heading=_cart_heading(study),
         blocks=(
-            Paragraph(text=_setting(study)),
+            report.Paragraph(text=_setting(study)),
             _run_table((*study.runs, *study.table_1)),
-            Paragraph(text=_scheme_text(study)),
+            report.Paragraph(text=_scheme_text(study)),
             _cycle_figure(study),
             _animation(study),
-            Subheading(text="Where the backward motion comes from"),
+            report.Subheading(text="Where the backward motion comes from"),
             _share_table(study),
-            Caption(text=_shares_text(study)),
+            report.Caption(text=_shares_text(study)),
         ),
     )
 
@@ -140,14 +121,14 @@ def _scheme_text(study: CartStudy) -> str:
     )
 
 
-def _animation(study: CartStudy) -> Animation:
+def _animation(study: CartStudy) -> report.Animation:
     """The first two cycles of the exact run, drawn to scale."""
     exact = study.run("exact").run
     alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
-    html = animation_html(
+    html = plots.animation_html(
         exact, study.cart, alt=alt, fps=ANIMATED, until=2.0 * study.period, narrow=(358, 560)
     )
-    return Animation(
+    return report.Animation(
         html=html,
         caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow while it sticks; the arrows are the forces of the ground and"
@@ -155,27 +136,27 @@ def _animation(study: CartStudy) -> Animation:
     )
 
 
-def _run_table(runs: Sequence[CartRun]) -> Table:
+def _run_table(runs: Sequence[CartRun]) -> report.Table:
     columns = (
-        Column(head="run"),
+        report.Column(head="run"),
         numbers(f"travel in\n{CYCLES} cycles, m", "travel, m"),
         numbers("by cycle\nmm", "travel by cycle, mm"),
         LOWEST_VELOCITY,
         BACK_SLIP,
     )
-    rows = tuple(_run_row(one) for one in runs)
-    return Table(columns=columns, rows=rows)
+    rows = tuple(_run_row(run) for run in runs)
+    return report.Table(columns=columns, rows=rows)
 
 
-def _run_row(one: CartRun) -> Row:
+def _run_row(one: CartRun) -> report.Row:
     exact = one.key.endswith("exact")
     later = sorted((1e3 * travel for travel in one.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
     following = ends[0] if steady else " to ".join(ends)
-    return Row(
+    return report.Row(
         cells=(
-            Name(text=one.title, aside="events located" if exact else STEP_TEXT),
+            report.Name(text=one.title, aside="events located" if exact else STEP_TEXT),
             significant(one.travel, 3),
             f"{significant(1e3 * one.travels[0], 3)}, then {following}",
             significant(1e3 * one.least_velocity, 3),
@@ -185,16 +166,18 @@ def _run_row(one: CartRun) -> Row:
     )
 
 
-def _cycle_figure(study: CartStudy) -> Figure:
+def _cycle_figure(study: CartStudy) -> report.Figure:
     keys = ("exact", "printed-1", "fixed-held")
     runs = {study.run(key).title: study.run(key).run for key in keys}
     last = study.run("exact").run.span[1]
-    return Figure(
-        svg=inline_svg(
-            draw_cycles(runs, chosen=study.run("exact").title, cycle=(last - study.period, last)),
+    return report.Figure(
+        svg=plots.inline_svg(
+            plots.draw_cycles(
+                runs, chosen=study.run("exact").title, cycle=(last - study.period, last)
+            ),
             alt="Displacement of the cart in all cycles, and its velocity near zero in the last",
             prefix="fig2b",
-            **CYCLE_SIZES,
+            **plots.CYCLE_SIZES,
         ),
         caption=(
             "**In place of Fig. 2. Cart displacement by (1) and (2)**, as printed and corrected in"
@@ -229,29 +212,29 @@ def _speed(velocity: float) -> str:
     return with_unit(significant(1e3 * velocity, 2), "mm/s")
 
 
-def _share_table(study: CartStudy) -> Table:
+def _share_table(study: CartStudy) -> report.Table:
     columns = (
-        Column(head="cause"),
+        report.Column(head="cause"),
         LOWEST_VELOCITY,
         BACK_SLIP,
     )
     printed = study.run("printed-1")
-    total = Row(
+    total = report.Row(
         cells=(
-            Name(text="all together", aside=f"{printed.title}, {STEP_TEXT}"),
+            report.Name(text="all together", aside=f"{printed.title}, {STEP_TEXT}"),
             significant(1e3 * printed.least_velocity, 3),
             significant(1e3 * printed.mean_return, 3),
         )
     )
     rows = [_share_row(share) for share in study.shares if share.key in CAUSES]
-    return Table(columns=columns, rows=(*rows, total))
+    return report.Table(columns=columns, rows=(*rows, total))
 
 
-def _share_row(share: Share) -> Row:
+def _share_row(share: Share) -> report.Row:
     cause, runs = CAUSES[share.key]
-    return Row(
+    return report.Row(
         cells=(
-            Name(text=cause, aside=runs.format(step=STEP_TEXT)),
+            report.Name(text=cause, aside=runs.format(step=STEP_TEXT)),
             significant(1e3 * share.least_velocity, 3),
             significant(1e3 * share.mean_return, 3),
         ),
@@ -259,24 +242,24 @@ def _share_row(share: Share) -> Row:
     )
 
 
-def choice_section(found: PaperAudit) -> Section:
+def choice_section(found: PaperAudit) -> report.Section:
     """Fig. 11: the cart with the law that the selection names, and with the paper's choice."""
     study = found.cart
-    return Section(
+    return report.Section(
         id="cart-choice",
         nav="The cart" if found.own else "Fig. 11, the choice",
         heading=_choice_heading(study),
         blocks=(
-            Paragraph(text=_choice_text(found)),
+            report.Paragraph(text=_choice_text(found)),
             _choice_table(study),
             _choice_figure(study, own=found.own),
-            Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
+            report.Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
         ),
     )
 
 
 def _choice_heading(study: CartStudy) -> str:
-    travels = {one.key: quantity(one.travels[-1], "m") for one in study.choices}
+    travels = {choice.key: quantity(choice.travels[-1], "m") for choice in study.choices}
     if "selected" not in travels:
         return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
     return (
@@ -286,7 +269,7 @@ def _choice_heading(study: CartStudy) -> str:
 
 
 def _choice_text(found: PaperAudit) -> str:
-    named = [one for one in found.cart.choices if one.key == "selected"]
+    named = [choice for choice in found.cart.choices if choice.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
     origin = fitted_text(found) or "assumed"
     cart = "given by `--set`" if found.cart.given else "ours"
@@ -302,10 +285,15 @@ def _label(one: CartRun) -> str:
     return "by select" if one.key == "selected" else "the paper’s example"
 
 
-def _choice_table(study: CartStudy) -> Table:
+def _choice_table(study: CartStudy) -> report.Table:
     return table(
         study.choices,
-        ("law", lambda one: Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law))),
+        (
+            "law",
+            lambda one: report.Name(
+                text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)
+            ),
+        ),
         (FIRST_CYCLE, lambda one: fixed(1e3 * one.travels[0], 2)),
         (numbers("last cycle\nmm"), lambda one: fixed(1e3 * one.travels[-1], 2)),
         (BACK_SLIP, lambda one: back_slip_text(one.mean_return)),
@@ -317,23 +305,25 @@ def _choice_table(study: CartStudy) -> Table:
     )
 
 
-def _choice_figure(study: CartStudy, *, own: bool) -> Figure:
-    runs = {_label(one): one.run for one in study.choices}
+def _choice_figure(study: CartStudy, *, own: bool) -> report.Figure:
+    runs = {_label(choice): choice.run for choice in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
     views = [
-        MotionView(column="x", title="displacement", span=(0.0, last)),
-        MotionView(column="v", title="velocity", span=stroke),
+        plots.MotionView(column="x", title="displacement", span=(0.0, last)),
+        plots.MotionView(column="v", title="velocity", span=stroke),
     ]
     apart = ""
     if len(runs) > 1:
         views.append(
-            MotionView(column="v", title="difference in velocity", span=stroke, difference=True)
+            plots.MotionView(
+                column="v", title="difference in velocity", span=stroke, difference=True
+            )
         )
         apart = ", and by how much that of the paper’s example differs"
-    return Figure(
-        svg=inline_svg(
-            draw_motion(runs, views=views),
+    return report.Figure(
+        svg=plots.inline_svg(
+            plots.draw_motion(runs, views=views),
             alt="Displacement and velocity of the cart with the law that select names, and with"
             " the paper’s",
             prefix="fig11",
@@ -349,7 +339,7 @@ def _choice_figure(study: CartStudy, *, own: bool) -> Figure:
 def _return_text(found: PaperAudit) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
     study = found.cart
-    back = [one for one in study.choices if one.mean_return > 0.0]
+    back = [choice for choice in study.choices if choice.mean_return > 0.0]
     if back:
         ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
         return f"The cart slips back in a cycle: {ways}."
@@ -374,7 +364,7 @@ def largest_pull(one: CartRun) -> float:
 
 
 def _normal_text(study: CartStudy) -> str:
-    least = min(one.least_normal_force for one in study.choices)
+    least = min(choice.least_normal_force for choice in study.choices)
     return (
         "The normal force is the same with every law, since the swing is prescribed; it falls to"
         f" {percent(least / study.weight)} of the weight."
@@ -384,7 +374,7 @@ def _normal_text(study: CartStudy) -> str:
 # Rules for rest beside the exact switch, and break-away levels that vary.
 
 
-def rest_section(found: PaperAudit) -> Section:
+def rest_section(found: PaperAudit) -> report.Section:
     """Show what the zero-velocity band of the paper's [18] does, beside other rules for rest."""
     rules = table(
         found.rest_rules,
@@ -395,7 +385,7 @@ def rest_section(found: PaperAudit) -> Section:
             lambda rule: str(rule.reversals),
         ),
         (
-            Column(head="block\nat the end", phone="label", label="block at the end"),
+            report.Column(head="block\nat the end", phone="label", label="block at the end"),
             lambda rule: (
                 "rests" if rule.rests else "moves to and fro" if rule.reversals else "moves"
             ),
@@ -410,15 +400,15 @@ def rest_section(found: PaperAudit) -> Section:
         ),
         chosen=lambda rule: rule.dt is None,
     )
-    return Section(
+    return report.Section(
         collapsed=True,
         id="rest",
         nav="Rules for rest",
         heading="The zero-velocity band of [18] beside the exact switch",
         blocks=(
-            Paragraph(text=_rest_text(found)),
+            report.Paragraph(text=_rest_text(found)),
             rules,
-            Caption(text=_rest_caption(found)),
+            report.Caption(text=_rest_caption(found)),
         ),
     )
 
@@ -436,18 +426,18 @@ def _rest_text(found: PaperAudit) -> str:
     )
 
 
-def _rule_name(rule: RestRule) -> Name:
+def _rule_name(rule: RestRule) -> report.Name:
     if rule.dt is None:
-        return Name(text="exact switch", aside="events located")
+        return report.Name(text="exact switch", aside="events located")
     text = "at a change of sign" if rule.stick_rule else "none"
     if rule.band > 0.0:
         text = f"band, $D_v$ = {number(1e3 * rule.band)} mm/s"
-    return Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
+    return report.Name(text=text, aside=f"steps of {1e3 * rule.dt:g} ms")
 
 
 def _rest_caption(found: PaperAudit) -> str:
     exact = found.rest_rules[0]
-    wide = [one for one in found.rest_rules if one.band > 0.0 and one.rests]
+    wide = [rest_rule for rest_rule in found.rest_rules if rest_rule.band > 0.0 and rest_rule.rests]
     narrow = [one for one in found.rest_rules if one.band > 0.0 and not one.rests]
     parts = []
     for one in wide:
@@ -470,24 +460,24 @@ def _rest_caption(found: PaperAudit) -> str:
     )
 
 
-def break_away_section(found: PaperAudit) -> Section:
+def break_away_section(found: PaperAudit) -> report.Section:
     """Show what a break-away level that varies does to the cart."""
     columns = (
-        Column(head="break-away level"),
+        report.Column(head="break-away level"),
         numbers("friction reached\nby cycle, over $N$", "reached"),
         FIRST_CYCLE,
         numbers("later cycles\nmm"),
         BACK_SLIP,
     )
-    return Section(
+    return report.Section(
         collapsed=True,
         id="break-away",
         nav="Break-away that varies",
         heading=_break_away_heading(found),
         blocks=(
-            Paragraph(text=_break_away_text(found)),
-            Table(columns=columns, rows=tuple(map(_break_away_row, found.cart.break_away))),
-            Caption(text=_break_away_caption(found)),
+            report.Paragraph(text=_break_away_text(found)),
+            report.Table(columns=columns, rows=tuple(map(_break_away_row, found.cart.break_away))),
+            report.Caption(text=_break_away_caption(found)),
         ),
     )
 
@@ -508,7 +498,7 @@ def _later(run: CartRun) -> tuple[float, float]:
 
 def _spread(runs: list[CartRun]) -> float:
     """Return by how much travels of later cycles differ between runs, over the travel."""
-    low = min(_later(one)[0] for one in runs)
+    low = min(_later(run)[0] for run in runs)
     high = max(_later(one)[1] for one in runs)
     return (high - low) / abs(high)
 
@@ -538,14 +528,14 @@ def _break_away_text(found: PaperAudit) -> str:
     )
 
 
-def _break_away_row(run: CartRun) -> Row:
+def _break_away_row(run: CartRun) -> report.Row:
     low, high = (significant(1e3 * one, 4) for one in _later(run))
     reached = [significant(one, 3) for one in run.largest_friction]
     later = reached[1:]
     steady = len(set(later)) == 1
-    return Row(
+    return report.Row(
         cells=(
-            Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
+            report.Name(text=run.title, aside="" if run.law.name == "coulomb" else "free bristles"),
             f"{reached[0]}, then {later[0]}" if steady else ", ".join(reached),
             significant(1e3 * run.travels[0], 4),
             low if low == high else f"{low} to {high}",
@@ -558,7 +548,7 @@ def _break_away_caption(found: PaperAudit) -> str:
     parts = []
     for runs in _groups(found):
         kinetic = number(getattr(runs[0].law, "kinetic_coefficient", 0.0))
-        first = [1e3 * one.travels[0] for one in runs]
+        first = [1e3 * run.travels[0] for run in runs]
         ends = f"{interval(min(first), max(first))} mm"
         parts.append(f"at $mu_k$ = {kinetic} the first cycle has {ends}")
     slipping = [one for one in found.cart.break_away if one.mean_return > 0.0]

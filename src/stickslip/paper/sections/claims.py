@@ -95,7 +95,7 @@ def _reached(found: PaperAudit, key: str) -> int:
 
 
 def _step_heading(found: PaperAudit) -> str:
-    reached = sum(one.reached for one in found.step_travels)
+    reached = sum(step_travel.reached for step_travel in found.step_travels)
     total = len(found.step_travels)
     return f"In steps of 10 ms, {in_words(reached)} of {in_words(total)}, Table I kept"
 
@@ -113,15 +113,15 @@ def _step_table(found: PaperAudit) -> Table:
     rows = tuple(
         Row(
             cells=(
-                titles[one.row],
-                fixed(one.published, 2),
-                *step_cells(one),
-                values_of(one.law, found.values.load)
-                if one.scatter is None
-                else f"(5), sgn $v$ added, no rule for rest; {values_of(one.law)}",
+                titles[step_travel.row],
+                fixed(step_travel.published, 2),
+                *step_cells(step_travel),
+                values_of(step_travel.law, found.values.load)
+                if step_travel.scatter is None
+                else f"(5), sgn $v$ added, no rule for rest; {values_of(step_travel.law)}",
             )
         )
-        for one in found.step_travels
+        for step_travel in found.step_travels
     )
     caption = (
         "The push by forward Euler in the sample time that the paper states for its cart. The 0.16"
@@ -141,7 +141,7 @@ def step_cells(one: StepTravel) -> tuple[str, str]:
 
 def _creep_text(found: PaperAudit) -> str:
     """Say how (5) reaches its printed travel in steps, and what speaks against it."""
-    least = min(one.least_velocity for one in found.creeps)
+    least = min(creep.least_velocity for creep in found.creeps)
     return (
         "As printed, (5) diverges once the velocity is negative. With the sgn $v$ that it lacks,"
         " friction backwards exceeds $F_s$, so that in steps of 10 ms each step back is followed by"
@@ -237,7 +237,7 @@ def claim_section(audit: PaperAudit) -> Section:
 
 
 def _table_2(audit: PaperAudit) -> Iterator[Claim]:
-    steps = {one.row: one for one in audit.step_travels}
+    steps = {step_travel.row: step_travel for step_travel in audit.step_travels}
     for row in audit.table:
         if row.published.travel is None:
             continue
@@ -351,7 +351,7 @@ def _pushed(audit: PaperAudit) -> str:
 
 
 def _equations(audit: PaperAudit) -> Iterator[Claim]:
-    by = {one.form.equation: one for one in audit.consequences}
+    by = {consequence.form.equation: consequence for consequence in audit.consequences}
     yield (
         "(1) Coulomb, of [6]",
         "II",

@@ -31,6 +31,7 @@ from stickslip.paper.sections.common import (
     values_of,
 )
 from stickslip.quantities import fields_of
+from stickslip.show import report
 from stickslip.show.formatting import (
     fixed,
     in_words,
@@ -44,32 +45,14 @@ from stickslip.show.formatting import (
     with_unit,
 )
 from stickslip.show.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
-from stickslip.show.report import (
-    Block,
-    Caption,
-    Column,
-    Figure,
-    Gallery,
-    Mark,
-    Math,
-    Name,
-    Number,
-    Panel,
-    Paragraph,
-    Row,
-    RowPlot,
-    Section,
-    Subheading,
-    Table,
-)
 
 # The printed equations, their defects, and where these act.
 
 
-def equation_section(found: PaperAudit) -> Section:
+def equation_section(found: PaperAudit) -> report.Section:
     """Show each equation as printed, what is wrong in it, what is right, and what is used here."""
-    blocks: list[Block] = [
-        Paragraph(
+    blocks: list[report.Block] = [
+        report.Paragraph(
             text=(
                 "In the paper’s symbols; those of this page are in the table after the equations."
                 " The paper quotes (1) to (4) from its references [6] and [7], in order to improve"
@@ -81,10 +64,10 @@ def equation_section(found: PaperAudit) -> Section:
     ]
     for form in PRINTED_EQUATIONS:
         blocks += _shown(form)
-    blocks.append(Paragraph(text=_energy_text(found)))
-    blocks += [Subheading(text="Symbols"), _symbol_table()]
-    blocks += [Subheading(text="Values in the tests of the equations"), _values_table(found)]
-    return Section(
+    blocks.append(report.Paragraph(text=_energy_text(found)))
+    blocks += [report.Subheading(text="Symbols"), _symbol_table()]
+    blocks += [report.Subheading(text="Values in the tests of the equations"), _values_table(found)]
+    return report.Section(
         collapsed=True,
         id="equations",
         nav="Equations",
@@ -126,24 +109,24 @@ SYMBOLS = (
 """Symbols of the page: symbol, meaning, unit, in the paper."""
 
 
-def _symbol_table() -> Table:
+def _symbol_table() -> report.Table:
     columns = (
-        Column(head="here"),
-        Column(head="meaning"),
-        Column(head="unit", phone="label", label="unit:"),
-        Column(head="in the paper", phone="label", label="in the paper:"),
+        report.Column(head="here"),
+        report.Column(head="meaning"),
+        report.Column(head="unit", phone="label", label="unit:"),
+        report.Column(head="in the paper", phone="label", label="in the paper:"),
     )
-    return Table(columns=columns, rows=tuple(Row(cells=cells) for cells in SYMBOLS))
+    return report.Table(columns=columns, rows=tuple(report.Row(cells=cells) for cells in SYMBOLS))
 
 
-def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
+def _shown(form: type[PrintedForm] | RightEquation) -> tuple[report.Block, ...]:
     right = "Right" if form.defect else "Right as printed"
     parts = {"Defect": form.defect, right: form.right, "Used here": form.cure}
     text = " ".join(f"**{key}**: {what}." for key, what in parts.items() if what)
     return (
-        Subheading(text=f"{form.equation} {form.title}"),
-        Math(latex=form.formula, tag=form.equation),
-        Paragraph(text=text),
+        report.Subheading(text=f"{form.equation} {form.title}"),
+        report.Math(latex=form.formula, tag=form.equation),
+        report.Paragraph(text=text),
     )
 
 
@@ -161,7 +144,7 @@ def _energy_text(found: PaperAudit) -> str:
     )
 
 
-def misprint_section(found: PaperAudit) -> Section:
+def misprint_section(found: PaperAudit) -> report.Section:
     """Show where each defect acts, as printed and with a stick rule added."""
     errs = {key: sum(one.differs(key) for one in found.consequences) for key in TESTS}
     heading = (
@@ -169,19 +152,19 @@ def misprint_section(found: PaperAudit) -> Section:
         f" {in_words(errs['push'])} when it is pushed from rest"
     )
     columns = (
-        Column(head="equation"),
+        report.Column(head="equation"),
         *(numbers(f"{what}\nm") for what in TESTS.values()),
     )
-    rows = tuple(_row(one) for one in found.consequences)
-    return Section(
+    rows = tuple(_row(consequence) for consequence in found.consequences)
+    return report.Section(
         collapsed=True,
         id="misprints",
         nav="Where they act",
         heading=heading,
         blocks=(
-            Paragraph(text=_tests_text(found)),
-            Table(columns=columns, rows=rows),
-            Caption(
+            report.Paragraph(text=_tests_text(found)),
+            report.Table(columns=columns, rows=rows),
+            report.Caption(
                 text=(
                     f"Travel in {SECONDS:g} s, by Heun’s method in steps of"
                     f" {1e3 * FINE_STEP:g} ms ({1e3 * BRISTLE_STEP:g} ms with bristles), without a"
@@ -191,7 +174,7 @@ def misprint_section(found: PaperAudit) -> Section:
                     " --published`."
                 )
             ),
-            Paragraph(text=_rule_text(found)),
+            report.Paragraph(text=_rule_text(found)),
         ),
     )
 
@@ -215,9 +198,9 @@ def _rule_text(found: PaperAudit) -> str:
     parts = []
     for key in ("coast", "push"):
         right = [
-            f"{one.form.equation} gives {significant(seen.with_rule.criteria.travel, 3)} m"
-            for one in found.consequences
-            if (seen := one.outcome(key)) is not None
+            f"{consequence.form.equation} gives {significant(seen.with_rule.criteria.travel, 3)} m"
+            for consequence in found.consequences
+            if (seen := consequence.outcome(key)) is not None
             and seen.differs
             and not seen.with_rule.errs(seen.corrected)
         ]
@@ -230,14 +213,14 @@ def _rule_text(found: PaperAudit) -> str:
     return f"{what} {'; '.join(parts)}." if parts else f"{what} nothing changes."
 
 
-def _values_table(found: PaperAudit) -> Table:
+def _values_table(found: PaperAudit) -> report.Table:
     """Show the values behind every number of the tests."""
     load = found.values.load
     bare = [
         row.law.title
         for row in found.table
         if getattr(row.law, "viscous_coefficient", None) == 0.0
-        and row.law.name in {one.corrected.name for one in found.consequences}
+        and row.law.name in {consequence.corrected.name for consequence in found.consequences}
         and row.law.name != "dahl"
     ]
     other = (
@@ -250,21 +233,21 @@ def _values_table(found: PaperAudit) -> Table:
         found.consequences,
         ("equation", lambda one: f"{one.form.equation} {one.form.title}"),
         (
-            Column(head="values as printed", phone="label", label="as printed:"),
+            report.Column(head="values as printed", phone="label", label="as printed:"),
             lambda one: values_of(one.printed),
         ),
         (
-            Column(head="values of the corrected law", phone="label", label="corrected:"),
-            lambda one: Name(text=values_of(one.corrected, load), aside=one.corrected.title),
+            report.Column(head="values of the corrected law", phone="label", label="corrected:"),
+            lambda one: report.Name(text=values_of(one.corrected, load), aside=one.corrected.title),
         ),
         caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
         f" The weight $W$ of (4) is that load.{other}",
     )
 
 
-def _row(consequence: Consequence) -> Row:
+def _row(consequence: Consequence) -> report.Row:
     form = consequence.form
-    return Row(
+    return report.Row(
         cells=(
             f"{form.equation} {form.title}",
             *(_cell(consequence.outcome(key)) for key in TESTS),
@@ -272,18 +255,20 @@ def _row(consequence: Consequence) -> Row:
     )
 
 
-def _cell(outcome: Outcome | None) -> Name | str:
+def _cell(outcome: Outcome | None) -> report.Name | str:
     if outcome is None:
         return "—"
     run, right = outcome.printed, significant(outcome.corrected.travel, 3)
     if run.diverged:
         when = with_unit(f"{1e3 * run.lasted:.3g}", "ms") if run.lasted else "one step"
-        return Name(text=f"diverges in {when}", aside=f"not {right}")
+        return report.Name(text=f"diverges in {when}", aside=f"not {right}")
     travel = significant(run.criteria.travel, 3)
     if not outcome.differs:
         return travel
     held = run.criteria.travel == 0.0
-    return Name(text=travel, aside=f"held without limit; not {right}" if held else f"not {right}")
+    return report.Name(
+        text=travel, aside=f"held without limit; not {right}" if held else f"not {right}"
+    )
 
 
 # Three readings of how the block is set in motion.
@@ -291,7 +276,7 @@ def _cell(outcome: Outcome | None) -> Name | str:
 SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
 
 
-def excitation_section(found: PaperAudit) -> Section:
+def excitation_section(found: PaperAudit) -> report.Section:
     """Show three readings of one sentence of the paper, with the first law of its table."""
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
@@ -314,12 +299,12 @@ def excitation_section(found: PaperAudit) -> Section:
             f" {mu_k:g} and {row.law.title} friction:"
         )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
-    return Section(
+    return report.Section(
         id="excitation",
         nav="Three excitations",
         heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
         blocks=(
-            Paragraph(text=text),
+            report.Paragraph(text=text),
             *(() if found.own else (_sketches(row.readings),)),
             _figure(found, row.readings),
             _table(found, row.readings),
@@ -328,10 +313,10 @@ def excitation_section(found: PaperAudit) -> Section:
     )
 
 
-def _sketches(readings: Sequence[Excitation]) -> Gallery:
-    return Gallery(
+def _sketches(readings: Sequence[Excitation]) -> report.Gallery:
+    return report.Gallery(
         panels=tuple(
-            Panel(
+            report.Panel(
                 svg=sketch(
                     SKETCHES[reading.key],
                     alt=f"Sketch of the rig: {reading.title}",
@@ -346,7 +331,7 @@ def _sketches(readings: Sequence[Excitation]) -> Gallery:
     )
 
 
-def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
+def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> report.Figure:
     values = found.values
     low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
     digits = 3 if found.own else 2
@@ -361,7 +346,7 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
         prefix="excitations",
         **EXCITATION_SIZES,
     )
-    return Figure(
+    return report.Figure(
         svg=svg,
         caption=f"**Travel in the two readings and the control.** {_band_text(found, low, high)}",
     )
@@ -379,17 +364,17 @@ def _band_text(found: PaperAudit, low: float, high: float) -> str:
     return f"Blue-grey band: {interval(low, high)} m, {what}."
 
 
-def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
+def _table(found: PaperAudit, readings: Sequence[Excitation]) -> report.Table:
     travels = [reading.criteria.travel for reading in readings]
     axis = travel_axis(found, travels, "travel, m; line: measured")
     return table(
         readings,
         ("excitation", _label),
         (
-            Column(head="travel\nm", numeric=True),
-            lambda reading: Number(value=fixed(reading.criteria.travel, 3)),
+            report.Column(head="travel\nm", numeric=True),
+            lambda reading: report.Number(value=fixed(reading.criteria.travel, 3)),
         ),
-        (Column(head="", axis=axis), lambda reading: RowPlot(marks=(_dot(reading),))),
+        (report.Column(head="", axis=axis), lambda reading: report.RowPlot(marks=(_dot(reading),))),
         (
             numbers("error"),
             lambda reading: signed_percent(reading.criteria.relative_error or 0.0),
@@ -404,8 +389,8 @@ def _label(reading: Excitation) -> str:
     return f"{reading.key}. {reading.title}"
 
 
-def _dot(reading: Excitation) -> Mark:
-    return Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
+def _dot(reading: Excitation) -> report.Mark:
+    return report.Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
 
 
 def _ending(reading: Excitation) -> str:
@@ -419,14 +404,16 @@ def _ending(reading: Excitation) -> str:
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 
-def _closed_forms(readings: Sequence[Excitation]) -> Caption:
+def _closed_forms(readings: Sequence[Excitation]) -> report.Caption:
     """Set the runs against the formulas."""
     known = {r: r.closed_form for r in readings if r.closed_form is not None}
     if not known:
-        return Caption(text="No reading has a closed form here: the block stays with its spring.")
+        return report.Caption(
+            text="No reading has a closed form here: the block stays with its spring."
+        )
     off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
     travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
-    return Caption(
+    return report.Caption(
         text=f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
     )
 
@@ -434,7 +421,7 @@ def _closed_forms(readings: Sequence[Excitation]) -> Caption:
 # All that is assumed on the page, in one table.
 
 
-def assumption_section(found: PaperAudit) -> Section:
+def assumption_section(found: PaperAudit) -> report.Section:
     """List every value that the page uses and the source does not print, with its origin."""
     rows = (*_rig_rows(found), *_law_rows(found), *_run_rows(found))
     printed = (
@@ -442,22 +429,22 @@ def assumption_section(found: PaperAudit) -> Section:
         if found.own
         else "Tables I and II and the text of the paper print"
     )
-    return Section(
+    return report.Section(
         collapsed=True,
         id="assumptions",
         nav="Assumptions",
         heading="What is assumed, and where it is used",
         blocks=(
-            Paragraph(
+            report.Paragraph(
                 text=f"Every value on this page is one that {printed}, or stands in this table."
             ),
-            Table(
+            report.Table(
                 columns=(
-                    Column(head="where"),
-                    Column(head="value"),
-                    Column(head="origin", phone="label", label="origin:"),
+                    report.Column(head="where"),
+                    report.Column(head="value"),
+                    report.Column(head="origin", phone="label", label="origin:"),
                 ),
-                rows=tuple(Row(cells=cells) for cells in rows),
+                rows=tuple(report.Row(cells=cells) for cells in rows),
             ),
         ),
     )

@@ -8,6 +8,7 @@ from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.printed import Requirement
 from stickslip.paper.rigs import PUSH_DURATION, SPEED
 from stickslip.paper.sections.common import fitted_text, numbers, travel_axis
+from stickslip.show import plots, report
 from stickslip.show.formatting import (
     fixed,
     joined,
@@ -20,39 +21,11 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.plots import (
-    RUN_SIZES,
-    Sizes,
-    characteristic_sizes,
-    draw_characteristics,
-    draw_motion,
-    draw_presliding,
-    draw_run,
-    draw_stribeck,
-    inline_svg,
-    presliding_sizes,
-    schematic,
-    symbol_label,
-)
-from stickslip.show.report import (
-    Caption,
-    Column,
-    Columns,
-    Figure,
-    Mark,
-    Name,
-    Number,
-    Paragraph,
-    Row,
-    RowPlot,
-    Section,
-    Table,
-)
 
 # The paper's Table II beside ours, and its criteria applied again.
 
 
-def table_section(found: PaperAudit) -> Section:
+def table_section(found: PaperAudit) -> report.Section:
     """Show every row of Table II beside ours in readings A and B, and the push in 10 ms steps."""
     text = (
         "A: the push, solved exactly, and in steps of 10 ms, the sample time that the paper states"
@@ -67,7 +40,7 @@ def table_section(found: PaperAudit) -> Section:
             " With the same viscous part, which (5) and (9) have too, the spring gives"
             f" {joined(travels)}: between the rows of B lies what is assumed, not the model."
         )
-    return Section(
+    return report.Section(
         id="table2",
         nav="The six models" if found.own else "Table II",
         heading=(
@@ -76,9 +49,9 @@ def table_section(found: PaperAudit) -> Section:
             else "The paper’s Table II beside ours"
         ),
         blocks=(
-            Paragraph(text=text),
+            report.Paragraph(text=text),
             _table(found),
-            Caption(text=_step_text(found)),
+            report.Caption(text=_step_text(found)),
             *(() if len(found.trials) == 1 else (_trial_table(found),)),
         ),
     )
@@ -109,7 +82,7 @@ RULES: Mapping[BreakAway, str] = {"zero": "sgn 0 = 0", "static": "from break-awa
 """What the friction in the first step out of rest is called."""
 
 
-def _table(found: PaperAudit) -> Table:
+def _table(found: PaperAudit) -> report.Table:
     printed = () if found.own else (
         numbers("published\nm"),
     )  # fmt: skip
@@ -119,12 +92,12 @@ def _table(found: PaperAudit) -> Table:
     travels += [reading.criteria.travel for row in found.table for reading in row.readings]
     marks = f"travel, m; triangle: A, dot: {reading}, line: measured"
     columns = (
-        Column(head="friction model"),
+        report.Column(head="friction model"),
         *printed,
         numbers("A, exact\nm", "A exact, m"),
         *(numbers(f"A, 10 ms\n{what}", f"10 ms, {what}") for what in RULES.values()),
         numbers(f"{spring}\nm"),
-        Column(
+        report.Column(
             head="",
             axis=travel_axis(found, travels, marks if found.own else f"{marks}, ring: published"),
         ),
@@ -133,37 +106,39 @@ def _table(found: PaperAudit) -> Table:
         f"Below each travel its error against the measured {_metres(found)}. All runs hold the"
         " block at its first stop, by the paper’s switch to static friction."
     )
-    return Table(
+    return report.Table(
         columns=columns, rows=tuple(_row(found, row) for row in found.table), caption=caption
     )
 
 
-def _row(found: PaperAudit, row: TableRow) -> Row:
+def _row(found: PaperAudit, row: TableRow) -> report.Row:
     published = row.published.travel
     push, spring = (row.reading(key).criteria for key in ("A", found.values.own_reading))
     marks = [
-        Mark(kind="triangle", at=push.travel, colour="c2"),
-        Mark(kind="dot", at=spring.travel, colour="c1"),
+        report.Mark(kind="triangle", at=push.travel, colour="c2"),
+        report.Mark(kind="dot", at=spring.travel, colour="c1"),
     ]
     if published is not None:
-        marks.append(Mark(kind="ring", at=published, colour="muted"))
-    return Row(
+        marks.append(report.Mark(kind="ring", at=published, colour="muted"))
+    return report.Row(
         cells=(
-            Name(text=row.law.title, aside=row.published.note),
+            report.Name(text=row.law.title, aside=row.published.note),
             *(() if found.own else (_with_error(found, published, 2),)),
             _with_error(found, push.travel),
             *(_with_error(found, row.coarse.get(rule)) for rule in RULES),
             _with_error(found, spring.travel),
-            RowPlot(marks=tuple(marks), lanes=2),
+            report.RowPlot(marks=tuple(marks), lanes=2),
         )
     )
 
 
-def _with_error(found: PaperAudit, travel: float | None, digits: int = 3) -> Name | str:
+def _with_error(found: PaperAudit, travel: float | None, digits: int = 3) -> report.Name | str:
     """Return a travel with its relative error below it."""
     if travel is None:
         return "—"
-    return Name(text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0))
+    return report.Name(
+        text=fixed(travel, digits), aside=signed_percent(travel / found.measured - 1.0)
+    )
 
 
 def _step_text(found: PaperAudit) -> str:
@@ -183,19 +158,19 @@ def _step_text(found: PaperAudit) -> str:
     return text
 
 
-def _trial_table(found: PaperAudit) -> Table:
+def _trial_table(found: PaperAudit) -> report.Table:
     """Show every trial with the travel of each model at its compression."""
     scale = scale_of([trial.compression for trial in found.trials], "m")
     columns = (
-        Column(head="compression"),
+        report.Column(head="compression"),
         numbers("measured\nm"),
         *(numbers(row.law.title.replace(" + ", "\n+ "), row.law.title) for row in found.table),
     )
     rows = tuple(
-        Row(
+        report.Row(
             cells=(
                 with_unit(number(scale.factor * trial.compression), scale.unit),
-                Number(value=fixed(trial.measured, 3)),
+                report.Number(value=fixed(trial.measured, 3)),
                 *(fixed(trial.travels[row.law.name], 3) for row in found.table),
             )
         )
@@ -205,35 +180,39 @@ def _trial_table(found: PaperAudit) -> Table:
         "All trials, as measured and with each model, travels in m. The figures and tables above"
         " and below show the first."
     )
-    return Table(columns=columns, rows=rows, caption=caption)
+    return report.Table(columns=columns, rows=rows, caption=caption)
 
 
-def ranking_section(found: PaperAudit) -> Section:
+def ranking_section(found: PaperAudit) -> report.Section:
     """Apply the paper's own criteria to its table and to ours, with our verdict beside."""
     reading = found.values.own_reading
     keys = ("A", reading) if found.own else ("published", "A", "B")
     names = {"published": "published", "A": "A, push", "B": "B, spring", "C": "C, fixed spring"}
     columns = (
-        Column(head="friction model"),
+        report.Column(head="friction model"),
         *(
-            Column(head=f"{names[key]}: both\ncriteria, rank", phone="label", label=names[key])
+            report.Column(
+                head=f"{names[key]}: both\ncriteria, rank", phone="label", label=names[key]
+            )
             for key in keys
         ),
-        Column(head="by select", phone="label"),
+        report.Column(head="by select", phone="label"),
     )
     rows = tuple(
-        Row(cells=(row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row)))
+        report.Row(
+            cells=(row.law.title, *(_judged(found, row, key) for key in keys), _ours(found, row))
+        )
         for row in found.table
     )
-    return Section(
+    return report.Section(
         id="ranking",
         nav="Criteria",
         heading=_ranking_heading(found),
         blocks=(
-            Paragraph(text=_criteria_text(found)),
-            Table(columns=columns, rows=rows),
-            *(() if found.own else (Caption(text=_caption(found)),)),
-            *((Paragraph(text=_energy_text(found)),) if reading == "B" else ()),
+            report.Paragraph(text=_criteria_text(found)),
+            report.Table(columns=columns, rows=rows),
+            *(() if found.own else (report.Caption(text=_caption(found)),)),
+            *((report.Paragraph(text=_energy_text(found)),) if reading == "B" else ()),
         ),
     )
 
@@ -285,7 +264,7 @@ def _criteria_text(found: PaperAudit) -> str:
 
 def _ours(found: PaperAudit, row: TableRow) -> str:
     """Say what selection makes of a law: one travel, one value that reproduces it."""
-    named = [one for one in found.verdict.candidates if one.name == row.law.name]
+    named = [candidate for candidate in found.verdict.candidates if candidate.name == row.law.name]
     if not named:
         return "not tried"
     fit = named[0].fit
@@ -348,22 +327,22 @@ def _metres(found: PaperAudit) -> str:
 
 RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-viscous": 10}
 """Numbers of the figures that show the block, by the law that their captions name."""
-BLOCK_SIZES = Sizes(wide=(880, 270), narrow=(358, 520))
+BLOCK_SIZES = plots.Sizes(wide=(880, 270), narrow=(358, 520))
 
 
-def schematic_section(found: PaperAudit) -> Section:
+def schematic_section(found: PaperAudit) -> report.Section:
     """Return Figs 1 and 5: cart and rig with the paper's symbols."""
     values = found.values
-    return Section(
+    return report.Section(
         collapsed=True,
         id="systems",
         nav="Figs 1 and 5",
         heading="The two systems of the paper",
         blocks=(
-            Columns(
+            report.Columns(
                 left=(
-                    Figure(
-                        svg=schematic(
+                    report.Figure(
+                        svg=plots.schematic(
                             "cart",
                             alt="Cart of mass M with an inverted pendulum of length l and ball m",
                             prefix="fig1",
@@ -374,8 +353,8 @@ def schematic_section(found: PaperAudit) -> Section:
                     ),
                 ),
                 right=(
-                    Figure(
-                        svg=schematic(
+                    report.Figure(
+                        svg=plots.schematic(
                             "rig",
                             alt="Steel block of mass m before a compressed spring of stiffness k",
                             prefix="fig5",
@@ -391,7 +370,7 @@ def schematic_section(found: PaperAudit) -> Section:
     )
 
 
-def phenomena_section(found: PaperAudit) -> Section:
+def phenomena_section(found: PaperAudit) -> report.Section:
     """Return stick-slip and Figs 3 and 4: the phenomena of friction that the paper reviews."""
     pulled = found.stick_slip
     assert pulled is not None  # of the rig of the paper
@@ -404,12 +383,12 @@ def phenomena_section(found: PaperAudit) -> Section:
     bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
-        Figure(
-            svg=inline_svg(
-                draw_run(pulled.run, until=pulled.run.span[1]),
+        report.Figure(
+            svg=plots.inline_svg(
+                plots.draw_run(pulled.run, until=pulled.run.span[1]),
                 alt="Displacement, velocity and friction of a block in stick-slip",
                 prefix="stick-slip",
-                **RUN_SIZES,
+                **plots.RUN_SIZES,
             ),
             caption=(
                 "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
@@ -422,9 +401,9 @@ def phenomena_section(found: PaperAudit) -> Section:
     curve = next((law for law in laws.values() if isinstance(law, Stribeck)), None)
     if curve is not None:
         figures.append(
-            Figure(
-                svg=inline_svg(
-                    draw_stribeck(curve, load),
+            report.Figure(
+                svg=plots.inline_svg(
+                    plots.draw_stribeck(curve, load),
                     alt="Stribeck curve with static level, Coulomb level and Stribeck velocity",
                     prefix="fig3",
                     wide=(880, 280),
@@ -435,29 +414,29 @@ def phenomena_section(found: PaperAudit) -> Section:
             )
         )
     figures += [
-        Figure(
-            svg=inline_svg(
-                draw_presliding(bristle, load=load),
+        report.Figure(
+            svg=plots.inline_svg(
+                plots.draw_presliding(bristle, load=load),
                 alt="Friction force against displacement before slip",
                 prefix="fig4",
-                **presliding_sizes(len(bristle)),
+                **plots.presliding_sizes(len(bristle)),
             ),
             caption="**Fig. 4. Presliding displacement**: friction against a slow displacement to"
             " and fro, before slip and at its onset. The paper shows the measurement of its"
             " reference [13]; these are the corrected Dahl and LuGre laws.",
         ),
-        Figure(
-            svg=inline_svg(
-                draw_characteristics(laws, load=load, v_max=0.5),
+        report.Figure(
+            svg=plots.inline_svg(
+                plots.draw_characteristics(laws, load=load, v_max=0.5),
                 alt="Friction force against slip velocity of the five models",
                 prefix="laws-of-table2",
-                **characteristic_sizes(len(laws)),
+                **plots.characteristic_sizes(len(laws)),
             ),
             caption="**The laws of Table II** against velocity, corrected. At rest, any force up"
             " to break-away; for bristle laws, the curve of steady sliding.",
         ),
     ]
-    return Section(
+    return report.Section(
         collapsed=True,
         id="phenomena",
         nav="Phenomena, Figs 3, 4",
@@ -466,7 +445,7 @@ def phenomena_section(found: PaperAudit) -> Section:
     )
 
 
-def figure_section(found: PaperAudit) -> Section:
+def figure_section(found: PaperAudit) -> report.Section:
     """Return Figs 6 to 10, the block with each law, in the order of the paper."""
     rows = {row.law.name: row for row in found.table}
     figures = [
@@ -482,25 +461,25 @@ def figure_section(found: PaperAudit) -> Section:
         "The block in readings A and B with the values assumed for Table II, and a third run with"
         " the value that gives the published travel. Dashed: the published and the measured travel."
     )
-    return Section(
+    return report.Section(
         collapsed=True,
         id="figures",
         nav="The block" if found.own else "Figs 6 to 10",
         heading="The block with each law" if found.own else "The block with each law, recomputed",
-        blocks=(Paragraph(text=own if found.own else text), *figures),
+        blocks=(report.Paragraph(text=own if found.own else text), *figures),
     )
 
 
-def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
+def _run_figure(found: PaperAudit, row: TableRow, number: int) -> report.Figure:
     shown = [row.reading(key) for key in (found.values.own_reading, "A")]
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
     need = found.requirement(row.law.name)
     if need is not None and need.run is not None:
-        runs[_need_label(need, row, symbol_label(need.symbol))] = need.run
+        runs[_need_label(need, row, plots.symbol_label(need.symbol))] = need.run
     if row.law.name == "stribeck" and found.creeps:
         creep = found.creeps[len(found.creeps) // 2]
         velocity = f"{significant(1e3 * creep.stribeck_velocity, 4)} mm/s"
-        runs[f"(5) in 10 ms, {symbol_label('v_s')} = {velocity}"] = creep.run
+        runs[f"(5) in 10 ms, {plots.symbol_label('v_s')} = {velocity}"] = creep.run
     published = row.published.travel
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
@@ -508,9 +487,9 @@ def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
     levels = {} if published is None else {f"published, {published:.2f} m": published}
     printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
     title = row.law.title if found.own else f"Fig. {number}. {row.law.title}"
-    return Figure(
-        svg=inline_svg(
-            draw_motion(
+    return report.Figure(
+        svg=plots.inline_svg(
+            plots.draw_motion(
                 runs,
                 levels=levels | {f"measured, {found.measured:.{digits}f} m": found.measured},
             ),

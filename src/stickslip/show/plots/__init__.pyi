@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.show.plots.animation.animation import animate as animate
 from stickslip.show.plots.animation.animation import animation_html as animation_html
 from stickslip.show.plots.animation.animation import draw_scene as draw_scene

@@ -22,19 +22,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.show.formatting import unit_text
 from stickslip.show.plots import theme
 from stickslip.show.plots.svg import Draw, Size
-from stickslip.show.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    INK,
-    MUTED,
-    label_at,
-    label_column,
-    lay_out,
-    name_size,
-    pixel_of,
-)
 
 # Drawings on the user's axes: `plot_*` functions are drawings of this package put there.
 
@@ -103,7 +90,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     points = width * 72 / figure.dpi
     with theme.readers_style(points if given is None else None) as own:
         panels = _drawn(draw, figure, given, narrow=points < NARROW_BELOW)
-        after = {artist for one in (*panels, *figure.legends) for artist in one.findobj()}
+        after = {artist for panel in (*panels, *figure.legends) for artist in panel.findobj()}
         theme.restyle(after - before, own)
         return panels
 
@@ -238,7 +225,7 @@ class _Stage:
 
 Array: TypeAlias = NDArray[np.float64]
 
-RIVALS: Final = (C2, C3, C4, INK, MUTED)
+RIVALS: Final = (theme.C2, theme.C3, theme.C4, theme.INK, theme.MUTED)
 DASHES: Final = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 SETTLED: Final = 0.01
 """Share of its largest excursion within which a body counts as having arrived."""
@@ -300,7 +287,7 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyl
     for index, name in enumerate(rivals):
         lap, place = divmod(index, len(RIVALS))
         found[name] = LineStyle(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
-    return {name: found.get(name, LineStyle(C1, "-", 3.0, 2)) for name in names}
+    return {name: found.get(name, LineStyle(theme.C1, "-", 3.0, 2)) for name in names}
 
 
 def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:
@@ -495,8 +482,8 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
     figure = axes.get_figure(root=True)
     if figure is None:
         return
-    lay_out(figure)
-    pixel = pixel_of(figure)
+    theme.lay_out(figure)
+    pixel = theme.pixel_of(figure)
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
     frame = frame._replace(left=frame.left + BESIDE)  # names do not stand on the axis
     # Without finite points in the frame there is nothing to hide.
@@ -526,7 +513,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, points: Array | None = 
         x, y = axes.transData.inverted().transform(
             ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)
         )
-        name = label_at(axes, float(x), float(y), curve.text, curve.colour, offset=(0, 0),
+        name = theme.label_at(axes, float(x), float(y), curve.text, curve.colour, offset=(0, 0),
                         align="center")  # fmt: skip
         name.set_in_layout(False)  # its place was found in the layout that is
 
@@ -539,7 +526,7 @@ def label_ends(
     """Name curves where they end; a name may have several lines."""
     # Equal heights keep their order from below, so the last line goes first.
     rows = [(y, line, colour) for y, lines, colour in labels for line in reversed(lines)]
-    label_column(axes, x, rows)
+    theme.label_column(axes, x, rows)
 
 
 def _letters(text: str) -> int:
@@ -628,8 +615,8 @@ def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
                 xycoords=axes.get_xaxis_transform(),
                 ha="center",
                 va="bottom",
-                color=MUTED,
-                fontsize=name_size(),
+                color=theme.MUTED,
+                fontsize=theme.name_size(),
             )
 
 
@@ -648,15 +635,15 @@ def name_events(axes: Axes, events: Sequence[Event], narrow: bool) -> None:
         if start < free_from:
             continue
         free_from = start + width
-        axes.axvline(event.t, color=MUTED, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
+        axes.axvline(event.t, color=theme.MUTED, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
         axes.annotate(
             reason,
             (event.t, 1.03),
             xycoords=axes.get_xaxis_transform(),
             ha="left" if fits else "right",
             va="bottom",
-            color=INK,
-            fontsize=name_size(),
+            color=theme.INK,
+            fontsize=theme.name_size(),
         )
 
 

@@ -14,14 +14,9 @@ from stickslip.friction import FrictionLaw
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import Fit, TrialComparison
 from stickslip.show.display import InPanels
+from stickslip.show.plots import laws
 from stickslip.show.plots.axes import Panels, PanelTarget
 from stickslip.show.plots.fits import plot_fit, plot_verdict
-from stickslip.show.plots.laws import (
-    plot_characteristic,
-    plot_characterization,
-    plot_law,
-    plot_presliding,
-)
 from stickslip.show.plots.measurements import plot_measurement, plot_trials
 from stickslip.show.plots.runs import plot_closed_loop, plot_run
 from stickslip.show.plots.studies import plot_band, plot_ensemble, plot_profile, plot_validation
@@ -42,10 +37,10 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Fit: plot_fit,
         TrialComparison: plot_trials,
         Verdict: plot_verdict,
-        PreslidingLoop: plot_presliding,
-        Characteristic: plot_characteristic,
-        Characterization: plot_characterization,
-        FrictionLaw: plot_law,
+        PreslidingLoop: laws.plot_presliding,
+        Characteristic: laws.plot_characteristic,
+        Characterization: laws.plot_characterization,
+        FrictionLaw: laws.plot_law,
         sweep.VelocityMap: plot_sweep,
         sweep.VelocityBand: plot_velocity_band,
         sweep.Bifurcation: plot_sweep,

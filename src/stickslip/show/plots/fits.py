@@ -16,27 +16,14 @@ from stickslip.identify.candidates import CrossValidated, Verdict
 from stickslip.identify.fits import Fit, Prediction, RecordFit, inverse_dynamics, load_of
 from stickslip.quantities import turned
 from stickslip.show.formatting import Scale, scale_of
-from stickslip.show.plots.axes import (
-    LETTER,
-    LINE_POINTS,
-    Array,
-    Panels,
-    PanelTarget,
-    Sizes,
-    Target,
-    labelled,
-    looks,
-    on_axes,
-    on_panels,
-    thinned,
-)
+from stickslip.show.plots import axes as drawing
 from stickslip.show.plots.laws import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.show.plots.svg import Draw, Size
 from stickslip.show.plots.theme import C1, DATA, INK, LINE, MUTED, check_type, name_size
 
 # What a fit leaves: residuals against time, velocity and position, and errors of predictions.
 
-ERROR_SIZES: Final = Sizes(wide=(880, 330), narrow=(358, 380))
+ERROR_SIZES: Final = drawing.Sizes(wide=(880, 330), narrow=(358, 380))
 OUTER: Final = 0.2
 """Share of the residuals [%] beyond each end of the vertical axis."""
 
@@ -46,30 +33,30 @@ class ResidualPanel(NamedTuple):
 
     label: str
     """Quantity and unit of the horizontal axis."""
-    x: Array
+    x: drawing.Array
     """The quantity (n,), in that unit."""
-    residual: Array
+    residual: drawing.Array
     """Residuals (n,), in the unit shown."""
-    centre: Array
+    centre: drawing.Array
     """Middles of the bins (k,), in the unit of `x`."""
-    mean: Array
+    mean: drawing.Array
     """Means of the residuals in the bins (k,)."""
-    doubt: Array
+    doubt: drawing.Array
     """Twice the standard errors of these means (k,)."""
 
 
 class ErrorSeries(NamedTuple):
     """Errors of one law: over time, and by block."""
 
-    t: Array
+    t: drawing.Array
     """Times (n,) [s]; records follow one another."""
-    error: Array
+    error: drawing.Array
     """Errors of the predictions (n,), in the unit shown; NaN between segments."""
-    blocks: Array
+    blocks: drawing.Array
     """Root mean square error of each held-out block (folds,), in the unit shown."""
 
 
-def residual_sizes(count: int) -> Sizes:
+def residual_sizes(count: int) -> drawing.Sizes:
     """Return the sizes of a figure of that many panels.
 
     Examples
@@ -77,7 +64,7 @@ def residual_sizes(count: int) -> Sizes:
     >>> residual_sizes(3)["wide"]
     (880, 380)
     """
-    return Sizes(wide=(880, 200 if count < 3 else 380), narrow=(358, 20 + 180 * count))
+    return drawing.Sizes(wide=(880, 200 if count < 3 else 380), narrow=(358, 20 + 180 * count))
 
 
 def draw_residuals(panels: Sequence[ResidualPanel], label: str) -> Draw:
@@ -132,7 +119,7 @@ def _say_mean(axes: Axes) -> None:
 
 def draw_prediction_error(
     series: Mapping[str, ErrorSeries],
-    edges: Array,
+    edges: drawing.Array,
     label: str,
     *,
     chosen: str,
@@ -140,7 +127,7 @@ def draw_prediction_error(
     below: str = "held out: root mean square of each block",
 ) -> Draw:
     """Return a drawing of prediction errors over time, and below of held-out errors by block."""
-    look = looks(series, chosen)
+    look = drawing.looks(series, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
@@ -173,7 +160,7 @@ def draw_prediction_error(
 
 
 def _fit_one_line(names: Iterable[str], narrow: bool) -> bool:
-    return LETTER * sum(len(name) + 2 for name in names) < (290 if narrow else 800)
+    return drawing.LETTER * sum(len(name) + 2 for name in names) < (290 if narrow else 800)
 
 
 def _name_lines(
@@ -206,32 +193,30 @@ STEADY: Final = 0.05
 class MapPoints(NamedTuple):
     """Friction against velocity as measured."""
 
-    velocity: Array
+    velocity: drawing.Array
     """Slip velocities (n,) [m/s]."""
-    friction: Array
+    friction: drawing.Array
     """Friction forces (n,) [N]."""
     load: float
     """Normal force [N]; its median where it varies."""
-    load_varies: bool
-    """Whether the normal force varies by more than 5 %."""
     measured: bool
     """Whether friction was measured; if not, it is from inverse dynamics."""
-    trend: Array
+    trend: drawing.Array
     """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
-    beside: Mapping[str, Array] = MappingProxyType({})
+    beside: Mapping[str, drawing.Array] = MappingProxyType({})
     """What else friction may depend on (n,), by the name of the contact input [SI]."""
 
 
 class Rows(NamedTuple):
     """Residuals of a fit with the motion that they belong to; None where it is not known."""
 
-    t: Array | None
+    t: drawing.Array | None
     """Times (n,) [s]; records follow one another."""
-    velocity: Array | None
+    velocity: drawing.Array | None
     """Velocities (n,) [m/s]."""
-    position: Array | None
+    position: drawing.Array | None
     """Positions (n,) [m]."""
-    residual: Array
+    residual: drawing.Array
     """Residuals (n,) [SI]."""
 
 
@@ -258,13 +243,10 @@ def is_timed(fit: RecordFit) -> bool:
 def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
     if stretches := fit.problem.samples:
-        load = np.concatenate([one.load for one in stretches])
-        middle = float(np.median(load))
         return MapPoints(
             velocity=np.concatenate([one.velocity for one in stretches]),
             friction=np.concatenate([one.friction for one in stretches]),
-            load=middle,
-            load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
+            load=float(np.median(np.concatenate([stretch.load for stretch in stretches]))),
             measured=fit.friction_was_measured,
             trend=np.concatenate(
                 [
@@ -289,13 +271,12 @@ def map_points(fit: RecordFit) -> MapPoints | None:
         found.velocity,
         found.friction,
         load_now,
-        load_varies=False,
         measured=False,
         trend=trend_of(found.time, found.velocity),
     )
 
 
-def trend_of(t: Array, velocity: Array) -> Array:
+def trend_of(t: drawing.Array, velocity: drawing.Array) -> drawing.Array:
     """Return 1 where the speed rises, -1 where it falls, 0 where it hardly does either.
 
     Examples
@@ -312,7 +293,7 @@ def trend_of(t: Array, velocity: Array) -> Array:
     return np.sign(rate) * (np.abs(rate) > least)
 
 
-def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None:
+def speeds_of(fit: RecordFit, record: Measurement) -> tuple[drawing.Array, drawing.Array] | None:
     """Return times and velocities of one record, measured or by differences."""
     if record.time is None:
         return None
@@ -336,10 +317,15 @@ def rows_of(fit: RecordFit) -> Rows:
         return Rows(None, velocity, None, seen.residual)
     record = problem.spans[seen.segment, 0].astype(int)
     t, shift = problem.times, _shifts(problem.spans)
-    columns: dict[str, Array | None] = {"velocity": np.zeros(len(t)), "position": np.zeros(len(t))}
+    columns: dict[str, drawing.Array | None] = {
+        "velocity": np.zeros(len(t)),
+        "position": np.zeros(len(t)),
+    }
     for number, one in enumerate(fit.measurement.records()):
         own = record == number
-        motion: dict[str, tuple[Array, Array] | None] = {"velocity": speeds_of(fit, one)}
+        motion: dict[str, tuple[drawing.Array, drawing.Array] | None] = {
+            "velocity": speeds_of(fit, one)
+        }
         known = "position" in one.quantities() and one.time is not None
         motion["position"] = (one.time, np.asarray(one.values("position"))) if known else None  # type: ignore[assignment]
         for name, pair in motion.items():
@@ -352,7 +338,7 @@ def rows_of(fit: RecordFit) -> Rows:
     return Rows(placed, columns["velocity"], columns["position"], seen.residual)
 
 
-def _shifts(spans: Array) -> dict[int, float]:
+def _shifts(spans: drawing.Array) -> dict[int, float]:
     """Return what times of each record are shifted by, so that several lie end to end."""
     order = np.unique(spans[:, 0]).astype(int).tolist()
     if len(order) == 1:
@@ -375,12 +361,12 @@ def errors_of(
     problem = candidate.fit.problem
     shift = _shifts(problem.spans)
     placed = seen.t + np.array([shift[int(record)] for record in seen.record])
-    share = max(LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
-    times: list[Array] = []
-    errors: list[Array] = []
+    share = max(drawing.LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
+    times: list[drawing.Array] = []
+    errors: list[drawing.Array] = []
     for number in np.unique(seen.segment):
         own = seen.segment == number
-        t, y = thinned(placed[own], factor * seen.residual[own], share)
+        t, y = drawing.thinned(placed[own], factor * seen.residual[own], share)
         times += [t, t[-1:]]  # a gap in the line: each segment starts from a state of its own
         errors += [y, np.array([np.nan])]
     return ErrorSeries(
@@ -391,7 +377,11 @@ def errors_of(
 
 
 def panel_of(
-    label: str, x: Array, residual: Array, effective: float, shown: Sequence[int] | NDArray[np.intp]
+    label: str,
+    x: drawing.Array,
+    residual: drawing.Array,
+    effective: float,
+    shown: Sequence[int] | NDArray[np.intp],
 ) -> ResidualPanel:
     """Return residuals against a quantity, with means of bins and twice their standard errors.
 
@@ -439,11 +429,11 @@ INTERVAL_SIZE: Final = (880, 300)
 
 def plot_joints(
     fit: RecordFit,
-    ax: PanelTarget = None,
+    ax: drawing.PanelTarget = None,
     *,
     measurement: Measurement | None = None,
     record: int = 0,
-) -> Panels:
+) -> drawing.Panels:
     """Plot the measured and the predicted force of each joint of one record against time.
 
     Parameters
@@ -474,7 +464,7 @@ def plot_joints(
     if record not in seen.record:
         raise InputError(f"record must be from 0 to {int(seen.record.max())}, got {record!r}.")
     draw = joint_figure(fit, measurement=measurement, record=record)
-    return on_panels(draw, ax, joint_sizes(fit)["wide"])
+    return drawing.on_panels(draw, ax, joint_sizes(fit)["wide"])
 
 
 def joint_sizes(fit: RecordFit) -> dict[str, Size]:
@@ -598,7 +588,7 @@ def draw_fitted_map(
     )
 
 
-def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: Target = None) -> Axes:
+def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Target = None) -> Axes:
     """Plot measured friction against velocity, and the law that was fitted to it.
 
     Friction that was not measured is what inverse dynamics makes of the record.
@@ -643,10 +633,10 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: Target = Non
             "friction against velocity cannot be computed from this record, which is too short or"
             " has no position or motion; plot_residuals shows the residuals of the fit."
         )
-    return on_axes(draw_fitted_map(points, fits, low_speeds=False), ax, MAP_SIZES["wide"])
+    return drawing.on_axes(draw_fitted_map(points, fits, low_speeds=False), ax, MAP_SIZES["wide"])
 
 
-def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
+def plot_residuals(fit: RecordFit, ax: drawing.PanelTarget = None) -> drawing.Panels:
     """Plot what a fit leaves, against time, velocity and position.
 
     Parameters
@@ -687,10 +677,10 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     if not panels:
         raise InputError(f"the fit has {len(fit.residual)} residuals, too few for bin means.")
     draw = draw_residuals(panels, f"residual, {shown}")
-    return on_panels(draw, ax, residual_sizes(len(panels))["wide"])
+    return drawing.on_panels(draw, ax, residual_sizes(len(panels))["wide"])
 
 
-def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
+def plot_fit(fit: Fit[Any], ax: drawing.Target = None) -> Axes:
     """Plot a fit beside what was measured.
 
     Parameters
@@ -726,7 +716,7 @@ def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
     return fit.plot(ax)
 
 
-def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
+def plot_verdict(verdict: Verdict, ax: drawing.Target = None) -> Axes:
     """Plot the held-out error of each law of a selection.
 
     Parameters
@@ -762,7 +752,7 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     return verdict.plot(ax)
 
 
-def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
+def plot_scores(verdict: Verdict, ax: drawing.Target = None) -> Axes:
     """Plot held-out errors of the laws that have one."""
     best = verdict.best.name if verdict.best else ""
     rows = [
@@ -778,7 +768,9 @@ def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
     if not rows:
         raise InputError(f"no law has a held-out error to plot. {verdict.words.no_score}".strip())
     rows.sort(key=lambda row: row.value)
-    return on_axes(draw_intervals(rows, "held-out error", verdict.score_unit), ax, INTERVAL_SIZE)
+    return drawing.on_axes(
+        draw_intervals(rows, "held-out error", verdict.score_unit), ax, INTERVAL_SIZE
+    )
 
 
 # Pieces of a record beside their predictions, and what the predictions are off by.
@@ -793,15 +785,15 @@ class Piece(NamedTuple):
 
     name: str
     """Name of the stretch."""
-    t: Array
+    t: drawing.Array
     """Times (n,) [s]."""
-    measured: Array
+    measured: drawing.Array
     """What was measured (n,)."""
-    predicted: Mapping[str, Array]
+    predicted: Mapping[str, drawing.Array]
     """Predictions (n,), by title of the law."""
 
 
-def piece_sizes(count: int) -> Sizes:
+def piece_sizes(count: int) -> drawing.Sizes:
     """Return the sizes of a figure of so many pieces.
 
     Examples
@@ -809,12 +801,12 @@ def piece_sizes(count: int) -> Sizes:
     >>> piece_sizes(2)["wide"]
     (880, 380)
     """
-    return Sizes(wide=(880, 380), narrow=(358, 330 * count))
+    return drawing.Sizes(wide=(880, 380), narrow=(358, 330 * count))
 
 
 def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: str) -> Draw:
     """Return a drawing of pieces of a record: measured and predicted above, errors below."""
-    look = looks(pieces[0].predicted, chosen)
+    look = drawing.looks(pieces[0].predicted, chosen)
     factor, shown = scale_of(np.concatenate([piece.measured for piece in pieces]), unit)
     gaps = [piece.measured - y for piece in pieces for y in piece.predicted.values()]
     by, small = scale_of(np.concatenate(gaps), unit)
@@ -833,8 +825,8 @@ def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: st
                 above.plot(one.t, factor * y, **style)
                 below.plot(one.t, by * (one.measured - y), **style)
             above.set_title(one.name, color=MUTED)
-            above.set_ylabel(labelled(quantity, shown))
-            below.set_ylabel(labelled("error", small))
+            above.set_ylabel(drawing.labelled(quantity, shown))
+            below.set_ylabel(drawing.labelled("error", small))
             below.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
             below.set_xlabel("time, s")
             below.margins(x=0.01, y=0.3)

@@ -29,23 +29,7 @@ from stickslip.show.plots.axes import (
     wrapped,
 )
 from stickslip.show.plots.svg import Draw
-from stickslip.study.characterization import (
-    BreakAway,
-    Characteristic,
-    Characterization,
-    Cost,
-    Creep,
-    Drift,
-    Hunting,
-    Lag,
-    Passivity,
-    Presliding,
-    PreslidingLoop,
-    SteadyCurve,
-    StickSlipMap,
-    presliding_length,
-    presliding_loop,
-)
+from stickslip.study import characterization
 
 # Figures of the battery: a test of one law, or of several in one panel.
 
@@ -61,7 +45,7 @@ LEGEND: Final = 2
 """Curves from which on a legend names them."""
 
 
-def draw_characteristic(results: Mapping[str, Characteristic]) -> Draw:
+def draw_characteristic(results: Mapping[str, characterization.Characteristic]) -> Draw:
     """Return a drawing of one test of several laws."""
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -72,7 +56,7 @@ def draw_characteristic(results: Mapping[str, Characteristic]) -> Draw:
     return draw
 
 
-def _panel(axes: Axes, results: Mapping[str, Characteristic]) -> None:
+def _panel(axes: Axes, results: Mapping[str, characterization.Characteristic]) -> None:
     PANELS[type(next(iter(results.values())))](axes, results, looks(results))
 
 
@@ -227,20 +211,20 @@ def _none_if_empty(axes: Axes, text: str) -> None:
 
 
 PANELS: Final[Mapping[type, Callable[[Axes, Drawn, Mapping[str, LineStyle]], None]]] = {
-    SteadyCurve: _steady,
-    Presliding: _presliding_test,
-    BreakAway: _break_away,
-    Lag: _lag,
-    StickSlipMap: _map,
-    Drift: _motion,
-    Creep: _motion,
-    Hunting: _hunting,
-    Passivity: _passivity,
-    Cost: _cost,
+    characterization.SteadyCurve: _steady,
+    characterization.Presliding: _presliding_test,
+    characterization.BreakAway: _break_away,
+    characterization.Lag: _lag,
+    characterization.StickSlipMap: _map,
+    characterization.Drift: _motion,
+    characterization.Creep: _motion,
+    characterization.Hunting: _hunting,
+    characterization.Passivity: _passivity,
+    characterization.Cost: _cost,
 }
 
 
-def plot_characteristic(result: Characteristic, ax: Target = None) -> Axes:
+def plot_characteristic(result: characterization.Characteristic, ax: Target = None) -> Axes:
     """Plot a test of the battery.
 
     Parameters
@@ -267,11 +251,13 @@ def plot_characteristic(result: Characteristic, ax: Target = None) -> Axes:
     >>> plot_characteristic(found.steady, Figure().add_subplot()).get_ylabel()
     'friction, N'
     """
-    theme.check_type("result", result, Characteristic)
+    theme.check_type("result", result, characterization.Characteristic)
     return on_axes(draw_characteristic({result.title: result}), ax, SIZE)
 
 
-def plot_characterization(result: Characterization, ax: PanelTarget = None) -> Panels:
+def plot_characterization(
+    result: characterization.Characterization, ax: PanelTarget = None
+) -> Panels:
     """Plot all tests of a law that were made, and those of the others beside it.
 
     Parameters
@@ -298,7 +284,7 @@ def plot_characterization(result: Characterization, ax: PanelTarget = None) -> P
     >>> len(plot_characterization(found, Figure()))
     2
     """
-    theme.check_type("result", result, Characterization)
+    theme.check_type("result", result, characterization.Characterization)
     by_test = result.by_test
     if not by_test:
         raise InputError(f"no test of {result.title} could be made, so there is nothing to plot.")
@@ -472,11 +458,17 @@ def draw_presliding(
     return draw
 
 
-def _loop(law: FrictionLaw, load: float, amplitude: float | None) -> PreslidingLoop:
-    return presliding_loop(law, amplitude or LENGTHS * presliding_length(law, load), load)
+def _loop(
+    law: FrictionLaw, load: float, amplitude: float | None
+) -> characterization.PreslidingLoop:
+    return characterization.presliding_loop(
+        law, amplitude or LENGTHS * characterization.presliding_length(law, load), load
+    )
 
 
-def _presliding_curve(axes: Axes, loop: PreslidingLoop, level: float | None) -> None:
+def _presliding_curve(
+    axes: Axes, loop: characterization.PreslidingLoop, level: float | None
+) -> None:
     """Draw a loop, and the break-away level where it is known."""
     factor, unit = scale_of(loop.displacement, "m")
     axes.plot(factor * loop.displacement, loop.friction, color=theme.C1, linewidth=1.6)
@@ -558,7 +550,7 @@ def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: f
 
 
 def plot_presliding(
-    loop: PreslidingLoop | FrictionLaw,
+    loop: characterization.PreslidingLoop | FrictionLaw,
     ax: Target = None,
     *,
     load: float = 1.0,
@@ -594,7 +586,7 @@ def plot_presliding(
     >>> plot_presliding(law, Figure().add_subplot(), load=10.0).get_xlabel()
     'displacement, mm'
     """
-    theme.check_type("loop", loop, PreslidingLoop, FrictionLaw)
+    theme.check_type("loop", loop, characterization.PreslidingLoop, FrictionLaw)
     title, level = "", None
     if isinstance(loop, FrictionLaw):
         if not loop.states:

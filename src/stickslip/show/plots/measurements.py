@@ -18,24 +18,10 @@ from stickslip.identify.fits import ConditionLine, TrialComparison, load_along
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.show.formatting import Scale, scale_of, unit_text
+from stickslip.show.plots import theme
 from stickslip.show.plots.axes import Array, Panels, PanelTarget, Sizes, on_panels
 from stickslip.show.plots.laws import characteristic
 from stickslip.show.plots.svg import Draw, Size, inline_svg
-from stickslip.show.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    DATA,
-    INK,
-    MUTED,
-    SLIP_BACK,
-    STICK,
-    SURFACE,
-    check_type,
-    shade,
-    symbol_label,
-)
 
 # A record in time: what was measured, one panel below the other.
 
@@ -65,12 +51,12 @@ def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, floa
         panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, channel in zip(panels, channels, strict=True):
             factor, unit = channel.scale or scale_of(channel.values, channel.unit)
-            shade(axes, reverse, colour=SLIP_BACK)
-            axes.plot(channel.t, factor * channel.values, color=INK, linewidth=1.1)
-            axes.set_title(f"{channel.name}, {unit}", color=MUTED)
+            theme.shade(axes, reverse, colour=theme.SLIP_BACK)
+            axes.plot(channel.t, factor * channel.values, color=theme.INK, linewidth=1.1)
+            axes.set_title(f"{channel.name}, {unit}", color=theme.MUTED)
             axes.margins(x=0.0, y=0.1)
             if np.min(channel.values) < 0.0 < np.max(channel.values):
-                axes.axhline(0.0, color=DATA, linewidth=0.6, zorder=1)
+                axes.axhline(0.0, color=theme.DATA, linewidth=0.6, zorder=1)
             axes.locator_params(axis="y", nbins=4)
         panels[-1].set_xlabel("time, s")
 
@@ -172,7 +158,7 @@ def plot_measurement(measurement: data.Measurement, ax: PanelTarget = None) -> P
     >>> [axes.get_ylabel() for axes in plot_measurement(record, Figure())]
     ['position, m', 'force, N']
     """
-    check_type("measurement", measurement, data.Measurement)
+    theme.check_type("measurement", measurement, data.Measurement)
     records = measurement.records()
     series = measurement.kind == "series"
     names = [
@@ -198,7 +184,7 @@ def plot_measurement(measurement: data.Measurement, ax: PanelTarget = None) -> P
 
 
 def _colour(place: int, records: Sequence[data.Measurement]) -> str:
-    return DATA if len(records) == 1 else f"C{place % 10}"
+    return theme.DATA if len(records) == 1 else f"C{place % 10}"
 
 
 def _overlay(axes: Axes, measurement: data.Measurement, name: str) -> None:
@@ -249,7 +235,7 @@ def _travels(axes: Axes, measurement: data.Measurement) -> None:
             factor * found,
             yerr=doubt or None,
             fmt="o",
-            color=DATA,
+            color=theme.DATA,
             markersize=5.0,
             capsize=4.0,
         )
@@ -298,10 +284,10 @@ def _series(axes: Axes, record: data.Measurement, name: str) -> None:
         values - (values.mean() if name == "position" else 0.0), record.unit(name)
     )
     shown_time, shown = _envelope(time, factor * values)
-    axes.plot(shown_time, shown, color=DATA, linewidth=1.0)
+    axes.plot(shown_time, shown, color=theme.DATA, linewidth=1.0)
     steps = np.diff(time)
     late = np.flatnonzero(steps > data.GAP * data.interval_of(time))
-    shade(axes, [(time[i], time[i + 1]) for i in late[:200]], colour=STICK)
+    theme.shade(axes, [(time[i], time[i + 1]) for i in late[:200]], colour=theme.STICK)
     axes.set_ylabel(_label(name, unit))
     axes.margins(x=0, y=0.08)
     axes.grid(axis="y")
@@ -330,8 +316,8 @@ def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
     factor, unit = scale_of(velocity, speeds)
     low, high = _middle(factor * velocity)
     counts, edges = np.histogram(factor * velocity, bins=SPEEDS, range=(low, high))
-    axes.stairs(100 * counts / velocity.size, edges, fill=True, color=SLIP_BACK)
-    axes.stairs(100 * counts / velocity.size, edges, color=DATA, linewidth=1.0)
+    axes.stairs(100 * counts / velocity.size, edges, fill=True, color=theme.SLIP_BACK)
+    axes.stairs(100 * counts / velocity.size, edges, color=theme.DATA, linewidth=1.0)
     axes.set_xlabel(f"velocity, {unit}")
     axes.set_ylabel("samples, %")
     axes.margins(x=0)
@@ -356,8 +342,8 @@ def _density(axes: Axes, moved: tuple[Array, str], record: data.Measurement, nam
         interpolation="nearest",
         zorder=2,
     )
-    axes.axvline(0.0, color=MUTED, linewidth=0.8, zorder=1)
-    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.axvline(0.0, color=theme.MUTED, linewidth=0.8, zorder=1)
+    axes.axhline(0.0, color=theme.MUTED, linewidth=0.8, zorder=1)
     axes.set_xlim(*across)
     axes.set_ylim(*up)
     axes.set_xlabel(f"velocity, {unit}")
@@ -366,7 +352,7 @@ def _density(axes: Axes, moved: tuple[Array, str], record: data.Measurement, nam
 
 def _shades() -> ListedColormap:
     """Return colours from that of a band to that of the darkest data."""
-    pale, dark = np.array(to_rgb(SLIP_BACK)), np.array(to_rgb(C1))
+    pale, dark = np.array(to_rgb(theme.SLIP_BACK)), np.array(to_rgb(theme.C1))
     share = np.linspace(0.1, 1.0, 64)[:, None]
     return ListedColormap([*map(tuple, pale + share * (dark - pale))])
 
@@ -392,7 +378,9 @@ def draw_sketch(kind: str, *, mass: str = "1 kg", force: str = "10 N") -> Draw:
         _ground_line(axes, 8, 242, GROUND)
         left = body(axes, force)
         axes.add_patch(
-            Rectangle((left, GROUND - BLOCK[1]), *BLOCK, fill=False, edgecolor=INK, linewidth=1.4)
+            Rectangle(
+                (left, GROUND - BLOCK[1]), *BLOCK, fill=False, edgecolor=theme.INK, linewidth=1.4
+            )
         )
         axes.text(
             left + BLOCK[0] / 2, GROUND - BLOCK[1] / 2, mass, ha="center", va="center", fontsize=12
@@ -415,13 +403,13 @@ def sketch(kind: str, *, alt: str, prefix: str, mass: str = "1 kg", force: str =
 
 def _ground_line(axes: Axes, left: int, right: int, height: float) -> None:
     for x in range(left + 6, right, 12):
-        axes.plot([x, x - 6], [height, height + 7], color=MUTED, linewidth=0.8, alpha=0.6)
-    axes.plot([left, right], [height, height], color=INK, linewidth=1.4)
+        axes.plot([x, x - 6], [height, height + 7], color=theme.MUTED, linewidth=0.8, alpha=0.6)
+    axes.plot([left, right], [height, height], color=theme.INK, linewidth=1.4)
 
 
 def _arrow(axes: Axes, force: str) -> float:
-    axes.plot([38, 82], [48, 48], color=C2, linewidth=1.8, solid_capstyle="butt")
-    axes.add_patch(Polygon([(89, 48), (79, 43), (79, 53)], facecolor=C2, edgecolor="none"))
+    axes.plot([38, 82], [48, 48], color=theme.C2, linewidth=1.8, solid_capstyle="butt")
+    axes.add_patch(Polygon([(89, 48), (79, 43), (79, 53)], facecolor=theme.C2, edgecolor="none"))
     axes.text(38, 36, force, va="center", fontsize=12)
     return 90.0
 
@@ -429,24 +417,24 @@ def _arrow(axes: Axes, force: str) -> float:
 def _spring(axes: Axes, start: float, end: float, *, middle: float, bulge: float) -> None:
     x = np.linspace(start, end, 2 * TURNS + 3)
     turns = [middle + bulge * (-1) ** turn for turn in range(2 * TURNS + 1)]
-    axes.plot(x, [middle, *turns, middle], color=INK, linewidth=1.4)
+    axes.plot(x, [middle, *turns, middle], color=theme.INK, linewidth=1.4)
 
 
 def _held_spring(axes: Axes, end: float) -> None:
-    axes.plot([14, 14], [20, GROUND], color=INK, linewidth=1.4)
+    axes.plot([14, 14], [20, GROUND], color=theme.INK, linewidth=1.4)
     _spring(axes, 14, end, middle=46, bulge=7)
 
 
 def _released(axes: Axes, _force: str) -> float:
     _held_spring(axes, 82)
     for y, length in ((40, 34), (48, 44), (56, 34)):
-        axes.plot([160, 160 + length], [y, y], color=MUTED, linewidth=1.0)
+        axes.plot([160, 160 + length], [y, y], color=theme.MUTED, linewidth=1.0)
     return 112.0
 
 
 def _fixed(axes: Axes, _force: str) -> float:
     _held_spring(axes, 104)
-    axes.plot([106], [46], "o", color=INK, markersize=6)
+    axes.plot([106], [46], "o", color=theme.INK, markersize=6)
     return 108.0
 
 
@@ -480,54 +468,66 @@ def schematic(kind: str, *, alt: str, prefix: str) -> str:
 
 def _cart(axes: Axes) -> None:
     pivot, ball = (150.0, 132.0), (84.0, 38.0)
-    axes.add_patch(Rectangle((94, 132), 112, 48, fill=False, edgecolor=INK, linewidth=1.6))
+    axes.add_patch(Rectangle((94, 132), 112, 48, fill=False, edgecolor=theme.INK, linewidth=1.6))
     axes.plot(
-        [pivot[0], pivot[0]], [pivot[1], 30], color=MUTED, linewidth=0.9, linestyle=(0, (5, 4))
+        [pivot[0], pivot[0]],
+        [pivot[1], 30],
+        color=theme.MUTED,
+        linewidth=0.9,
+        linestyle=(0, (5, 4)),
     )
-    axes.plot([pivot[0], ball[0]], [pivot[1], ball[1]], color=INK, linewidth=1.8)
-    axes.add_patch(Circle(ball, 14, facecolor=INK, edgecolor=INK))
-    axes.add_patch(Circle(pivot, 4, facecolor=SURFACE, edgecolor=INK, linewidth=1.6, zorder=4))
-    axes.add_patch(Arc(pivot, 130, 130, theta1=235, theta2=270, color=MUTED, linewidth=1.1))
-    axes.add_patch(Arc(pivot, 62, 62, theta1=275, theta2=30, color=C4, linewidth=1.6))
-    _head(axes, (146.0, 101.0), (-1.0, 0.0), C4)
+    axes.plot([pivot[0], ball[0]], [pivot[1], ball[1]], color=theme.INK, linewidth=1.8)
+    axes.add_patch(Circle(ball, 14, facecolor=theme.INK, edgecolor=theme.INK))
+    axes.add_patch(
+        Circle(pivot, 4, facecolor=theme.SURFACE, edgecolor=theme.INK, linewidth=1.6, zorder=4)
+    )
+    axes.add_patch(Arc(pivot, 130, 130, theta1=235, theta2=270, color=theme.MUTED, linewidth=1.1))
+    axes.add_patch(Arc(pivot, 62, 62, theta1=275, theta2=30, color=theme.C4, linewidth=1.6))
+    _head(axes, (146.0, 101.0), (-1.0, 0.0), theme.C4)
     _text(axes, 128, 58, "θ")
     _text(axes, 104, 88, "l")
     _text(axes, 60, 34, "m")
     _text(axes, 150, 158, "M")
-    _text(axes, 196, 118, "τ", C4)
+    _text(axes, 196, 118, "τ", theme.C4)
     _text(axes, 60, 168, "μ")
-    _arrow_to(axes, (264, 120), (324, 120), C1)
-    _text(axes, 294, 106, "x", C1)
-    _arrow_to(axes, (88, 190), (44, 190), C2)
-    _text(axes, 66, 204, symbol_label("F_f"), C2)
-    _arrow_to(axes, (222, 180), (222, 132), MUTED)
+    _arrow_to(axes, (264, 120), (324, 120), theme.C1)
+    _text(axes, 294, 106, "x", theme.C1)
+    _arrow_to(axes, (88, 190), (44, 190), theme.C2)
+    _text(axes, 66, 204, theme.symbol_label("F_f"), theme.C2)
+    _arrow_to(axes, (222, 180), (222, 132), theme.MUTED)
     _text(axes, 234, 152, "N")
 
 
 def _rig(axes: Axes) -> None:
-    axes.plot([30, 30], [96, 180], color=INK, linewidth=1.8)
+    axes.plot([30, 30], [96, 180], color=theme.INK, linewidth=1.8)
     for height in range(102, 184, 10):
-        axes.plot([30, 23], [height, height + 6], color=MUTED, linewidth=0.8, alpha=0.6)
+        axes.plot([30, 23], [height, height + 6], color=theme.MUTED, linewidth=0.8, alpha=0.6)
     _spring(axes, 30, 110, middle=152, bulge=10)
-    axes.add_patch(Rectangle((110, 124), 58, 56, fill=False, edgecolor=INK, linewidth=1.6))
+    axes.add_patch(Rectangle((110, 124), 58, 56, fill=False, edgecolor=theme.INK, linewidth=1.6))
     axes.add_patch(
         Rectangle(
-            (266, 124), 58, 56, fill=False, edgecolor=MUTED, linewidth=1.1, linestyle=(0, (5, 4))
+            (266, 124),
+            58,
+            56,
+            fill=False,
+            edgecolor=theme.MUTED,
+            linewidth=1.1,
+            linestyle=(0, (5, 4)),
         )
     )
     _text(axes, 139, 152, "m")
     _text(axes, 70, 128, "K")
-    _arrow_to(axes, (172, 152), (216, 152), C2)
-    _text(axes, 196, 138, "F = K x", C2)
+    _arrow_to(axes, (172, 152), (216, 152), theme.C2)
+    _text(axes, 196, 138, "F = K x", theme.C2)
     for left, right, height, name in ((110, 150, 104, "x"), (110, 266, 82, "s")):
         for end in (left, right):
-            axes.plot([end, end], [height - 7, height + 7], color=MUTED, linewidth=0.8)
-        _arrow_to(axes, (left, height), (right, height), C1)
-        _text(axes, (left + right) / 2, height - 13, name, C1)
-    _text(axes, 60, 200, f"{symbol_label('mu_d')}, {symbol_label('mu_s')}")
+            axes.plot([end, end], [height - 7, height + 7], color=theme.MUTED, linewidth=0.8)
+        _arrow_to(axes, (left, height), (right, height), theme.C1)
+        _text(axes, (left + right) / 2, height - 13, name, theme.C1)
+    _text(axes, 60, 200, f"{theme.symbol_label('mu_d')}, {theme.symbol_label('mu_s')}")
 
 
-def _text(axes: Axes, x: float, y: float, text: str, colour: str = INK) -> None:
+def _text(axes: Axes, x: float, y: float, text: str, colour: str = theme.INK) -> None:
     axes.text(x, y, text, ha="center", va="center", fontsize=13, style="italic", color=colour)
 
 
@@ -558,7 +558,7 @@ _SCHEMATICS: Final = MappingProxyType[str, Callable[[Axes], None]]({"cart": _car
 TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
 MOST_PARAMETERS: Final = 2
 """Parameters that have a panel: those whose lines are clearest come first."""
-WORDS: Final = (C1, C2, C3, C4, INK, MUTED)
+WORDS: Final = (theme.C1, theme.C2, theme.C3, theme.C4, theme.INK, theme.MUTED)
 
 
 def draw_trials(comparison: TrialComparison, *, condition: str | None = None) -> Draw:
@@ -658,10 +658,10 @@ def _colours(values: Sequence[float | str | None]) -> list[str]:
     for value in values:
         if isinstance(value, float):
             share = (value - low) / span
-            mixed = (1.0 - share) * np.array(to_rgb(C1)) + share * np.array(to_rgb(C2))
+            mixed = (1.0 - share) * np.array(to_rgb(theme.C1)) + share * np.array(to_rgb(theme.C2))
             found.append(to_hex(mixed.tolist()))
         else:
-            found.append(DATA if value is None else WORDS[words.index(value) % len(WORDS)])
+            found.append(theme.DATA if value is None else WORDS[words.index(value) % len(WORDS)])
     return found
 
 
@@ -685,14 +685,14 @@ def _parameter(
     path = comparison.trials[0].estimates[i].path
     for line in comparison.lines:
         if line.path == path and line.condition == condition:
-            axes.plot(line.ends, line.values, color=MUTED, linewidth=1.2, zorder=1)
+            axes.plot(line.ends, line.values, color=theme.MUTED, linewidth=1.2, zorder=1)
     if words:
         axes.set_xticks(range(len(words)), words)
         axes.margins(x=0.3)
     quantity = comparison.trials[0].estimates[i].quantity
     unit = unit_text(quantity.unit)
-    title = symbol_label(quantity.symbol)
-    axes.set_title(f"{title}, {unit}" if unit else title, color=MUTED)
+    title = theme.symbol_label(quantity.symbol)
+    axes.set_title(f"{title}, {unit}" if unit else title, color=theme.MUTED)
     what = data.condition_name(condition) or "trial"
     in_unit = unit_text(data.condition_unit(condition))
     axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
@@ -709,7 +709,7 @@ def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> 
         load = _load(comparison.fit.mechanism, record)
         velocity, force = characteristic(trial.law, load, top)
         axes.plot(factor * velocity, force, color=colour, linewidth=1.5)
-    axes.set_title(f"friction, {comparison.fit.measurement.unit('friction')}", color=MUTED)
+    axes.set_title(f"friction, {comparison.fit.measurement.unit('friction')}", color=theme.MUTED)
     axes.set_xlabel(f"velocity, {unit}")
     axes.grid(axis="y")
 
@@ -767,5 +767,5 @@ def plot_trials(
     >>> len(plot_trials(found, Figure()))
     2
     """
-    check_type("comparison", comparison, TrialComparison)
+    theme.check_type("comparison", comparison, TrialComparison)
     return on_panels(draw_trials(comparison, condition=condition), ax, TRIAL_SIZES["wide"])

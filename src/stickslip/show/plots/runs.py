@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.engine.trajectory import UNLOADED, Trajectory
 from stickslip.errors import InputError
 from stickslip.show.formatting import number, scale_of
+from stickslip.show.plots import theme
 from stickslip.show.plots.axes import (
     JUMP,
     Array,
@@ -38,18 +39,6 @@ from stickslip.show.plots.axes import (
     wrapped,
 )
 from stickslip.show.plots.svg import Draw
-from stickslip.show.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    INK,
-    MUTED,
-    SURFACE,
-    check_type,
-    label_at,
-    shade,
-)
 from stickslip.study.control import ClosedLoop
 from stickslip.study.sweep import Band
 
@@ -58,7 +47,7 @@ from stickslip.study.sweep import Band
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
 STATE_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 320))
-SERIES: Final = (C1, C2, C3, C4)
+SERIES: Final = (theme.C1, theme.C2, theme.C3, theme.C4)
 """Colours of coordinates; more than these are not told apart."""
 PANEL: Final = 130
 """Height of a panel [px]."""
@@ -133,7 +122,7 @@ def _coordinates(
     at = run.at(times)
     few = len(names) <= len(SERIES)
     for i, name in enumerate(names):
-        colour = SERIES[i] if few else MUTED
+        colour = SERIES[i] if few else theme.MUTED
         width = 1.8 if few else 0.9
         axes.plot(seen.t, factor * seen[name], color=colour, linewidth=width, label=name)
         if band is not None and name in band.states:
@@ -156,28 +145,28 @@ def _coordinates(
 def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: float) -> None:
     """Draw the friction of one contact."""
     factor, unit = scale_of(seen["friction"], seen.units["friction"])
-    axes.plot(seen.t, factor * seen["friction"], color=C1, linewidth=1.8)
+    axes.plot(seen.t, factor * seen["friction"], color=theme.C1, linewidth=1.8)
     axes.set_ylabel(f"friction, {unit}")
     axes.set_title(name, loc="left", fontsize="medium")
     axes.margins(x=0, y=0.15)
     axes.grid(axis="y")
-    shade(axes, within(own.stick_spans(), last))
+    theme.shade(axes, within(own.stick_spans(), last))
     events = [event for event in own.events if event.t <= last]
     if events:
         at = own.at([event.t for event in events])
-        axes.plot(at.t, factor * at["friction"], "o", color=C1, markersize=4, zorder=4)
+        axes.plot(at.t, factor * at["friction"], "o", color=theme.C1, markersize=4, zorder=4)
 
 
 def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
     """Draw the raster with what its colours mean."""
-    raster(axes, seen, {-1: C2, 0: MUTED, 1: C1})
+    raster(axes, seen, {-1: theme.C2, 0: theme.MUTED, 1: theme.C1})
     axes.set_xlabel("time, s")
     modes = [np.rint(seen[f"mode:{name}"]) for name in seen.contacts]
-    meanings = {"slip backward": C2, "stick": MUTED, "slip forward": C1}
+    meanings = {"slip backward": theme.C2, "stick": theme.MUTED, "slip forward": theme.C1}
     if np.any(np.array(modes) == UNLOADED):
-        meanings["open"] = SURFACE
+        meanings["open"] = theme.SURFACE
     for label, colour in meanings.items():
-        axes.plot([], [], "s", color=colour, markeredgecolor=MUTED, label=label)
+        axes.plot([], [], "s", color=colour, markeredgecolor=theme.MUTED, label=label)
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
@@ -236,16 +225,16 @@ def draw_run(
         events = [event for event in run.events if event.t <= last][:MOST_MARKED]
         for axes, (name, title) in zip(panels, titles.items(), strict=True):
             factor, unit = scale_of(seen[name], run.units[name])
-            axes.plot(seen.t, factor * seen[name], color=C1, linewidth=2.0)
+            axes.plot(seen.t, factor * seen[name], color=theme.C1, linewidth=2.0)
             axes.set_ylabel(f"{title}, {unit}")
             if band is not None and name in band.states:
-                shade_band(axes, band, name, last, factor=factor, colour=C1)
+                shade_band(axes, band, name, last, factor=factor, colour=theme.C1)
             axes.margins(x=0, y=0.12)
             axes.grid(axis="y")
-            shade(axes, within(run.stick_spans(), last))
+            theme.shade(axes, within(run.stick_spans(), last))
             if events:
                 at = run.at([event.t for event in events])
-                axes.plot(at.t, factor * at[name], "o", color=C1, markersize=4.5, zorder=4)
+                axes.plot(at.t, factor * at[name], "o", color=theme.C1, markersize=4.5, zorder=4)
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
         name_modes(panels[0], run, last)
@@ -284,20 +273,31 @@ def draw_friction_velocity(
         of_force, unit_of_force = scale_of(seen["friction"], run.units.get("friction", "N"))
         v, force = factor * seen[rate], of_force * seen["friction"]
         apart = _impacts(seen.t, v)
-        axes.axhline(0, color=MUTED, linewidth=0.8)
-        axes.axvline(0, color=MUTED, linewidth=0.8)
+        axes.axhline(0, color=theme.MUTED, linewidth=0.8)
+        axes.axvline(0, color=theme.MUTED, linewidth=0.8)
         axes.plot(
-            np.insert(v, apart, np.nan), np.insert(force, apart, np.nan), color=C1, linewidth=2.0
+            np.insert(v, apart, np.nan),
+            np.insert(force, apart, np.nan),
+            color=theme.C1,
+            linewidth=2.0,
         )
         axes.margins(0.08, 0.18)
         axes.set_xlabel(f"velocity, {unit}")
         axes.set_ylabel(f"friction, {unit_of_force}")
         axes.grid(axis="y")
-        axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
-        axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
-        label_at(axes, v[0], force[0], "start", INK, offset=(8, -10))
+        axes.plot(
+            v[:1],
+            force[:1],
+            "o",
+            color=theme.C1,
+            markerfacecolor=theme.SURFACE,
+            markersize=6,
+            zorder=4,
+        )
+        axes.plot(v[-1:], force[-1:], "o", color=theme.C1, markersize=5, zorder=5)
+        theme.label_at(axes, v[0], force[0], "start", theme.INK, offset=(8, -10))
         if abs(force[-1] - force[0]) > 0.15 * np.ptp(axes.get_ylim()):
-            label_at(axes, v[-1], force[-1], "end", INK, offset=(8, 9))
+            theme.label_at(axes, v[-1], force[-1], "end", theme.INK, offset=(8, 9))
 
     return draw
 
@@ -422,7 +422,7 @@ def plot_run(
     >>> [axes.get_ylabel() for axes in plot_run(run, Figure())]
     ['displacement, m', 'velocity, m/s', 'friction, N']
     """
-    check_type("run", run, Trajectory)
+    theme.check_type("run", run, Trajectory)
     if run.contacts:
         return on_panels(draw_contacts(run, until=until), ax, contact_sizes(run)["wide"])
     slip, rate = motion_names(run, slip, rate)
@@ -469,7 +469,7 @@ def plot_friction_velocity(
     >>> plot_friction_velocity(run, Figure().add_subplot()).get_xlabel()
     'velocity, m/s'
     """
-    check_type("run", run, Trajectory)
+    theme.check_type("run", run, Trajectory)
     slip, rate = motion_names(run, slip, rate)
     draw = draw_friction_velocity(run, slip=slip, rate=rate, until=until)
     return on_axes(draw, ax, FRICTION_SIZES["wide"])
@@ -524,7 +524,7 @@ def plot_runs(
     if not runs:
         raise InputError("plot_runs needs at least one run, got none.")
     for run in runs.values():
-        check_type("runs", run, Trajectory)
+        theme.check_type("runs", run, Trajectory)
     shown = coordinate_name(next(iter(runs.values())), column)
     title = title or (shown.replace("_", " ") if column else "displacement")
     draw = draw_runs(runs, column=shown, title=title, chosen=chosen, until=until)
@@ -584,15 +584,15 @@ def draw_motion(
             axes.plot(t, factor * y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
             curves.append(Curve(t, factor * y, name, colour))
         for name, level in marks.items():
-            axes.axhline(factor * level, color=MUTED, linewidth=1.0, linestyle=(0, (5, 4)))
+            axes.axhline(factor * level, color=theme.MUTED, linewidth=1.0, linestyle=(0, (5, 4)))
             ends = np.array(axes.dataLim.intervalx)
-            curves.append(Curve(ends, np.full(2, factor * level), name, MUTED))
+            curves.append(Curve(ends, np.full(2, factor * level), name, theme.MUTED))
         axes.margins(x=0, y=0.1)
         axes.set_xlabel("time, s")
         axes.set_ylabel(f"{view.title}, {unit}")
         axes.grid(axis="y")
         if np.min(everything) < 0.0 or view.column != views[0].column:
-            axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
+            axes.axhline(0.0, color=theme.MUTED, linewidth=0.8, zorder=0)
         return curves
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -659,7 +659,7 @@ SHORTEST_REST: Final = 1e-3
 """Share of the time shown that a rest must last to be shaded."""
 DASHED: Final = (0, (5, 2))
 LOOP_SAMPLES: Final = 1200
-COMMANDS: Final = (C3, C4, C1, C2)
+COMMANDS: Final = (theme.C3, theme.C4, theme.C1, theme.C2)
 """Colours of the commands of several drives, in turn."""
 
 
@@ -706,12 +706,12 @@ def draw_closed_loop(
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         above, below = figure.subplots(2, 1, sharex=True)
         for axes in (above, below):
-            shade(axes, rests)
+            theme.shade(axes, rests)
             axes.set_xlim(since, last)
             axes.margins(x=0.0, y=0.18)
         _place(above, seen, state, reference)
         _command(below, loop, since, last, level)
-        below.set_title(f"command, {unit}", color=MUTED)
+        below.set_title(f"command, {unit}", color=theme.MUTED)
         below.set_xlabel("time, s (shaded: at rest)")
 
     return draw
@@ -737,13 +737,13 @@ def _place(
 ) -> None:
     """Draw the state, and where it should be."""
     factor, unit = scale_of(seen[state], seen.units[state])
-    curves = [Curve(seen.t, factor * seen[state], state, C1)]
-    axes.plot(seen.t, curves[0].y, color=C1, zorder=3)
+    curves = [Curve(seen.t, factor * seen[state], state, theme.C1)]
+    axes.plot(seen.t, curves[0].y, color=theme.C1, zorder=3)
     if reference is not None:
         wanted = [reference(t) if callable(reference) else reference for t in seen.t]
-        curves.append(Curve(seen.t, factor * np.array(wanted), "reference", C2))
-        axes.plot(seen.t, curves[-1].y, color=C2, linestyle=DASHED, linewidth=1.2, zorder=2)
-    axes.set_title(f"{state}, {unit}", color=MUTED)
+        curves.append(Curve(seen.t, factor * np.array(wanted), "reference", theme.C2))
+        axes.plot(seen.t, curves[-1].y, color=theme.C2, linestyle=DASHED, linewidth=1.2, zorder=2)
+    axes.set_title(f"{state}, {unit}", color=theme.MUTED)
     label_curves(axes, curves)
 
 
@@ -761,8 +761,8 @@ def _command(axes: Axes, loop: ClosedLoop, since: float, last: float, level: flo
         curves.append(Curve(t, u, name, colour))
     if level is not None:
         for side in (-1.0, 1.0):
-            axes.axhline(side * level, color=MUTED, linestyle=DASHED, linewidth=1.0)
-        curves.append(Curve(np.array([since, last]), np.full(2, level), "break-away", MUTED))
+            axes.axhline(side * level, color=theme.MUTED, linestyle=DASHED, linewidth=1.0)
+        curves.append(Curve(np.array([since, last]), np.full(2, level), "break-away", theme.MUTED))
     label_curves(axes, curves)
 
 
@@ -810,7 +810,7 @@ def plot_closed_loop(
     >>> [axes.get_title("left") for axes in plot_closed_loop(loop, Figure())]
     ['x, m', 'command, N']
     """
-    check_type("loop", loop, ClosedLoop)
+    theme.check_type("loop", loop, ClosedLoop)
     draw = draw_closed_loop(
         loop, state=coordinate_name(loop.run, state), reference=reference, level=level, since=since,
         unit=unit,

@@ -13,27 +13,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import static_normal_forces
 from stickslip.quantities import full_path
 from stickslip.show.formatting import scale_of
-from stickslip.show.plots.axes import (
-    RIVALS,
-    Array,
-    Curve,
-    LineStyle,
-    Panels,
-    PanelTarget,
-    Sizes,
-    Target,
-    dense,
-    horizon,
-    label_curves,
-    label_ends,
-    labelled,
-    looks,
-    motion_names,
-    on_axes,
-    on_panels,
-    panel_grid,
-    within,
-)
+from stickslip.show.plots import axes as drawing
 from stickslip.show.plots.svg import Draw
 from stickslip.show.plots.theme import (
     C1,
@@ -47,16 +27,8 @@ from stickslip.show.plots.theme import (
     name_size,
     shade,
 )
+from stickslip.study import optimisation
 from stickslip.study.control import ClosedLoop, limit_cycle
-from stickslip.study.optimisation import (
-    COSTS,
-    Cycle,
-    Optimum,
-    ParetoFront,
-    guide_of,
-    load_shares,
-    slip_of_body,
-)
 from stickslip.study.sweep import Band, ValidatedRecord, Validation
 
 # Plots of many runs: an output over what was varied, and the band that runs lie in.
@@ -74,7 +46,9 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
     early = np.array([not status.complete for status in runs.status])
 
     reasons = dict.fromkeys(one.label for one in runs.status if not one.complete)
-    ended = "\n".join(["ended early:", *(textwrap.fill(one, REASON_WIDTH) for one in reasons)])
+    ended = "\n".join(
+        ["ended early:", *(textwrap.fill(reason, REASON_WIDTH) for reason in reasons)]
+    )
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
@@ -88,16 +62,16 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
         if early.any():
             axes.legend()
         axes.grid(axis="y")
-        over = "run" if parameter is None else labelled(parameter, runs.units[parameter])
+        over = "run" if parameter is None else drawing.labelled(parameter, runs.units[parameter])
         axes.set_xlabel(over)
-        axes.set_ylabel(labelled(output, runs.units[output]))
+        axes.set_ylabel(drawing.labelled(output, runs.units[output]))
 
     return draw
 
 
 def plot_ensemble(
     runs: Ensemble,
-    ax: Target = None,
+    ax: drawing.Target = None,
     *,
     output: str | None = None,
     parameter: str | None = None,
@@ -145,7 +119,7 @@ def plot_ensemble(
     output = output or next(iter(runs.outputs))
     known = list(runs.parameters)
     path = full_path(parameter, known) if parameter else next(iter(known), None)
-    return on_axes(draw_ensemble(runs, output, path), ax, SIZE)
+    return drawing.on_axes(draw_ensemble(runs, output, path), ax, SIZE)
 
 
 def draw_band(band: Band, state: str) -> Draw:
@@ -165,7 +139,7 @@ def draw_band(band: Band, state: str) -> Draw:
     return draw
 
 
-def plot_band(band: Band, ax: Target = None, *, state: str | None = None) -> Axes:
+def plot_band(band: Band, ax: drawing.Target = None, *, state: str | None = None) -> Axes:
     """Plot the median of runs with uncertain parameters, and where 95 % of them lie.
 
     Parameters
@@ -193,12 +167,12 @@ def plot_band(band: Band, ax: Target = None, *, state: str | None = None) -> Axe
     state = state or next(iter(band.states))
     if state not in band.states:
         raise UnknownNameError("state", state, band.states)
-    return on_axes(draw_band(band, state), ax, SIZE)
+    return drawing.on_axes(draw_band(band, state), ax, SIZE)
 
 
 # Travel of one block under several readings of how it was set in motion.
 
-EXCITATION_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 300))
+EXCITATION_SIZES: Final = drawing.Sizes(wide=(880, 310), narrow=(358, 300))
 
 
 def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) -> dict[str, str]:
@@ -210,7 +184,7 @@ def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) 
     True
     """
     chosen = next(iter(labels)) if chosen is None else chosen
-    others = iter(RIVALS * len(labels))
+    others = iter(drawing.RIVALS * len(labels))
     return {label: C1 if label == chosen else next(others) for label in labels}
 
 
@@ -242,7 +216,7 @@ def draw_excitations(
     callable
         Draws it, with a dot where the block has come to rest.
     """
-    last = max(horizon(run, slip) for run in runs.values())
+    last = max(drawing.horizon(run, slip) for run in runs.values())
     colours = excitation_colours(runs, chosen)
     chosen = next(iter(runs)) if chosen is None else chosen
 
@@ -268,18 +242,18 @@ def draw_excitations(
         axes.set_ylabel("travel, m")
         axes.grid(axis="y")
         if narrow:
-            label_curves(axes, curves)
+            drawing.label_curves(axes, curves)
         else:
-            label_ends(axes, last, [(float(c.y[-1]), [c.text], c.colour) for c in curves])
+            drawing.label_ends(axes, last, [(float(c.y[-1]), [c.text], c.colour) for c in curves])
 
     return draw
 
 
 def _reading(
     axes: Axes, label: str, run: Trajectory, last: float, slip: str, colour: str, is_chosen: bool
-) -> Curve:
+) -> drawing.Curve:
     """Draw one reading, and return its curve with its name and value."""
-    seen = dense(run, last)
+    seen = drawing.dense(run, last)
     start = float(run.at(run.span[:1])[slip][0])
     x = seen[slip] - start
     axes.plot(seen.t, x, color=colour, linewidth=2.2 if is_chosen else 1.5, zorder=3)
@@ -288,7 +262,7 @@ def _reading(
         at = run.at([stop])[slip] - start
         axes.plot([stop], at, "o", color=colour, markersize=5, zorder=4)
     value = f"{float(x[-1]):.3f} m".replace("-", "−")
-    return Curve(seen.t, x, f"{label}: {value}", colour)
+    return drawing.Curve(seen.t, x, f"{label}: {value}", colour)
 
 
 def _rest(run: Trajectory, last: float) -> float | None:
@@ -305,7 +279,7 @@ STEPS_SHOWN: Final = 9
 COLUMNS: Final = 2
 
 
-def fixed_step_sizes(count: int) -> Sizes:
+def fixed_step_sizes(count: int) -> drawing.Sizes:
     """Return the sizes of a figure of that many fixed-step runs.
 
     Examples
@@ -314,7 +288,7 @@ def fixed_step_sizes(count: int) -> Sizes:
     (880, 420)
     """
     rows = -(-count // COLUMNS)
-    return Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
+    return drawing.Sizes(wide=(880, 40 + 190 * rows), narrow=(358, 40 + 165 * count))
 
 
 def draw_fixed_steps(
@@ -341,7 +315,7 @@ def draw_fixed_steps(
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(COLUMNS, len(fixed))
-        panels = panel_grid(figure, len(fixed), columns)
+        panels = drawing.panel_grid(figure, len(fixed), columns)
         for index, (axes, (label, run)) in enumerate(zip(panels, fixed.items(), strict=True)):
             axes.set_title(label)
             _stop_panel(axes, exact, run, stop, rate, named=index == 0)
@@ -363,8 +337,8 @@ def _stop_panel(
     v, v_exact = run[rate][inside], seen[rate]
     factor, unit = scale_of(np.concatenate([v, v_exact]), exact.units[rate])
     curves = [
-        Curve(1e3 * (seen.t - stop), factor * v_exact, "exact", C1),
-        Curve(1e3 * (run.t[inside] - stop), factor * v, "fixed step", C2),
+        drawing.Curve(1e3 * (seen.t - stop), factor * v_exact, "exact", C1),
+        drawing.Curve(1e3 * (run.t[inside] - stop), factor * v, "fixed step", C2),
     ]
     axes.axhline(0, color=MUTED, linewidth=0.8, zorder=1)
     axes.plot(curves[0].x, curves[0].y, color=C1, linewidth=2.2, zorder=2)
@@ -372,12 +346,12 @@ def _stop_panel(
     axes.set_ylabel(f"velocity, {unit}")
     axes.margins(x=0.01, y=0.18)
     if named:
-        label_curves(axes, curves)
+        drawing.label_curves(axes, curves)
 
 
 # A motion that repeats itself: its progress, and one cycle of its velocity about zero.
 
-CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
+CYCLE_SIZES: Final = drawing.Sizes(wide=(880, 320), narrow=(358, 480))
 
 CYCLE_ROOM: Final = 1.35
 """Height of the velocity panel on either side of zero, as a multiple of the lowest velocity."""
@@ -393,12 +367,12 @@ def draw_cycles(
     rate: str = "v",
 ) -> Draw:
     """Return a drawing of displacement in time, and of the velocity near zero within a cycle."""
-    look = looks(runs, chosen)
+    look = drawing.looks(runs, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:
         left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         left.margins(x=0, y=0.25 if narrow else 0.12)
-        _progress(left, {name: dense(run) for name, run in runs.items()}, slip, look)
+        _progress(left, {name: drawing.dense(run) for name, run in runs.items()}, slip, look)
         _near_zero(right, runs, chosen, cycle, rate, look)
         for axes in (left, right):
             axes.set_xlabel("time, s")
@@ -407,7 +381,7 @@ def draw_cycles(
 
 
 def _progress(
-    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, LineStyle]
+    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, drawing.LineStyle]
 ) -> None:
     everything = np.concatenate([run[slip] for run in runs.values()])
     factor, unit = scale_of(everything, next(iter(runs.values())).units[slip])
@@ -416,10 +390,10 @@ def _progress(
         colour, dashes, width, order = look[name]
         y = factor * run[slip]
         axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-        curves.append(Curve(run.t, y, name, colour))
+        curves.append(drawing.Curve(run.t, y, name, colour))
     axes.set_ylabel(f"displacement, {unit}")
     axes.grid(axis="y")
-    label_curves(axes, curves)
+    drawing.label_curves(axes, curves)
 
 
 def _near_zero(
@@ -428,7 +402,7 @@ def _near_zero(
     chosen: str,
     cycle: tuple[float, float],
     rate: str,
-    look: Mapping[str, LineStyle],
+    look: Mapping[str, drawing.LineStyle],
 ) -> None:
     first, last = cycle
     # Fixed steps are shown where they stand, so that one sees them.
@@ -446,7 +420,7 @@ def _near_zero(
             linewidth=width, markersize=2.5, zorder=order,
         )  # fmt: skip
     spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
-    shade(axes, within(spans, last))
+    shade(axes, drawing.within(spans, last))
     axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
     axes.set_xlim(first, last)
     if reach > 0.0:
@@ -456,11 +430,11 @@ def _near_zero(
 
 def plot_limit_cycle(
     run: Trajectory | ClosedLoop,
-    ax: PanelTarget = None,
+    ax: drawing.PanelTarget = None,
     *,
     slip: str | None = None,
     rate: str | None = None,
-) -> Panels:
+) -> drawing.Panels:
     """Plot a run that repeats itself, and its velocity near zero in the last cycle.
 
     Parameters
@@ -494,7 +468,7 @@ def plot_limit_cycle(
     """
     run = run.run if isinstance(run, ClosedLoop) else run
     check_type("run", run, Trajectory, ClosedLoop)
-    slip, rate = motion_names(run, slip, rate)
+    slip, rate = drawing.motion_names(run, slip, rate)
     cycle = limit_cycle(run, rate)
     if not cycle.is_limit_cycle:
         how = "fewer than three cycles" if cycle.kind == "none" else f"a {cycle.kind} motion"
@@ -503,19 +477,19 @@ def plot_limit_cycle(
         )
     end = run.span[1]
     draw = draw_cycles({"": run}, chosen="", cycle=(end - cycle.period, end), slip=slip, rate=rate)
-    return on_panels(draw, ax, CYCLE_SIZES["wide"])
+    return drawing.on_panels(draw, ax, CYCLE_SIZES["wide"])
 
 
 # Figure of the best motion over a cycle, the best three-phase motion beside it.
 
-PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
+PROFILE_SIZES: Final = drawing.Sizes(wide=(880, 620), narrow=(358, 1100))
 FRONT_SIZE: Final = (560, 340)
 
 PROFILE_SAMPLES: Final = 1200
 DEGREES: Final = 180.0 / np.pi
 
 
-def draw_profile(optimum: Optimum) -> Draw:
+def draw_profile(optimum: optimisation.Optimum) -> Draw:
     """Return a drawing of the motion, what it takes and what it brings, over a cycle.
 
     Parameters
@@ -549,7 +523,7 @@ def draw_profile(optimum: Optimum) -> Draw:
     return draw
 
 
-def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
+def _columns(optimum: optimisation.Optimum, cycle: optimisation.Cycle) -> dict[str, drawing.Array]:
     """Return the columns over the last cycle, the travel from its beginning on."""
     run = cycle.run
     jumps = [event.t for event in run.events if event.t > cycle.begin]
@@ -558,25 +532,25 @@ def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
     inside = np.array([t for t in jumps if t < run.span[1]])
     seen = run.at(np.union1d(times, np.concatenate([inside, np.nextafter(inside, -np.inf)])))
     found = {name: seen[name] for name in _names(optimum)}
-    slip = slip_of_body(optimum.mechanism)
+    slip = optimisation.slip_of_body(optimum.mechanism)
     return {"t": seen.t - cycle.begin} | found | {slip: found[slip] - found[slip][0]}
 
 
-def _names(optimum: Optimum) -> tuple[str, ...]:
+def _names(optimum: optimisation.Optimum) -> tuple[str, ...]:
     mechanism = optimum.mechanism
-    coordinate, rate, effort, _ = guide_of(mechanism)
-    slip = slip_of_body(mechanism)
+    coordinate, rate, effort, _ = optimisation.guide_of(mechanism)
+    slip = optimisation.slip_of_body(mechanism)
     speed = mechanism.rates[mechanism.coordinates.index(slip)]
     return coordinate, rate, effort, slip, speed, _least_loaded(optimum)
 
 
-def _least_loaded(optimum: Optimum) -> str:
+def _least_loaded(optimum: optimisation.Optimum) -> str:
     """Return the column of the normal force that falls most, over that at rest."""
-    shares = load_shares(optimum.mechanism, optimum.run)
+    shares = optimisation.load_shares(optimum.mechanism, optimum.run)
     return min(shares, key=lambda column: float(shares[column].min()))
 
 
-def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
+def _units(optimum: optimisation.Optimum) -> dict[str, tuple[float, str]]:
     """Return factor and axis label of each column."""
     names, run = _names(optimum), optimum.run
     angular = optimum.mechanism.units[optimum.mechanism.coordinates.index(names[0])] == "rad"
@@ -591,7 +565,7 @@ def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
     return found
 
 
-def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
+def _bounds(optimum: optimisation.Optimum) -> dict[str, tuple[float, ...]]:
     """Return the limits by column."""
     given = optimum.limits.given()
     names = _names(optimum)
@@ -610,7 +584,7 @@ def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
 def _profile_panel(
     axes: Axes,
     column: str,
-    seen: dict[str, dict[str, Array]],
+    seen: dict[str, dict[str, drawing.Array]],
     unit: tuple[float, str],
     bounds: tuple[float, ...],
 ) -> None:
@@ -636,7 +610,7 @@ def _looks(count: int) -> list[tuple[str, str, float]]:
 
 
 def _name(
-    axes: Axes, seen: dict[str, dict[str, Array]], column: str, unit: tuple[float, str]
+    axes: Axes, seen: dict[str, dict[str, drawing.Array]], column: str, unit: tuple[float, str]
 ) -> None:
     """Name the curves at their highest points."""
     for (name, columns), colour in zip(seen.items(), (C1, C2), strict=False):
@@ -652,7 +626,7 @@ def _name(
         )
 
 
-def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
+def plot_profile(optimum: optimisation.Optimum, ax: drawing.PanelTarget = None) -> drawing.Panels:
     """Plot the best motion over a cycle, what it takes and what it brings.
 
     Parameters
@@ -667,13 +641,13 @@ def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
     array of Axes (6,)
         The panels; limits are thin lines, the best three-phase motion is dashed.
     """
-    check_type("optimum", optimum, Optimum)
-    return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
+    check_type("optimum", optimum, optimisation.Optimum)
+    return drawing.on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])
 
 
-def draw_front(front: ParetoFront) -> Draw:
+def draw_front(front: optimisation.ParetoFront) -> Draw:
     """Return a drawing of the mean speed of each motion of a front against its cost."""
-    scale, unit = scale_of(front.costs, COSTS[front.cost])
+    scale, unit = scale_of(front.costs, optimisation.COSTS[front.cost])
     factor, speed_unit = scale_of(front.speeds, "m/s")
     title = {"energy": "work of the motor per travel", "back_slip": "back-slip per cycle"}
 
@@ -688,7 +662,7 @@ def draw_front(front: ParetoFront) -> Draw:
     return draw
 
 
-def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
+def plot_front(front: optimisation.ParetoFront, ax: drawing.Target = None) -> Axes:
     """Plot the mean speed of each motion of a front against its cost.
 
     Parameters
@@ -703,13 +677,13 @@ def plot_front(front: ParetoFront, ax: Target = None) -> Axes:
     Axes
         Motions as points, the fastest at the right.
     """
-    check_type("front", front, ParetoFront)
-    return on_axes(draw_front(front), ax, FRONT_SIZE)
+    check_type("front", front, optimisation.ParetoFront)
+    return drawing.on_axes(draw_front(front), ax, FRONT_SIZE)
 
 
 # What was measured beside what a law from elsewhere predicts.
 
-VALIDATION_SIZES: Final = Sizes(wide=(880, 420), narrow=(358, 420))
+VALIDATION_SIZES: Final = drawing.Sizes(wide=(880, 420), narrow=(358, 420))
 MOST_POINTS: Final = 1500
 """Samples of a record above which only every second, third, ... is drawn."""
 
@@ -766,7 +740,7 @@ def _travels(seen: Validation) -> Draw:
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         axes = figure.add_subplot()
-        everything = [value for one in travels for value in (one.measured, one.predicted)]
+        everything = [value for travel in travels for value in (travel.measured, travel.predicted)]
         factor, unit = scale_of(everything, travels[0].unit)
         predicted = factor * np.array([one.predicted for one in travels])
         if all(one.low is not None for one in travels):
@@ -792,7 +766,9 @@ def _travels(seen: Validation) -> Draw:
     return draw
 
 
-def plot_validation(seen: Validation, ax: PanelTarget = None, *, record: int = 0) -> Panels:
+def plot_validation(
+    seen: Validation, ax: drawing.PanelTarget = None, *, record: int = 0
+) -> drawing.Panels:
     """Plot a record over its prediction, with the 95 % band, and the residual; or all travels.
 
     Parameters
@@ -825,4 +801,4 @@ def plot_validation(seen: Validation, ax: PanelTarget = None, *, record: int = 0
     'travel, m'
     """
     check_type("seen", seen, Validation)
-    return on_panels(draw_validation(seen, record=record), ax, VALIDATION_SIZES["wide"])
+    return drawing.on_panels(draw_validation(seen, record=record), ax, VALIDATION_SIZES["wide"])

@@ -1,4 +1,4 @@
-# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
 from stickslip.show.report.blocks import Animation as Animation
 from stickslip.show.report.blocks import Block as Block
 from stickslip.show.report.blocks import Caption as Caption

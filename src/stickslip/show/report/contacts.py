@@ -10,20 +10,7 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.quantities import parameters
 from stickslip.show import plots
 from stickslip.show.formatting import capital, count, joined, number, percent, quantity, scale_of
-from stickslip.show.report.blocks import (
-    Block,
-    Caption,
-    Fact,
-    Figure,
-    Math,
-    Opening,
-    Origin,
-    Page,
-    Section,
-    colophon,
-    made_sections,
-    render,
-)
+from stickslip.show.report import blocks as page
 from stickslip.show.report.runs import certificate_of, drawn, event_table, how_known
 from stickslip.show.report.shared_sections import ended_early, reproduce
 from stickslip.show.report.tables import Column, Row, Table
@@ -107,18 +94,18 @@ def contacts_page(about: ContactsReport) -> str:
         certificate_section,
         reproduce_section,
     )
-    return render(
-        Page(
+    return page.render(
+        page.Page(
             title=f"{about.rig.heading}: {about.kinds} friction",
             subject=about.rig.path or about.rig.heading,
-            sections=made_sections(*(partial(make, about) for make in makers)),
-            footer=colophon(about.versions),
+            sections=page.made_sections(*(partial(make, about) for make in makers)),
+            footer=page.colophon(about.versions),
             kicker="simulation report",
         )
     )
 
 
-def opening_section(about: ContactsReport) -> Section:
+def opening_section(about: ContactsReport) -> page.Section:
     """Say how the run ended and what each contact did."""
     run = about.run
     events = run.events
@@ -130,10 +117,10 @@ def opening_section(about: ContactsReport) -> Section:
     else:
         verdict = f"Nothing changes at {_number(about)}"
     book = run.certificate
-    facts = [Fact(value=quantity(book.work_friction, "J", 4), what="work taken by friction")]
+    facts = [page.Fact(value=quantity(book.work_friction, "J", 4), what="work taken by friction")]
     if book.decisions:
-        facts.append(Fact(value=f"{book.decisions:,}", what="instants decided together"))
-    opening = Opening(
+        facts.append(page.Fact(value=f"{book.decisions:,}", what="instants decided together"))
+    opening = page.Opening(
         kicker=f"{about.rig.heading}, {about.kinds} friction",
         verdict=verdict,
         lede=" ".join([run.ending, *_spread(about), *book.warnings]),
@@ -141,7 +128,7 @@ def opening_section(about: ContactsReport) -> Section:
         cannot_tell=("Whether the laws describe the contacts: that takes measurements of each.",),
         record="run",
     )
-    return Section(id="result", nav="Result", heading="", blocks=(opening,))
+    return page.Section(id="result", nav="Result", heading="", blocks=(opening,))
 
 
 def _spread(about: ContactsReport) -> list[str]:
@@ -168,7 +155,7 @@ def _number(about: ContactsReport) -> str:
     return count(len(about.views), "contact")
 
 
-def motion_section(about: ContactsReport) -> Section:
+def motion_section(about: ContactsReport) -> page.Section:
     """Draw the coordinates."""
     alt = "Coordinates against time"
     caption = "**Coordinates** against time; where there are few, dots are events."
@@ -177,17 +164,17 @@ def motion_section(about: ContactsReport) -> Section:
             f" Shaded: range of 95 % of {about.band.count} runs with uncertain parameters drawn."
         )
     draw = plots.draw_states(about.run, band=about.band)
-    figure = Figure(
+    figure = page.Figure(
         svg=plots.inline_svg(draw, alt=alt, prefix="motion", **plots.STATE_SIZES), caption=caption
     )
-    return Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
+    return page.Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
 
 
-def contacts_section(about: ContactsReport) -> Section:
+def contacts_section(about: ContactsReport) -> page.Section:
     """Return friction at each contact, and how much each holds and takes."""
     run = about.run
     sizes = plots.contact_sizes(run)
-    figure = Figure(
+    figure = page.Figure(
         svg=plots.inline_svg(
             plots.draw_contacts(run), alt="Friction at each contact", prefix="contacts", **sizes
         ),
@@ -210,17 +197,21 @@ def contacts_section(about: ContactsReport) -> Section:
         Column(head="work taken\nJ", numeric=True, phone="label"),
     )
     table = Table(columns=columns, rows=tuple(rows))
-    return Section(id="contacts", nav="Contacts", heading="The contacts", blocks=(figure, table))
+    return page.Section(
+        id="contacts", nav="Contacts", heading="The contacts", blocks=(figure, table)
+    )
 
 
-def events_section(about: ContactsReport) -> Section:
+def events_section(about: ContactsReport) -> page.Section:
     """Return what happened how often at each contact, first and last."""
     events = {name: own.events for name, own in about.views.items()}
-    block: Block = event_table(events) if any(events.values()) else Caption(text="No events.")
-    return Section(id="events", nav="Events", heading="Events", blocks=(block,))
+    block: page.Block = (
+        event_table(events) if any(events.values()) else page.Caption(text="No events.")
+    )
+    return page.Section(id="events", nav="Events", heading="Events", blocks=(block,))
 
 
-def laws_section(about: ContactsReport) -> Section:
+def laws_section(about: ContactsReport) -> page.Section:
     """Return the formula of each kind of law, and the parameters by contact."""
     laws, known = about.laws, about.estimates
     kinds = {type(law): law for law in laws.values()}
@@ -247,25 +238,25 @@ def laws_section(about: ContactsReport) -> Section:
             Column(head="how it is known", phone="label", label="known:"),
         ]
     idle = [contact.name for contact in about.rig.mechanism.contacts() if contact.name not in laws]
-    blocks: list[Block] = [Math(latex=law.formula) for law in kinds.values()]
+    blocks: list[page.Block] = [page.Math(latex=law.formula) for law in kinds.values()]
     blocks.append(Table(columns=tuple(columns), rows=tuple(rows)))
     blocks += drawn(about.band, known)
     if isinstance(about.friction, FrictionLaw) and len(laws) > 1:
-        blocks.append(Caption(text="All contacts share one law."))
+        blocks.append(page.Caption(text="All contacts share one law."))
     if idle:
-        blocks.append(Caption(text=f"Nothing rubs at {joined(idle)}."))
-    return Section(id="law", nav="The laws", heading="The laws", blocks=tuple(blocks))
+        blocks.append(page.Caption(text=f"Nothing rubs at {joined(idle)}."))
+    return page.Section(id="law", nav="The laws", heading="The laws", blocks=tuple(blocks))
 
 
-def certificate_section(about: ContactsReport) -> Section:
+def certificate_section(about: ContactsReport) -> page.Section:
     """Tell what the certificate of the run says."""
     return certificate_of(about.run)
 
 
-def reproduce_section(about: ContactsReport) -> Section:
+def reproduce_section(about: ContactsReport) -> page.Section:
     """Tell how to repeat the run."""
     laws = {type(law): law for law in about.laws.values()}
-    origin = Origin(
+    origin = page.Origin(
         title=about.rig.heading,
         data="",
         files=about.digests,

@@ -5,22 +5,7 @@ from collections.abc import Mapping, Sequence
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import joined, number, quantity
 from stickslip.show.plots import draw_characteristic, inline_svg
-from stickslip.show.report.blocks import (
-    Block,
-    Caption,
-    Code,
-    Figure,
-    KeyValue,
-    KeyValues,
-    Math,
-    Note,
-    Page,
-    Paragraph,
-    References,
-    Section,
-    Subheading,
-    colophon,
-)
+from stickslip.show.report import blocks as page
 from stickslip.show.report.shared_sections import law_references
 from stickslip.show.report.tables import Column, Name, Row, Table
 from stickslip.study.characterization import Characteristic, Characterization
@@ -31,7 +16,7 @@ MANY = 4
 
 def characterization_page(
     found: Characterization, *, reproduce: Sequence[str] = (), versions: Mapping[str, str]
-) -> Page:
+) -> page.Page:
     """Return the page of a battery.
 
     Examples
@@ -44,36 +29,36 @@ def characterization_page(
     """
     titles = [one.title for one in found.all]
     tests = [_test(name, results, found) for name, results in found.by_test.items()]
-    return Page(
+    return page.Page(
         title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
         subject=f"normal force {quantity(found.load, 'N')}",
         kicker="friction laws on the test bench",
         sections=(_overview(found), _laws(found), *tests, _end(found, reproduce, versions)),
-        footer=colophon(versions),
+        footer=page.colophon(versions),
     )
 
 
-def _overview(found: Characterization) -> Section:
+def _overview(found: Characterization) -> page.Section:
     """Return what each test says, for all laws."""
-    blocks: list[Block] = []
+    blocks: list[page.Block] = []
     names = {name: next(iter(results.values())).title for name, results in found.by_test.items()}
     for name in dict.fromkeys(name for one in found.all for name in one.failed):
         names.setdefault(name, name.capitalize())
     for one in found.all:
         if found.others:
-            blocks.append(Subheading(text=one.title))
+            blocks.append(page.Subheading(text=one.title))
         rows = tuple(Row(cells=(title, one.told(name))) for name, title in names.items())
         blocks.append(Table(columns=(Column(head="test"), Column(head="result")), rows=rows))
     heading = "What the law does" if not found.others else "What the laws do"
-    return Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
+    return page.Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
 
 
-def _laws(found: Characterization) -> Section:
+def _laws(found: Characterization) -> page.Section:
     """Return formulas and parameters."""
-    blocks: list[Block] = []
+    blocks: list[page.Block] = []
     for one in found.all:
-        blocks.append(Subheading(text=one.title))
-        blocks.append(Math(latex=one.law.formula))
+        blocks.append(page.Subheading(text=one.title))
+        blocks.append(page.Math(latex=one.law.formula))
         rows = tuple(
             Row(
                 cells=(
@@ -93,17 +78,19 @@ def _laws(found: Characterization) -> Section:
         if rows:
             blocks.append(Table(columns=columns, rows=rows))
         if one.matched:
-            blocks.append(Caption(text=one.matched))
+            blocks.append(page.Caption(text=one.matched))
     heading = "The law" if not found.others else "The laws"
-    return Section(id="laws", nav=heading, heading=heading, blocks=tuple(blocks))
+    return page.Section(id="laws", nav=heading, heading=heading, blocks=tuple(blocks))
 
 
-def _test(name: str, results: Mapping[str, Characteristic], found: Characterization) -> Section:
+def _test(
+    name: str, results: Mapping[str, Characteristic], found: Characterization
+) -> page.Section:
     """Return the section of a test: what it says, its figure, its conditions."""
     first = next(iter(results.values()))
-    blocks: list[Block] = []
+    blocks: list[page.Block] = []
     if len(found.all) == 1:
-        blocks.append(Paragraph(text=first.sentence))
+        blocks.append(page.Paragraph(text=first.sentence))
     else:
         rows = tuple(
             Row(cells=(Name(text=title), result.sentence)) for title, result in results.items()
@@ -114,24 +101,26 @@ def _test(name: str, results: Mapping[str, Characteristic], found: Characterizat
         alt=f"{first.title}: {', '.join(results)}",
         prefix=f"figure-{name}",
     )
-    blocks.append(Figure(svg=svg, caption=f"**{first.title}.** {first.conditions}"))
+    blocks.append(page.Figure(svg=svg, caption=f"**{first.title}.** {first.conditions}"))
     failed = [(one.title, one.failed[name]) for one in found.all if name in one.failed]
-    blocks += [Note(title=f"{title}: no result.", text=why) for title, why in failed]
-    return Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))
+    blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
+    return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))
 
 
-def _end(found: Characterization, commands: Sequence[str], versions: Mapping[str, str]) -> Section:
+def _end(
+    found: Characterization, commands: Sequence[str], versions: Mapping[str, str]
+) -> page.Section:
     """Return sources, commands and versions."""
-    blocks: list[Block] = []
+    blocks: list[page.Block] = []
     references = law_references([one.law for one in found.all], {})
     if references:
-        blocks.append(References(items=references))
+        blocks.append(page.References(items=references))
     if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
-    items = [KeyValue(key=name, value=version) for name, version in versions.items()]
-    items.append(KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified"))
-    blocks.append(KeyValues(items=tuple(items)))
-    return Section(
+        blocks.append(page.Code(text="\n".join(f"$ {command}" for command in commands)))
+    items = [page.KeyValue(key=name, value=version) for name, version in versions.items()]
+    items.append(page.KeyValue(key="Runs", value="by `simulate` and `ensemble`, each certified"))
+    blocks.append(page.KeyValues(items=tuple(items)))
+    return page.Section(
         id="reproduce",
         nav="Sources",
         heading="Sources, and how to make this page again",

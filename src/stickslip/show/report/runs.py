@@ -30,24 +30,7 @@ from stickslip.show.formatting import (
     scale_of,
     significant,
 )
-from stickslip.show.report.blocks import (
-    Animation,
-    Block,
-    Caption,
-    Fact,
-    Figure,
-    KeyValue,
-    KeyValues,
-    Math,
-    Note,
-    Opening,
-    Origin,
-    Page,
-    Section,
-    colophon,
-    made_sections,
-    render,
-)
+from stickslip.show.report import blocks as page
 from stickslip.show.report.shared_sections import ended_early, evidence, reproduce
 from stickslip.show.report.tables import Cell, Column, Row, Table
 from stickslip.study.sweep import Band, DrivenCycle, Spread, Validation, cycles_in
@@ -202,7 +185,7 @@ ROUNDING = 1e-9
 """Relative error of a travel that is 0: a law fitted to one travel reproduces it to rounding."""
 
 
-def motion_section(about: RunReport) -> Section:
+def motion_section(about: RunReport) -> page.Section:
     """Return the run against time, and friction against velocity."""
     force = about.run["normal_force"]
     varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
@@ -221,7 +204,7 @@ def motion_section(about: RunReport) -> Section:
             " for displacement and velocity."
         )
     blocks = (
-        Figure(
+        page.Figure(
             svg=plots.inline_svg(
                 plots.draw_run(
                     about.run,
@@ -237,7 +220,7 @@ def motion_section(about: RunReport) -> Section:
             ),
             caption=caption,
         ),
-        Figure(
+        page.Figure(
             svg=plots.inline_svg(
                 plots.draw_friction_velocity(
                     about.run, rate=about.rate, slip=about.slip, until=until
@@ -249,7 +232,7 @@ def motion_section(about: RunReport) -> Section:
             caption="**Friction against velocity** along the run.",
         ),
     )
-    return Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
+    return page.Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
 
 
 def _seen(about: RunReport, band: Band) -> bool:
@@ -269,7 +252,7 @@ def _sticks(run: Trajectory, begin: float = -math.inf, until: float | None = Non
     return any(start < end and stop > begin for start, stop in run.stick_spans())
 
 
-def cycles_section(about: RunReport) -> Section | None:
+def cycles_section(about: RunReport) -> page.Section | None:
     """Return the travel of each cycle of the drives, None without whole cycles."""
     cycles = about.cycles
     if not cycles:
@@ -277,7 +260,7 @@ def cycles_section(about: RunReport) -> Section | None:
     last = cycles[-1]
     end = min(last.begin + last.period, about.run.span[1])
     runs = {about.law.title: about.run}
-    figure = Figure(
+    figure = page.Figure(
         svg=plots.inline_svg(
             plots.draw_cycles(
                 runs,
@@ -294,11 +277,13 @@ def cycles_section(about: RunReport) -> Section | None:
         f" {about.part} moves back in it."
         + (f" Yellow: the {about.part} sticks." if _sticks(about.run, last.begin, end) else ""),
     )
-    blocks: list[Block] = [figure, _cycle_table(about)]
+    blocks: list[page.Block] = [figure, _cycle_table(about)]
     if len(cycles) > FIRST_ROWS + LAST_ROWS:
         left = f"{FIRST_ROWS + 1} to {len(cycles) - LAST_ROWS}"
-        blocks.append(Caption(text=f"Cycles {left} of {len(cycles)} are left out."))
-    return Section(id="cycles", nav="Cycles", heading=_cycles_heading(about), blocks=tuple(blocks))
+        blocks.append(page.Caption(text=f"Cycles {left} of {len(cycles)} are left out."))
+    return page.Section(
+        id="cycles", nav="Cycles", heading=_cycles_heading(about), blocks=tuple(blocks)
+    )
 
 
 def _cycles_heading(about: RunReport) -> str:
@@ -345,7 +330,7 @@ def _thousandth(value: float, digits: int = 3) -> str:
     return significant(1e3 * value, digits) if abs(value) > 1e-12 else "0"
 
 
-def animation_section(about: RunReport) -> Section | None:
+def animation_section(about: RunReport) -> page.Section | None:
     """Return the run as a moving picture, None where it is over at once."""
     first, last = about.run.span
     if about.cycles:
@@ -377,21 +362,21 @@ def animation_section(about: RunReport) -> Section | None:
     sticks = f"The {about.part} is yellow where it sticks; arrows"
     said = sticks if _sticks(about.run, until=until) else "Arrows"
     caption = f"**The first {quantity(length, 's')}**, to scale, {pace}. {said} are forces."
-    block = Animation(html=html, caption=caption)
-    return Section(id="animation", nav="Animation", heading="Animation", blocks=(block,))
+    block = page.Animation(html=html, caption=caption)
+    return page.Section(id="animation", nav="Animation", heading="Animation", blocks=(block,))
 
 
-def events_section(about: RunReport) -> Section:
+def events_section(about: RunReport) -> page.Section:
     """Return what happened how often, first and last."""
     events = about.run.events
     if about.fixed_step is not None or not events:
         text = "Fixed steps locate no events." if about.fixed_step is not None else "No events."
-        blocks: Sequence[Block] = (Caption(text=text),)
-        return Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
+        blocks: Sequence[page.Block] = (page.Caption(text=text),)
+        return page.Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
     kinds = list(dict.fromkeys(event.reason for event in events))
     heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
     table = event_table({"": events})
-    return Section(id="events", nav="Events", heading=heading, blocks=(table,))
+    return page.Section(id="events", nav="Events", heading=heading, blocks=(table,))
 
 
 def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
@@ -420,11 +405,11 @@ def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
     return Table(columns=columns, rows=tuple(rows))
 
 
-def criteria_section(about: RunReport) -> Section:
+def criteria_section(about: RunReport) -> page.Section:
     """Return the three criteria of the source paper, evaluated on the run."""
     seen = about.criteria
     items = (
-        KeyValue(
+        page.KeyValue(
             key="1. The velocity never becomes negative",
             value=_held(
                 seen.velocity_never_negative,
@@ -432,7 +417,7 @@ def criteria_section(about: RunReport) -> Section:
             ),
             mark="ok" if seen.velocity_never_negative else "warn",
         ),
-        KeyValue(
+        page.KeyValue(
             key="2. The displacement never decreases",
             value=_held(
                 seen.displacement_never_decreases,
@@ -442,7 +427,7 @@ def criteria_section(about: RunReport) -> Section:
             ),
             mark="ok" if seen.displacement_never_decreases else "warn",
         ),
-        KeyValue(
+        page.KeyValue(
             key="3. Relative error of the travel",
             value=_third(about),
         ),
@@ -452,8 +437,8 @@ def criteria_section(about: RunReport) -> Section:
         f" bristles spring back when the {about.part} stops: failing criterion 1 or 2 does not"
         " refute the law."
     )
-    blocks = (KeyValues(items=items), Caption(text=text))
-    return Section(
+    blocks = (page.KeyValues(items=items), page.Caption(text=text))
+    return page.Section(
         id="criteria", nav="Criteria", heading="The criteria of the source paper", blocks=blocks
     )
 
@@ -466,7 +451,7 @@ def _third(about: RunReport) -> str:
     if measurement is None or not measurement.travelled:
         return "no travel of this rig was measured"
     travels = () if about.validation is None else about.validation.travels
-    errors = [one.relative_error for one in travels if one.relative_error is not None]
+    errors = [travel.relative_error for travel in travels if travel.relative_error is not None]
     if not errors:
         return "the measured travels were not compared"
     what = travels[0].quantity.replace("_", " ")
@@ -483,7 +468,7 @@ def _held(holds: bool, found: str) -> str:
 # The end of the report of a run: the law and its doubt, certificate, how to reproduce it.
 
 
-def law_section(about: RunReport) -> Section:
+def law_section(about: RunReport) -> page.Section:
     """Return the law with its parameters, their intervals, and what does not carry over."""
     law = about.law
     rows = []
@@ -505,14 +490,17 @@ def law_section(about: RunReport) -> Section:
         Column(head=kind, numeric=True, phone="label", label=f"{kind}:"),
         Column(head="how it is known"),
     )
-    blocks: list[Block] = [Math(latex=law.formula), Table(columns=columns, rows=tuple(rows))]
+    blocks: list[page.Block] = [
+        page.Math(latex=law.formula),
+        Table(columns=columns, rows=tuple(rows)),
+    ]
     if about.remarks:
         title = "Validity of the law."
-        blocks.append(Note(kind="info", title=title, text=" ".join(about.remarks)))
+        blocks.append(page.Note(kind="info", title=title, text=" ".join(about.remarks)))
     blocks += drawn(about.band, about.estimates)
     from_file = f", from `{about.law_file}`" if about.law_file else ""
     heading = f"{law.title} friction{from_file}"
-    return Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
+    return page.Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
 
 
 def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
@@ -526,7 +514,7 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
     return interval(*known.intervals[name]), "stated" if name in known.stated else "fitted"
 
 
-def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
+def drawn(band: Band | None, known: LawEstimates | None) -> list[page.Block]:
     """Return how the runs of a band were drawn, in words; nothing where there is no band."""
     if band is None:
         return []
@@ -535,7 +523,7 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     begin = f"The band: {band.count} draws (seed {band.seed}) of"
     rig = f"{of_rig}, normal with their standard uncertainties and independent"
     if known is None or not of_law:
-        return [Caption(text=f"{begin} {rig}. It has no measurement noise."), *explained(band)]
+        return [page.Caption(text=f"{begin} {rig}. It has no measurement noise."), *explained(band)]
     names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
     how = (
         "with their covariance"
@@ -552,17 +540,17 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     if known.kept:
         words = ", ".join(map(_in_words, known.kept))
         text += f" Fixed: {words}."
-    return [Caption(text=text), *explained(band)]
+    return [page.Caption(text=text), *explained(band)]
 
 
-def explained(band: Band) -> list[Block]:
+def explained(band: Band) -> list[page.Block]:
     """Return which uncertain parameter spreads each travel, or why that is not said."""
     if len(band.draws) < 2:
         return []
     try:
         shares = {name: band.shares(name) for name in band.travels}
     except InputError as error:
-        return [Caption(text=f"Which parameter the spread comes from is not said: {error}")]
+        return [page.Caption(text=f"Which parameter the spread comes from is not said: {error}")]
     rows = tuple(
         Row(
             cells=(
@@ -595,7 +583,7 @@ def explained(band: Band) -> list[Block]:
             text += (
                 f" {one.used} runs do not settle which of {both} spreads the travel of {name} more."
             )
-    return [table, Caption(text=text)]
+    return [table, page.Caption(text=text)]
 
 
 def _in_words(name: str) -> str:
@@ -604,12 +592,12 @@ def _in_words(name: str) -> str:
     return f"{contact} {own.replace('_', ' ')}".strip()
 
 
-def certificate_section(about: RunReport) -> Section:
+def certificate_section(about: RunReport) -> page.Section:
     """Return how far to trust the computation, in words."""
     return certificate_of(about.run, exact=about.fixed_step is None)
 
 
-def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
+def certificate_of(run: Trajectory, *, exact: bool = True) -> page.Section:
     """Return how far to trust a computation, in words."""
     if not exact:
         heading = "Fixed steps have no certificate"
@@ -622,13 +610,13 @@ def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
         " independently of the motion. It does not show that the law describes the contact."
     )
     items = evidence(run, located=exact)
-    blocks = (KeyValues(items=items), Caption(text=text))
-    return Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
+    blocks = (page.KeyValues(items=items), page.Caption(text=text))
+    return page.Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
 
 
-def reproduce_section(about: RunReport) -> Section:
+def reproduce_section(about: RunReport) -> page.Section:
     """Return commands, versions, hashes and the sources of the law."""
-    origin = Origin(
+    origin = page.Origin(
         title=about.rig.heading,
         data="",
         files=about.digests,
@@ -649,13 +637,13 @@ HEADINGS = {
 }
 
 
-def validation_section(about: RunReport) -> Section | None:
+def validation_section(about: RunReport) -> page.Section | None:
     """Return what was measured beside the prediction, None where nothing was compared."""
     seen = about.validation
     if seen is None:
         return None
     verdict, *rest = seen.sentences()
-    blocks: list[Block] = [Caption(text=verdict)]
+    blocks: list[page.Block] = [page.Caption(text=verdict)]
     for index in range(min(len(seen.records), MOST_RECORDS)):
         name = seen.records[index].name or f"record {index + 1}"
         band = "; shaded: 95 % band of the prediction, without noise" if seen.drawn else ""
@@ -667,14 +655,16 @@ def validation_section(about: RunReport) -> Section | None:
         )
         label = f" ({name})" if len(seen.records) > 1 else ""
         blocks.append(
-            Figure(svg=svg, caption=f"**Measured and predicted**{label}, and residual{band}.")
+            page.Figure(svg=svg, caption=f"**Measured and predicted**{label}, and residual{band}.")
         )
     if seen.travels:
         blocks.append(_travels(seen))
-    blocks += [Caption(text=text) for text in rest]
+    blocks += [page.Caption(text=text) for text in rest]
     if about.refit:
-        blocks.append(Caption(text="**Refitted to this measurement.** " + " ".join(about.refit)))
-    return Section(
+        blocks.append(
+            page.Caption(text="**Refitted to this measurement.** " + " ".join(about.refit))
+        )
+    return page.Section(
         id="validation", nav="Measured", heading=HEADINGS[seen.agrees], blocks=tuple(blocks)
     )
 
@@ -692,9 +682,9 @@ def _travels(seen: Validation) -> Table:
     return Table(columns=columns, rows=tuple(rows))
 
 
-def opening_section(about: RunReport) -> Section:
+def opening_section(about: RunReport) -> page.Section:
     """Return the headline with its numbers, and what the run cannot tell."""
-    opening = Opening(
+    opening = page.Opening(
         kicker=f"{about.rig.heading}, {about.law.title} friction",
         verdict=_headline(about),
         lede=_lede(about),
@@ -703,7 +693,7 @@ def opening_section(about: RunReport) -> Section:
         cannot_tell=_cannot_tell(about),
         record="run",
     )
-    return Section(id="result", nav="Result", heading="", blocks=(opening,))
+    return page.Section(id="result", nav="Result", heading="", blocks=(opening,))
 
 
 def _headline(about: RunReport) -> str:
@@ -747,15 +737,15 @@ def _lede(about: RunReport) -> str:
     return " ".join(said)
 
 
-def _facts(about: RunReport) -> tuple[Fact, ...]:
+def _facts(about: RunReport) -> tuple[page.Fact, ...]:
     band, seen = about.band, about.criteria
     moved = about.cycles[-1].advance if about.cycles else seen.travel
-    travel = Fact(
+    travel = page.Fact(
         value=about.of(seen.travel, 4),
         aside="" if band is None else about.range_beside(band.travel, seen.travel),
         what=f"travel in the whole run{_resting(about, moved)}",
     )
-    mean = Fact(
+    mean = page.Fact(
         value=about.of(about.mean_velocity, per_second=True),
         aside=""
         if band is None
@@ -764,7 +754,7 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
     )
     slip = about.cycles[-1].back_slip if about.cycles else seen.largest_return
     name = "back-slip in the last cycle" if about.cycles else "largest back-slip"
-    back = Fact(value=about.of(slip), what=f"{name}{_resting(about, slip)}")
+    back = page.Fact(value=about.of(slip), what=f"{name}{_resting(about, slip)}")
     return travel, mean, back
 
 
@@ -836,13 +826,13 @@ def run_page(about: RunReport) -> str:
     >>> "The block comes to rest" in page, "could not be made" in page
     (True, False)
     """
-    sections = made_sections(*(partial(make, about) for make in SECTIONS))
-    return render(
-        Page(
+    sections = page.made_sections(*(partial(make, about) for make in SECTIONS))
+    return page.render(
+        page.Page(
             title=f"{about.rig.heading}: {about.law.title} friction",
             subject=about.rig.path or about.rig.heading,
             sections=sections,
-            footer=colophon(about.versions),
+            footer=page.colophon(about.versions),
             kicker="simulation report",
         )
     )

@@ -20,24 +20,7 @@ from stickslip.show.formatting import (
     significant,
     with_unit,
 )
-from stickslip.show.report.blocks import (
-    MOST,
-    Block,
-    Caption,
-    Code,
-    Fact,
-    Figure,
-    KeyValue,
-    KeyValues,
-    LawLine,
-    Math,
-    Opening,
-    Origin,
-    Reference,
-    References,
-    Section,
-    Subheading,
-)
+from stickslip.show.report import blocks as page
 from stickslip.show.report.markup import label_of, typeset
 from stickslip.show.report.tables import Column, Name, Number, Row, Table
 
@@ -87,7 +70,7 @@ def identified_heading(count: int) -> str:
 MARKS: Final[Mapping[str, Literal["none", "warn", "bad"]]] = {"warning": "warn", "error": "bad"}
 
 
-def check_items(checks: Checks) -> tuple[KeyValue, ...]:
+def check_items(checks: Checks) -> tuple[page.KeyValue, ...]:
     """Return a line for each finding of the checks of a record, warnings and errors marked.
 
     Examples
@@ -97,7 +80,7 @@ def check_items(checks: Checks) -> tuple[KeyValue, ...]:
     ['warn']
     """
     return tuple(
-        KeyValue(
+        page.KeyValue(
             key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
             value=str(finding),
             mark=MARKS.get(finding.severity, "none"),
@@ -112,34 +95,34 @@ def opening(
     remark: str = "",
     *,
     symbols: Collection[str] = (),
-    figure: Figure | None = None,
-    law: Sequence[LawLine] = (),
-    facts: Sequence[Fact] = (),
+    figure: page.Figure | None = None,
+    law: Sequence[page.LawLine] = (),
+    facts: Sequence[page.Fact] = (),
     settles: Sequence[str] | None = None,
     no_score: str = "",
     record: str = "record",
-) -> Section:
+) -> page.Section:
     """Return the section that a reader may stop after: the verdict and what one would quote.
 
     Symbols in the sentences are typeset; `settles` stands for what the wording says is settled.
     """
 
     def typeset_all(lines: Sequence[str]) -> tuple[str, ...]:
-        return tuple(typeset(line, symbols) for line in lines[:MOST])
+        return tuple(typeset(line, symbols) for line in lines[: page.MOST])
 
-    block = Opening(
+    block = page.Opening(
         kicker=kicker,
         verdict=typeset(words.verdict, symbols),
         lede=typeset(" ".join(part for part in (words.lede, no_score, remark) if part), symbols),
         figure=figure,
         law=tuple(law),
-        facts=tuple(facts[:MOST]),
-        settles=tuple(settles[:MOST]) if settles is not None else typeset_all(words.settles),
+        facts=tuple(facts[: page.MOST]),
+        settles=tuple(settles[: page.MOST]) if settles is not None else typeset_all(words.settles),
         cannot_tell=typeset_all(words.cannot_tell),
         measure_next=typeset_all(words.measure_next),
         record=record,
     )
-    return Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
+    return page.Section(id="verdict", nav="Verdict", heading="", blocks=(block,))
 
 
 def candidates_heading(count: int, judged_on: str) -> str:
@@ -161,10 +144,10 @@ def parameters(
     *,
     heading: str,
     caption: str,
-    more: Sequence[Block] = (),
+    more: Sequence[page.Block] = (),
     remarks: tuple[str, Sequence[str]],
     label: Callable[[Estimate], str] = label_of,
-) -> Section:
+) -> page.Section:
     """Return the section on the parameters of a law: its formula, their table, and remarks.
 
     `last` has the title of the last column, and what it says of an estimate with its unit.
@@ -184,36 +167,36 @@ def parameters(
         Column(head=head, numeric=True, phone="label"),
     )
     table = Table(columns=columns, rows=tuple(map(row, estimates)), caption=caption)
-    blocks: list[Block] = [Math(latex=formula), table, *more]
+    blocks: list[page.Block] = [page.Math(latex=formula), table, *more]
     if lines:
-        items = tuple(KeyValue(key="Note", value=line) for line in lines)
-        blocks += [Subheading(text=title), KeyValues(items=items)]
-    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
+        items = tuple(page.KeyValue(key="Note", value=line) for line in lines)
+        blocks += [page.Subheading(text=title), page.KeyValues(items=items)]
+    return page.Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
 
 
 def record_and_checks(
     checks: Checks,
     *,
-    blocks: Sequence[Block] = (),
-    items: Sequence[KeyValue] = (),
+    blocks: Sequence[page.Block] = (),
+    items: Sequence[page.KeyValue] = (),
     source: str = "its checks",
-) -> Section | None:
+) -> page.Section | None:
     """Return the section on the record: what is said of it, and what was checked of it."""
     found = (*items, *check_items(checks))
-    shown = (*blocks, *([KeyValues(items=found)] if found else []))
+    shown = (*blocks, *([page.KeyValues(items=found)] if found else []))
     if not shown:
         return None
     heading = checks_heading(sum(item.mark != "none" for item in found), source)
-    return Section(id="record", nav="Record and checks", heading=heading, blocks=shown)
+    return page.Section(id="record", nav="Record and checks", heading=heading, blocks=shown)
 
 
-def certificate(items: Sequence[KeyValue]) -> Section:
+def certificate(items: Sequence[page.KeyValue]) -> page.Section:
     """Return the section that says how far to trust the computation behind a verdict."""
-    blocks = (KeyValues(items=tuple(items)),)
-    return Section(id="certificate", nav="Certificate", heading=CERTIFICATE, blocks=blocks)
+    blocks = (page.KeyValues(items=tuple(items)),)
+    return page.Section(id="certificate", nav="Certificate", heading=CERTIFICATE, blocks=blocks)
 
 
-def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
+def evidence(run: Trajectory, *, located: bool = True) -> tuple[page.KeyValue, ...]:
     """Return the certificate of a run, check by check.
 
     Examples
@@ -232,30 +215,30 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
         f"{given} initially and from the drives; {friction} dissipated by friction{stops};"
         f" {left} remaining. Mismatch {residue(book.energy_error)}"
     )
-    items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
+    items = [page.KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
     if located:
         events = "event" if len(run.events) == 1 else "events"
         still = book.stick_drift == 0.0
         items += [
-            KeyValue(
+            page.KeyValue(
                 key="Events",
                 value=f"{len(run.events):,} {events} located; largest relative residual of an"
                 f" event condition {residue(book.event_residual)}",
             ),
-            KeyValue(
+            page.KeyValue(
                 key="Sticking and slipping",
                 value=f"largest violation of a condition: {residue(book.guard_violation)}",
             ),
-            KeyValue(
+            page.KeyValue(
                 key="Drift at rest",
                 value="exactly 0" if still else quantity(book.stick_drift, "m", 1),
                 mark="ok" if still else "warn",
             ),
         ]
     steps = f"{book.steps:,} accepted, {book.rejected:,} rejected"
-    items.append(KeyValue(key="Steps", value=steps))
-    items += [KeyValue(key="Warning", value=text, mark="warn") for text in book.warnings]
-    items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    items.append(page.KeyValue(key="Steps", value=steps))
+    items += [page.KeyValue(key="Warning", value=text, mark="warn") for text in book.warnings]
+    items += [page.KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
     return tuple(items)
 
 
@@ -267,8 +250,8 @@ def _balance(*energies: float) -> list[str]:
         return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
     decimals = max(3 - math.floor(math.log10(largest)), 0)
     return [
-        with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
-        for one in energies
+        with_unit(fixed(scale.factor * energy, decimals) if energy else "0", scale.unit)
+        for energy in energies
     ]
 
 
@@ -276,14 +259,14 @@ REPRODUCE: Final = "Reproduce and cite"
 
 
 def reproduce(
-    origin: Origin,
+    origin: page.Origin,
     *,
     code: Sequence[tuple[str, str]] = (),
-    items: Sequence[KeyValue] = (),
+    items: Sequence[page.KeyValue] = (),
     data: str = "",
     laws: Iterable[FrictionLaw | RateState] = (),
     cited: Mapping[str, Sequence[str]] = MappingProxyType({}),
-) -> Section:
+) -> page.Section:
     """Return the section with commands, code, data, versions, hashes and the sources of laws.
 
     `cited` has by key what else is cited, and for what.
@@ -296,32 +279,32 @@ def reproduce(
     >>> section.blocks[0].text
     '$ stickslip select'
     """
-    blocks: list[Block] = []
+    blocks: list[page.Block] = []
     if origin.commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in origin.commands)))
+        blocks.append(page.Code(text="\n".join(f"$ {command}" for command in origin.commands)))
     for text, caption in code:
-        blocks.append(Code(text=text))
+        blocks.append(page.Code(text=text))
         if caption:
-            blocks.append(Caption(text=caption))
-    known = [*items, *([KeyValue(key="Data", value=data)] if data else [])]
-    known += (KeyValue(key=name, value=one) for name, one in origin.versions.items())
+            blocks.append(page.Caption(text=caption))
+    known = [*items, *([page.KeyValue(key="Data", value=data)] if data else [])]
+    known += (page.KeyValue(key=name, value=one) for name, one in origin.versions.items())
     known += [
-        KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
+        page.KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
     ]
     if origin.digest:
-        known.append(KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
+        known.append(page.KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
     if known:
-        blocks.append(KeyValues(items=tuple(known)))
+        blocks.append(page.KeyValues(items=tuple(known)))
     references = law_references(laws, cited)
     if references:
         text = "Sources of the laws and criteria on this page."
-        blocks += [References(items=references), Caption(text=text)]
-    return Section(id="reproduce", nav=REPRODUCE, heading=REPRODUCE, blocks=tuple(blocks))
+        blocks += [page.References(items=references), page.Caption(text=text)]
+    return page.Section(id="reproduce", nav=REPRODUCE, heading=REPRODUCE, blocks=tuple(blocks))
 
 
 def law_references(
     laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
-) -> tuple[Reference, ...]:
+) -> tuple[page.Reference, ...]:
     """Return the sources of laws with the laws they are for, after those given by key."""
     used = {key: list(who) for key, who in first.items()}
     for law in laws:
@@ -330,7 +313,7 @@ def law_references(
             if law.title not in who:
                 who.append(law.title)
     return tuple(
-        Reference(**CITATIONS[key]._asdict(), note=joined(who))
+        page.Reference(**CITATIONS[key]._asdict(), note=joined(who))
         for key, who in used.items()
         if key in CITATIONS
     )

@@ -141,7 +141,7 @@ class ForceError(Metric):
                 rows = (own.record == place[0]) & (own.segment == place[1])
                 share = float(np.sum(own.residual[rows] ** 2)) / scale / len(own.residual)
                 squares.setdefault(place, []).append(share / len(joints))
-        return _of_blocks([len(squares) * sum(one) for one in squares.values()])
+        return _of_blocks([len(squares) * sum(square) for square in squares.values()])
 
 
 @dataclass(frozen=True, kw_only=True)

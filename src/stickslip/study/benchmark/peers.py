@@ -318,7 +318,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         full = np.zeros((len(start), len(start)))
         own = [int(name[1:]) for name in found.var_names]
         full[np.ix_(own, own)] = covariance
-    best = np.array([one.value for one in found.params.values()])
+    best = np.array([param.value for param in found.params.values()])
     return model.found(best, full, _of_rows(model))
 
 

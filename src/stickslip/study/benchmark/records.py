@@ -12,17 +12,7 @@ from stickslip.data import Measurement, parquet_data, rows_of
 from stickslip.data.catalogue import dataset
 from stickslip.identify.fits import RecordSettings
 from stickslip.mechanisms import Axis, DCMotor, Pendulum, Robot, RobotJoint, TowedBlock, TwoLinkArm
-from stickslip.study.benchmark.definition import (
-    ClosedLoop,
-    CoefficientError,
-    FeatureError,
-    ForceError,
-    PositionError,
-    Published,
-    Task,
-    between,
-    together,
-)
+from stickslip.study.benchmark import definition
 
 # Tasks of one coordinate under a known force: a ball-screw axis, a driven pendulum.
 
@@ -40,12 +30,14 @@ SWINGING = RecordSettings(segment=0.5, position_zeros=False)
 
 def swing(name: str) -> Measurement:
     """Return a record of the pendulum, driven by the torque that its drive reports."""
-    return between(dataset("simple_pendulum_drive").measurement(name), UNEVEN, SWINGS[name])
+    return definition.between(
+        dataset("simple_pendulum_drive").measurement(name), UNEVEN, SWINGS[name]
+    )
 
 
 def _emps() -> tuple[Measurement, Measurement]:
     record = dataset("emps").measurement()
-    return between(record, -math.inf, 16.0), between(record, 16.0, math.inf)
+    return definition.between(record, -math.inf, 16.0), definition.between(record, 16.0, math.inf)
 
 
 def _pendulum() -> tuple[Measurement, Measurement]:
@@ -54,7 +46,7 @@ def _pendulum() -> tuple[Measurement, Measurement]:
     return both[0], both[1]
 
 
-EMPS = Task(
+EMPS = definition.Task(
     name="emps",
     title="Ball-screw axis under position control",
     record="emps",
@@ -63,23 +55,23 @@ EMPS = Task(
     judged="the last 9 s",
     mechanism=Axis(inertia=95.0),
     split=_emps,
-    metric=PositionError(horizon=1.0),
+    metric=definition.PositionError(horizon=1.0),
     vary=("friction.*", "mechanism.inertia"),
     cutoff=50.0,
     published=(
-        Published(
+        definition.Published(
             what="IDIM-LS, Coulomb + viscous",
             result="relative error of the force 4.08 %, whole record, in sample",
             source=JANOT,
         ),
-        Published(
+        definition.Published(
             what="IDIM-LS, by direction",
             result="relative error of the force 3.11 %, whole record, in sample",
             source=JANOT,
         ),
     ),
 )
-PENDULUM = Task(
+PENDULUM = definition.Task(
     name="pendulum",
     title="Pendulum with a quasi-direct drive",
     record="simple_pendulum_drive",
@@ -88,13 +80,13 @@ PENDULUM = Task(
     judged="sac (4 s) and ilqr (2.8 s)",
     mechanism=Pendulum(mass=0.74, length=0.5, rest_angle=0.0),
     split=_pendulum,
-    metric=PositionError(horizon=0.5, unit="rad"),
+    metric=definition.PositionError(horizon=0.5, unit="rad"),
     vary=("friction.*", "mechanism.mass", "mechanism.inertia", "mechanism.rest_angle"),
     route="shooting",
     settings=SWINGING,
     cutoff=3.0,
     published=(
-        Published(
+        definition.Published(
             what="parameters printed with the record (J, m c, F_v, F_c)",
             result="0.15 to 0.60 rad over 0.5 s, by record",
             source="Wiebe et al. 2022; errors by the notes of the catalogue",
@@ -116,19 +108,21 @@ MASS = 0.0307
 
 def _tribometer() -> tuple[Measurement, Measurement]:
     record = dataset("reciprocating_tribometer").measurement("train")
-    return between(record, 12.0, 75.0), between(record, 75.0, 110.0)
+    return definition.between(record, 12.0, 75.0), definition.between(record, 75.0, 110.0)
 
 
 def _rock() -> tuple[Measurement, Measurement]:
     record = dataset("rock_velocity_step").measurement()
-    return between(record, -math.inf, STEP), record
+    return definition.between(record, -math.inf, STEP), record
 
 
 def _slider(file: str) -> tuple[Measurement, Measurement]:
     record = dataset("spring_pulled_slider").measurement(file)
     time = np.asarray(record.time)
     middle = float(time[len(time) // 2])
-    return between(record, -math.inf, middle), between(record, middle, math.inf)
+    return definition.between(record, -math.inf, middle), definition.between(
+        record, middle, math.inf
+    )
 
 
 def _slow() -> tuple[Measurement, Measurement]:
@@ -140,7 +134,7 @@ def _fast() -> tuple[Measurement, Measurement]:
 
 
 CONTACT_TASKS = (
-    Task(
+    definition.Task(
         name="tribometer",
         title="Reciprocating tribometer, strokes of 0.23 mm",
         record="reciprocating_tribometer",
@@ -149,10 +143,10 @@ CONTACT_TASKS = (
         judged="75 to 110 s",
         mechanism=Axis(inertia=1.0),
         split=_tribometer,
-        metric=ForceError(),
+        metric=definition.ForceError(),
         cutoff=5.0,
         published=(
-            Published(
+            definition.Published(
                 what="sign(v), Dahl, LuGre",
                 result="relative error of the force 94.5 %, 11.6 %, 9.1 %, whole file, in sample",
                 source="notes of the catalogue",
@@ -160,7 +154,7 @@ CONTACT_TASKS = (
         ),
         left_out={"pysindy": NO_DYNAMICS, "mujoco": NO_DYNAMICS},
     ),
-    Task(
+    definition.Task(
         name="rock",
         title="Sepiolite gouge at 30 MPa, a step from 0.2 to 2 µm/s",
         record="rock_velocity_step",
@@ -169,10 +163,10 @@ CONTACT_TASKS = (
         judged="the rest of it",
         mechanism=TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0),
         split=_rock,
-        metric=CoefficientError(since=STEP),
+        metric=definition.CoefficientError(since=STEP),
         vary=("friction.*", "mechanism.stiffness"),
         published=(
-            Published(
+            definition.Published(
                 what="rate and state (a = 0.0157, b = 0)",
                 result="rms 1.1e-3, whole record, in sample",
                 source="Giacomel et al. 2024",
@@ -184,7 +178,7 @@ CONTACT_TASKS = (
         },
     ),
     *(
-        Task(
+        definition.Task(
             name=f"slider-{name}",
             title=f"Slider pulled over paper by a spring at {speed:g} µm/s",
             record="spring_pulled_slider",
@@ -193,7 +187,7 @@ CONTACT_TASKS = (
             judged="the second half",
             mechanism=TowedBlock(mass=MASS, stiffness=stiffness, speed=speed * 1e-6),
             split=split,
-            metric=FeatureError(),
+            metric=definition.FeatureError(),
             vary=("friction.*", "mechanism.mass"),
             left_out=dict.fromkeys(("scipy", "lmfit", "pysindy", "mujoco"), IRREGULAR),
         )
@@ -291,15 +285,15 @@ def _tx40() -> tuple[Measurement, Measurement]:
 
 
 def _schunk() -> tuple[Measurement, Measurement]:
-    return together("schunk_arm", EVEN), together("schunk_arm", ODD)
+    return definition.together("schunk_arm", EVEN), definition.together("schunk_arm", ODD)
 
 
 def _arm() -> tuple[Measurement, Measurement]:
-    return together("two_link_arm", FITTED), together("two_link_arm", JUDGED)
+    return definition.together("two_link_arm", FITTED), definition.together("two_link_arm", JUDGED)
 
 
 ROBOT_TASKS = (
-    Task(
+    definition.Task(
         name="two-link-arm",
         title="Arm of two links, motors at both joints",
         record="two_link_arm",
@@ -318,7 +312,7 @@ ROBOT_TASKS = (
             gear_ratio=6.0,
         ),
         split=_arm,
-        metric=ForceError(),
+        metric=definition.ForceError(),
         vary=(
             "friction.*",
             *(
@@ -332,7 +326,7 @@ ROBOT_TASKS = (
         settings=RecordSettings(hold="first", starts=1),
         cutoff=6.0,
         published=(
-            Published(
+            definition.Published(
                 what="levels of Coulomb friction",
                 result="0.16 to 0.175 N m at the shoulder, 0.11 to 0.12 N m at the elbow",
                 source="Wiebe et al. 2023",
@@ -340,7 +334,7 @@ ROBOT_TASKS = (
         ),
         left_out={"pysindy": NO_LIBRARY, "mujoco": NO_MODEL},
     ),
-    Task(
+    definition.Task(
         name="tx40",
         title="Stäubli TX40, six joints, links unknown",
         record="staubli_tx40",
@@ -349,13 +343,13 @@ ROBOT_TASKS = (
         judged="the second half",
         mechanism=tx40_robot(),
         split=_tx40,
-        metric=ForceError(),
+        metric=definition.ForceError(),
         vary=("friction.*", "links"),
         laws=LAWS,
         selects=False,
         cutoff=80.0,
         published=(
-            Published(
+            definition.Published(
                 what="Coulomb + viscous, joints 1 to 6",
                 result="F_v 8.05, 5.53, 1.97, 1.11, 1.86, 0.65 N m s/rad;"
                 " F_c 7.14, 8.26, 6.34, 2.48, 3.03, 0.282 N m",
@@ -364,7 +358,7 @@ ROBOT_TASKS = (
         ),
         left_out={"pysindy": NO_LIBRARY, "mujoco": NO_MODEL},
     ),
-    Task(
+    definition.Task(
         name="schunk-arm",
         title="Schunk arm, six joints under replayed torques, links unknown",
         record="schunk_arm",
@@ -373,7 +367,7 @@ ROBOT_TASKS = (
         judged=f"runs {', '.join(one[3:] for one in ODD)}, between them",
         mechanism=robot_of(SCHUNK, {}),
         split=_schunk,
-        metric=ForceError(),
+        metric=definition.ForceError(),
         vary=("friction.*", "links"),
         laws=LAWS,
         selects=False,
@@ -485,7 +479,7 @@ def _gains() -> tuple[Measurement, Measurement]:
 
 
 SERVO_TASKS = (
-    Task(
+    definition.Task(
         name="servo",
         title="Dynamixel XL330 lifting a load",
         record=SERVO,
@@ -494,7 +488,7 @@ SERVO_TASKS = (
         judged="4 runs at the gain 200",
         mechanism=RIG,
         split=_gains,
-        metric=ClosedLoop(supply=SUPPLY, supply_resistance=DROOP),
+        metric=definition.ClosedLoop(supply=SUPPLY, supply_resistance=DROOP),
         vary=("friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)),
         laws=("coulomb-viscous", "bam-m3", "bam-m4"),
         selects=False,
@@ -502,7 +496,7 @@ SERVO_TASKS = (
         settings=SETTINGS,
         cutoff=10.0,
         published=(
-            Published(
+            definition.Published(
                 what="parameters m1 to m6 printed by BAM for this servo, fitted to other records",
                 result="0.069 to 0.083 rad on the 12 runs",
                 source="Duclusaud et al. 2025; errors by the notes of the catalogue",
@@ -530,17 +524,17 @@ def _modelica() -> tuple[Measurement, Measurement]:
         position=np.asarray(table["stop1.s"])[::EVERY],
         force=25.0 * np.sin(0.5 * np.pi * time),
     )
-    return between(record, 0.0, 3.0), between(record, 3.0, 6.0)
+    return definition.between(record, 0.0, 3.0), definition.between(record, 3.0, 6.0)
 
 
 def _siconos() -> tuple[Measurement, Measurement]:
     table = parquet_data(dataset("siconos_friction_oscillator").path())
     record = Measurement(time=np.asarray(table["t_s"]), position=np.asarray(table["x"]))
-    return between(record, 0.0, 12.0), between(record, 12.0, 22.0)
+    return definition.between(record, 0.0, 12.0), definition.between(record, 12.0, 22.0)
 
 
 REFERENCE_TASKS = (
-    Task(
+    definition.Task(
         name="modelica-friction",
         title="Mass under a sine force with a Stribeck law, simulated by Dymola",
         record="modelica_friction",
@@ -549,13 +543,13 @@ REFERENCE_TASKS = (
         judged="the last 2 s",
         mechanism=Axis(inertia=1.0),
         split=_modelica,
-        metric=PositionError(horizon=1.0),
+        metric=definition.PositionError(horizon=1.0),
         route="shooting",
         settings=RecordSettings(hold="first"),
         cutoff=60.0,
         truth={"level": 5.0, "excess at rest": 10.0, "viscous": 1.0, "inertia": 1.0},
     ),
-    Task(
+    definition.Task(
         name="siconos-oscillator",
         title="Oscillator with Coulomb friction, simulated by Siconos",
         record="siconos_friction_oscillator",
@@ -564,7 +558,7 @@ REFERENCE_TASKS = (
         judged="12 to 22 s",
         mechanism=Axis(inertia=1.0, stiffness=1.0),
         split=_siconos,
-        metric=PositionError(horizon=2.0),
+        metric=definition.PositionError(horizon=2.0),
         cutoff=10.0,
         truth={"level": 1.0},
         left_out={"mujoco": "nothing drives it: mujoco.sysid is given records with a force"},

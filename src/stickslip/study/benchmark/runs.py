@@ -156,16 +156,16 @@ class Results(Tabular):
         import pandas as pd
 
         rows = []
-        for one in self.rows:
-            own = asdict(one)
-            own["unit"] = task(one.task).metric.unit
-            own["estimates"] = "; ".join(map(_text, one.estimates))
+        for row in self.rows:
+            own = asdict(row)
+            own["unit"] = task(row.task).metric.unit
+            own["estimates"] = "; ".join(map(_text, row.estimates))
             rows.append(own)
         return pd.DataFrame(rows)
 
     def of(self, name: str) -> tuple[Row, ...]:
         """Return the rows of a task."""
-        return tuple(one for one in self.rows if one.task == name)
+        return tuple(row for row in self.rows if row.task == name)
 
     def _column_units(self) -> Mapping[str, str]:
         return {"seconds": "s"}
@@ -431,7 +431,7 @@ def _versions(peers: Iterable[str]) -> dict[str, str]:
 def _digest(name: str, tool: str) -> str:
     """Return the hash of all that a result depends on: task, data, versions, code of both."""
     asked = task(name)
-    own = [asked.dataset.file(one) for one in asked.files]
+    own = [asked.dataset.file(file) for file in asked.files]
     data = [(one.name, one.sha256 or one.source_sha256) for one in own]
     code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
     packages = _versions([] if tool == OURS else [tool])
@@ -486,7 +486,7 @@ def _read(path: Path) -> dict[str, list[Row]]:
 
 
 def _append(path: Path, digest: str, rows: Sequence[Row]) -> None:
-    line = json.dumps({"digest": digest, "rows": [_plain(one) for one in rows]})
+    line = json.dumps({"digest": digest, "rows": [_plain(row) for row in rows]})
     try:
         with path.open("ab+") as journal:
             if journal.tell():
@@ -506,7 +506,7 @@ SHOWN = 8
 
 def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
     """Return the page of the results."""
-    names = list(dict.fromkeys(one.task for one in results.rows))
+    names = list(dict.fromkeys(row.task for row in results.rows))
     sections = [_section(task(name), results.of(name)) for name in names]
     return Page(
         title="Friction benchmark",
@@ -519,13 +519,13 @@ def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
 
 def best_of(rows: Sequence[Row]) -> Row | None:
     """Return the row with the least error."""
-    known = [one for one in rows if math.isfinite(one.error)]
+    known = [row for row in rows if math.isfinite(row.error)]
     return min(known, key=lambda one: one.error, default=None)
 
 
 def of_ours(rows: Sequence[Row]) -> Row | None:
     """Return the law that is named; where none is, the best of those that were fitted."""
-    own = [one for one in rows if one.tool == OURS]
+    own = [row for row in rows if row.tool == OURS]
     named = [one for one in own if one.named]
     return named[0] if named else best_of(own)
 
@@ -549,7 +549,7 @@ def error_text(scale: Scale, row: Row | None) -> tuple[str, str]:
 def summary_rows(results: Results) -> list[list[str]]:
     """Return the cells of the overview: task, our law, its error, that of each peer."""
     found = []
-    for name in dict.fromkeys(one.task for one in results.rows):
+    for name in dict.fromkeys(row.task for row in results.rows):
         rows, asked = results.of(name), task(name)
         scale, ours = scale_for(asked, rows), of_ours(rows)
         law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
@@ -621,7 +621,7 @@ def _section(asked: Task, rows: Sequence[Row]) -> Section:
         told = joined([f"{name} {number(value)}" for name, value in asked.truth.items()])
         facts.append(("True values", told))
     blocks: list[Block] = [KeyValues(items=tuple(KeyValue(key=k, value=v) for k, v in facts))]
-    shown = [one for one in rows if math.isfinite(one.error)]
+    shown = [row for row in rows if math.isfinite(row.error)]
     ordered = sorted(shown, key=lambda one: one.error)
     if ordered:
         marks = [
@@ -662,18 +662,18 @@ def _table(scale: Scale, rows: Sequence[Row]) -> Table:
         Column(head="remark", phone="label"),
     )
     found = []
-    for one in rows:
-        value, doubt = error_text(scale, one)
-        tool = "stickslip" if one.tool == OURS else one.tool
-        remark = ("named; " if one.named and one.outcome != "chosen" else "") + one.outcome
+    for row in rows:
+        value, doubt = error_text(scale, row)
+        tool = "stickslip" if row.tool == OURS else row.tool
+        remark = ("named; " if row.named and row.outcome != "chosen" else "") + row.outcome
         cells: tuple[Cell, ...] = (
-            Name(text=_called(one), aside=tool),
+            Name(text=_called(row), aside=tool),
             Number(value=value, doubt=doubt),
-            parameters_text(one.estimates) or NONE,
-            number(one.seconds, 2),
+            parameters_text(row.estimates) or NONE,
+            number(row.seconds, 2),
             remark or NONE,
         )
-        found.append(TableRow(cells=cells, chosen=one.named, muted=False))
+        found.append(TableRow(cells=cells, chosen=row.named, muted=False))
     return Table(columns=columns, rows=tuple(found))
 
 

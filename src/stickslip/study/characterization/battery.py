@@ -17,49 +17,24 @@ from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS
 from stickslip.quantities import Quantity, fields_of
 from stickslip.show.display import InPanels, Summary
 from stickslip.show.formatting import capital, joined, number, unit_text
+from stickslip.study.characterization import presliding_tests, sliding_tests, stick_slip_tests
 from stickslip.study.characterization.bench import Bench, Characteristic
-from stickslip.study.characterization.presliding_tests import (
-    BreakAway,
-    Creep,
-    Drift,
-    Presliding,
-    break_away,
-    creep,
-    drift,
-    presliding,
-)
-from stickslip.study.characterization.sliding_tests import (
-    Lag,
-    Passivity,
-    SteadyCurve,
-    lag,
-    passivity,
-    steady_curve,
-)
-from stickslip.study.characterization.stick_slip_tests import (
-    Cost,
-    Hunting,
-    StickSlipMap,
-    cost,
-    hunting,
-    stick_slip_map,
-)
 
 Given: TypeAlias = FrictionLaw | type[FrictionLaw] | str
 """A law, its type, or its name or composition."""
 
 TESTS: Final[Mapping[str, Callable[[Bench], Characteristic]]] = MappingProxyType(
     {
-        "steady": steady_curve,
-        "presliding": presliding,
-        "break-away": break_away,
-        "lag": lag,
-        "map": stick_slip_map,
-        "drift": drift,
-        "creep": creep,
-        "limit-cycle": hunting,
-        "passivity": passivity,
-        "cost": cost,
+        "steady": sliding_tests.steady_curve,
+        "presliding": presliding_tests.presliding,
+        "break-away": presliding_tests.break_away,
+        "lag": sliding_tests.lag,
+        "map": stick_slip_tests.stick_slip_map,
+        "drift": presliding_tests.drift,
+        "creep": presliding_tests.creep,
+        "limit-cycle": stick_slip_tests.hunting,
+        "passivity": sliding_tests.passivity,
+        "cost": stick_slip_tests.cost,
     }
 )
 """The tests by name, in the order of pages."""
@@ -79,25 +54,25 @@ class Characterization(InPanels):
     """The law with the parameters that were tried."""
     load: float
     """Normal force [N]."""
-    steady: SteadyCurve | None = None
+    steady: sliding_tests.SteadyCurve | None = None
     """Friction after long sliding."""
-    presliding: Presliding | None = None
+    presliding: presliding_tests.Presliding | None = None
     """Loop of small displacements, and its memory."""
-    break_away: BreakAway | None = None
+    break_away: presliding_tests.BreakAway | None = None
     """Break-away against rate and rest."""
-    lag: Lag | None = None
+    lag: sliding_tests.Lag | None = None
     """Loops of friction against velocity."""
-    map: StickSlipMap | None = None
+    map: stick_slip_tests.StickSlipMap | None = None
     """Stick-slip over speed and stiffness."""
-    drift: Drift | None = None
+    drift: presliding_tests.Drift | None = None
     """Motion under a ripple below break-away."""
-    creep: Creep | None = None
+    creep: presliding_tests.Creep | None = None
     """Motion under a constant force below break-away."""
-    limit_cycle: Hunting | None = None
+    limit_cycle: stick_slip_tests.Hunting | None = None
     """Hunting under PID control."""
-    passivity: Passivity | None = None
+    passivity: sliding_tests.Passivity | None = None
     """Least energy of a cycle."""
-    cost: Cost | None = None
+    cost: stick_slip_tests.Cost | None = None
     """Steps and rates."""
     failed: Mapping[str, str] = field(default_factory=dict)
     """Why a test could not be made, by its name."""

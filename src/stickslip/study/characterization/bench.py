@@ -15,18 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import mechanisms
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches, Scalar
-from stickslip.mechanisms import (
-    Axis,
-    Contact,
-    Guide,
-    Mechanism,
-    SpringBlock,
-    TowedBlock,
-    given_inputs,
-)
 from stickslip.mechanisms.drives import Drive, Sampled
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.show.display import OnAxes, Summary, Tabular
@@ -213,7 +205,7 @@ def _moved(
 
 # The bench on which laws are tried: their sizes, and a contact on a prescribed path.
 
-M = TypeVar("M", bound=Mechanism)
+M = TypeVar("M", bound=mechanisms.Mechanism)
 
 USUAL_SPEED = 1e-3
 """Speed that stands for the one at which friction changes where a law has none [m/s]."""
@@ -250,19 +242,19 @@ class Bench(Parametrised):
         cls,
         law: FrictionLaw,
         load: float,
-        rig: Mechanism | None,
+        rig: mechanisms.Mechanism | None,
         inputs: Mapping[str, float] | None = None,
         scales: tuple[float, float] | None = None,
     ) -> "Bench":
         """Return the bench of a law, with mass and stiffness of a mechanism if there is one."""
         if rig is None:
             return cls(law=law, load=load, inputs=inputs or {}, scales=scales)
-        if not isinstance(rig, Axis | SpringBlock | TowedBlock):
+        if not isinstance(rig, mechanisms.Axis | mechanisms.SpringBlock | mechanisms.TowedBlock):
             raise InputError(
                 "rig must be an Axis, SpringBlock or TowedBlock, whose mass and stiffness are"
                 f" taken, got {type(rig).__name__}."
             )
-        mass = rig.inertia if isinstance(rig, Axis) else rig.mass
+        mass = rig.inertia if isinstance(rig, mechanisms.Axis) else rig.mass
         # Without a spring of its own, one of 10 rad/s stands for it.
         stiffness = rig.stiffness or 100.0 * mass
         return cls(
@@ -323,14 +315,14 @@ class Bench(Parametrised):
 
     def on(self, mechanism: M) -> M:
         """Return a mechanism that tells the law the values of its inputs."""
-        return given_inputs(mechanism, self.inputs) if self.inputs else mechanism
+        return mechanisms.given_inputs(mechanism, self.inputs) if self.inputs else mechanism
 
     @property
     def reach(self) -> float:
         """The presliding length, or what stands for it [m]."""
         return self.length or RIGID
 
-    def guided(self, path: Drive, *, rate: float = 0.0) -> Mechanism:
+    def guided(self, path: Drive, *, rate: float = 0.0) -> mechanisms.Mechanism:
         """Return the contact moved by a load cell whose deflection is far below the reach."""
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
@@ -361,7 +353,7 @@ class Bench(Parametrised):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GuidedContact(Mechanism):
+class GuidedContact(mechanisms.Mechanism):
     """A contact pushed along a prescribed path by a stiff load cell."""
 
     name: ClassVar[str] = "guided-contact"
@@ -400,14 +392,14 @@ class GuidedContact(Mechanism):
         force = self.damping * (q_dot["u"] - q_dot["x"])
         return {"x": force, "u": -force}
 
-    def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", load=self.load),)
+    def contacts(self) -> tuple[mechanisms.Contact, ...]:
+        return (mechanisms.Contact(slip="x", load=self.load),)
 
     def drives(self) -> Mapping[str, Drive]:
         return {"path": self.path}
 
-    def guided(self) -> Mapping[str, Guide]:
-        return {"u": Guide(drive="path", effort="pull", unit="N")}
+    def guided(self) -> Mapping[str, mechanisms.Guide]:
+        return {"u": mechanisms.Guide(drive="path", effort="pull", unit="N")}
 
     def start(self) -> Mapping[str, Scalar]:
         return {"w": self.rate, "v": self.rate}

@@ -108,7 +108,7 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     velocity = np.concatenate([-speeds[::-1], speeds])
     force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
     back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))
-    least, most = (quantity(one, "m/s") for one in speeds[[0, -1]])
+    least, most = (quantity(speed, "m/s") for speed in speeds[[0, -1]])
     return SteadyCurve(
         velocity=velocity,
         force=force,

@@ -242,7 +242,7 @@ def _closed_form(bench: Bench, stiffness: Array) -> Array:
 
 def _linear_limit(bench: Bench, stiffness: float, speeds: Array) -> float:
     """Return the highest speed at which steady sliding on a spring is unstable."""
-    unstable = [_grows(bench, stiffness, float(one)) for one in speeds]
+    unstable = [_grows(bench, stiffness, float(speed)) for speed in speeds]
     if not any(unstable):
         return 0.0
     last = int(np.flatnonzero(unstable)[-1])
@@ -383,7 +383,7 @@ class Hunting(Characteristic):
 
 def hunting(bench: Bench, *, t_end: float = HUNTING_TIME) -> Hunting:
     """Move an axis to a target by a PID controller, and look for a limit cycle."""
-    proportional, integral, derivative = (bench.mass * one for one in GAINS)
+    proportional, integral, derivative = (bench.mass * gain for gain in GAINS)
     target = FAR * bench.force / proportional
     loop = closed_loop(
         bench.on(Axis(inertia=bench.mass, load=bench.load)),

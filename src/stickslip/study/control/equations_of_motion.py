@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
@@ -18,7 +20,6 @@ from stickslip.quantities import Parametrised, Quantity
 from stickslip.show.described import Described
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -203,8 +204,6 @@ class Dynamics(metaclass=Described):
         array (n,)
             Accelerations of the free coordinates [unit of the coordinate / s^2].
         """
-        import numpy as np
-
         right = (
             self.forces
             - _times(self.friction_direction, friction)
@@ -227,8 +226,6 @@ class Dynamics(metaclass=Described):
         float or array (c,)
             Normal force of the contact [N].
         """
-        import numpy as np
-
         by_friction = _times(self.normal_by_friction, friction)
         by_command = _times(self.normal_by_command, command)
         total = np.asarray(self.normal + by_friction + by_command)
@@ -260,8 +257,6 @@ class Evaluator:
 
         Row 0 is what is without both; the others are what a unit of each adds.
         """
-        import numpy as np
-
         # All is affine in both: three evaluations tell everything.
         rows = [self._at(t, state, *unit) for unit in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))]
         found = np.array(rows)
@@ -278,8 +273,6 @@ class Evaluator:
 
 def _times(direction: Any, amount: Any) -> Any:
     """Return what an amount does along a direction, or several along their columns."""
-    import numpy as np
-
     if np.ndim(direction) < 2:
         return direction * np.asarray(amount)
     return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
@@ -303,8 +296,6 @@ class DynamicsOfContacts:
         self, t: float, state: Sequence[float], contact: int = -1, drive: int = -1
     ) -> tuple[Any, Any]:
         """Return forces and loads with a unit of friction at a contact, or of a drive."""
-        import numpy as np
-
         from stickslip.engine.kernels import state_layout as at
         from stickslip.engine.kernels.contacts.assembly import factorise, prepare, put_mass, react
         from stickslip.engine.kernels.contacts.transitions import set_own_flags
@@ -341,8 +332,6 @@ class DynamicsOfContacts:
 
     def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
         """Return the numbers of `Dynamics` in coordinates of the mechanism."""
-        import numpy as np
-
         from stickslip.engine.kernels import state_layout as at
         from stickslip.engine.kernels.equations import factor_of
 
@@ -428,8 +417,6 @@ def dynamics_at(
     >>> round(here.normal_force(), 9)
     5.886
     """
-    import numpy as np
-
     t = TIME.check("dynamics_at", "t", t)
     if len(mechanism.contacts()) > 1:
         return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
@@ -493,8 +480,6 @@ def _refuse_prescribed(mechanism: Mechanism) -> None:
 
 def _mass(mechanism: Mechanism, places: Sequence[float]) -> Any:
     """Return the mass matrix: the second differences of the kinetic energy, which is quadratic."""
-    import numpy as np
-
     normal = normal_of(mechanism)
     held = (*([] if normal is None else [normal]), *mechanism.held())
     q = {**dict(zip(mechanism.coordinates, places, strict=True)), **dict.fromkeys(held, 0.0)}

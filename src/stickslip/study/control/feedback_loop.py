@@ -22,7 +22,6 @@ from stickslip.show.formatting import number, quantity
 from stickslip.study.control.equations_of_motion import places_of
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas as pd
     from numpy.typing import NDArray
 
@@ -505,8 +504,6 @@ def _result(
     drives: tuple[str, ...],
     throw: bool,
 ) -> ClosedLoop:
-    import numpy as np
-
     run = onward.finished(driven)
     if book.cancelled:
         run = replace(run, status=Status.CANCELLED)
@@ -619,8 +616,6 @@ def limit_cycle(
     >>> cycle.kind, round(cycle.period, 4), round(cycle.stuck, 3)
     ('limit cycle', 7.6113, 0.657)
     """
-    import numpy as np
-
     run = run.run if isinstance(run, ClosedLoop) else run
     if run.contacts:
         raise InputError(
@@ -655,8 +650,6 @@ def limit_cycle(
 
 def _crossings(t: Any, x: Any) -> Any:
     """Return the times of upward crossings of the middle, small ones left out."""
-    import numpy as np
-
     middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
     # With hysteresis: a side is known only beyond a tenth of the range from the middle.
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
@@ -672,15 +665,11 @@ def _crossings(t: Any, x: Any) -> Any:
 
 
 def _spread(values: Any) -> float:
-    import numpy as np
-
     return float(np.ptp(values) / np.median(values))
 
 
 def _kind(cycles: Any, tolerance: float) -> Kind:
     """Return what a series of cycles (n, 3) is."""
-    import numpy as np
-
     amplitudes = cycles[:, 0]
     if max(_spread(amplitudes), _spread(cycles[:, 1])) <= tolerance:
         return "limit cycle"
@@ -694,8 +683,6 @@ def _kind(cycles: Any, tolerance: float) -> Kind:
 
 def _described(kind: Kind, cycles: Any, run: Trajectory, span: tuple[float, float]) -> LimitCycle:
     """Put the numbers of cycles (n, 3) together."""
-    import numpy as np
-
     first, last = span
     held = [max(min(b, last) - max(a, first), 0.0) for a, b in run.stick_spans()]
     amplitude, period, centre = np.median(cycles, axis=0) if len(cycles) else (np.nan,) * 3

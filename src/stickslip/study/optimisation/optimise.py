@@ -25,30 +25,8 @@ from stickslip.mechanisms.drives import Profile, ThreePhase
 from stickslip.quantities import named
 from stickslip.show.display import Tabular
 from stickslip.show.formatting import number, with_unit
-from stickslip.study.optimisation.parametrisation import (
-    KindName,
-    Space,
-    ThreeAccelerations,
-    kind_of,
-    space_of,
-)
-from stickslip.study.optimisation.problem import (
-    FINER,
-    GOALS,
-    Cycle,
-    Goal,
-    GoalName,
-    Limits,
-    Margin,
-    Problem,
-    Scenarios,
-    ScoredMotion,
-    fitted,
-    measure,
-    motor_of,
-    scenarios_of,
-    slip_of_body,
-)
+from stickslip.study.optimisation import parametrisation
+from stickslip.study.optimisation import problem as problems
 from stickslip.study.optimisation.search import Memory, Told, polish, search
 
 if TYPE_CHECKING:
@@ -75,17 +53,17 @@ class Optimum(Tabular):
     """What holds it back."""
     searched: str
     """Kind of motion that was asked for."""
-    goal: Goal
+    goal: problems.Goal
     """What is large."""
-    limits: Limits
+    limits: problems.Limits
     """What the motion may take."""
-    scenarios: Scenarios
+    scenarios: problems.Scenarios
     """What it stood."""
-    best: ScoredMotion
+    best: problems.ScoredMotion
     """The best motion: its goal, and what is left of each limit."""
-    three_phase: ScoredMotion | None
+    three_phase: problems.ScoredMotion | None
     """The best three-phase motion; None if none keeps the limits."""
-    start: ScoredMotion
+    start: problems.ScoredMotion
     """The motion that the mechanism came with, within the limits or not."""
     run: Trajectory
     """Certified run with the law as given, from rest until its cycles repeat."""
@@ -107,8 +85,8 @@ class Optimum(Tabular):
     def kind(self) -> str:
         """Its kind: another than `searched` where no such motion exceeds the one it began from."""
         if isinstance(self.profile, ThreePhase) and self.profile.last is not None:
-            return ThreeAccelerations.kind
-        return kind_of(profile_values(self.profile)["type"])
+            return parametrisation.ThreeAccelerations.kind
+        return parametrisation.kind_of(profile_values(self.profile)["type"])
 
     @property
     def shortfall(self) -> str:
@@ -126,12 +104,12 @@ class Optimum(Tabular):
         return self.best.value
 
     @property
-    def margins(self) -> tuple[Margin, ...]:
+    def margins(self) -> tuple[problems.Margin, ...]:
         """What it leaves of each limit."""
         return self.best.margins
 
     @property
-    def cycle(self) -> Cycle:
+    def cycle(self) -> problems.Cycle:
         """Its steady cycle, in the scenario that does worst."""
         return min(self.best.cycles, key=self.goal.value)
 
@@ -214,7 +192,7 @@ class Optimum(Tabular):
         return "\n ".join(filter(None, (f"<{head}", str(self.profile), self.shortfall, left))) + ">"
 
 
-def _over(value: float, other: ScoredMotion | None) -> float | None:
+def _over(value: float, other: problems.ScoredMotion | None) -> float | None:
     return None if other is None or not other.value > 0.0 else value / other.value
 
 
@@ -235,17 +213,17 @@ def profile_values(profile: Profile) -> dict[str, Any]:
     return {"type": names.get(type(profile), type(profile).__name__)} | listed
 
 
-def _margin(margin: Margin) -> dict[str, Any]:
+def _margin(margin: problems.Margin) -> dict[str, Any]:
     return dataclasses.asdict(margin) | {"margin": margin.margin}
 
 
-def _cycle(cycle: Cycle) -> dict[str, float]:
+def _cycle(cycle: problems.Cycle) -> dict[str, float]:
     motion = ("period", "travel", "work", "energy", "position", "rate", "acceleration")
     names = (*motion, "effort", "load_share", "back_slip")
     return {name: getattr(cycle, name) for name in names}
 
 
-def _judged(judged: ScoredMotion | None) -> dict[str, Any] | None:
+def _judged(judged: problems.ScoredMotion | None) -> dict[str, Any] | None:
     if judged is None:
         return None
     return {
@@ -273,9 +251,9 @@ def optimise_profile(
     mechanism: Mechanism,
     law: Friction,
     *,
-    limits: Limits,
-    goal: GoalName = "travel",
-    kind: KindName = "three-phase",
+    limits: problems.Limits,
+    goal: problems.GoalName = "travel",
+    kind: parametrisation.KindName = "three-phase",
     interval: Mapping[str, tuple[float, float]] | None = None,
     scenarios: Sequence[Friction] | None = None,
     quantile: float | Literal["mean"] = 0.05,
@@ -378,21 +356,21 @@ def optimise_profile(
     check_executor(executor)
     law = event_driven_law(mechanism, law)
     _check(progress)
-    problem = Problem(
+    problem = problems.Problem(
         mechanism=plan.mechanism,
-        scenarios=scenarios_of(
+        scenarios=problems.scenarios_of(
             plan.mechanism, law, interval, _each(mechanism, scenarios), quantile, points
         ),
-        goal=named(GOALS, goal, "goal"),
+        goal=named(problems.GOALS, goal, "goal"),
         limits=plan.limits,
     )
-    known = kind_of(kind)
-    space = space_of(known, plan.limits, knots)
+    known = parametrisation.kind_of(kind)
+    space = parametrisation.space_of(known, plan.limits, knots)
     subject = repr((problem, plan, law, space, _versions()))
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
-    start = problem.judge(plan.profile, samples=FINER)
+    start = problem.judge(plan.profile, samples=problems.FINER)
     work = _Work(problem=problem, plan=plan, memory=memory, watch=progress, executor=executor)
-    reference = best = work.best_of(space_of(REFERENCE, plan.limits, knots), start)
+    reference = best = work.best_of(parametrisation.space_of(REFERENCE, plan.limits, knots), start)
     if known != REFERENCE:
         best = work.best_of(space, start, done=reference)
     return _optimum(work, law, known, best, reference.judged, start)
@@ -417,8 +395,8 @@ def _optimum(
     law: FrictionLaw | Laws,
     kind: str,
     best: "_Best",
-    reference: ScoredMotion | None,
-    start: ScoredMotion,
+    reference: problems.ScoredMotion | None,
+    start: problems.ScoredMotion,
 ) -> Optimum:
     """Return the result, run once more with a certificate."""
     problem, plan = work.problem, work.plan
@@ -427,7 +405,7 @@ def _optimum(
             f"no {kind} motion satisfies the limits among the {best.evaluations} evaluated: widen"
             " the limits, or increase evaluations."
         )
-    whole = fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
+    whole = problems.fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
     return Optimum(
         mechanism=whole,
         law=law,
@@ -448,7 +426,7 @@ def _optimum(
 
 def _steady_end(mechanism: Mechanism, law: FrictionLaw | Laws) -> float:
     """Return when the cycles of a motion have come to repeat [s]."""
-    return measure(mechanism, law).run.span[1]
+    return problems.measure(mechanism, law).run.span[1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -458,30 +436,30 @@ class _Plan:
     mechanism: Mechanism
     profile: Profile
     motor_limit: float | None
-    limits: Limits
+    limits: problems.Limits
     evaluations: int
     seed: int
 
 
-def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> _Plan:
+def _plan(mechanism: Mechanism, limits: problems.Limits, evaluations: int, seed: int) -> _Plan:
     """Check the arguments; the motor's limit becomes one of the limits."""
     if not isinstance(mechanism, Mechanism):
         raise InputError(f"mechanism must be a Mechanism such as PendulumCart, got {mechanism!r}.")
-    if not isinstance(limits, Limits):
+    if not isinstance(limits, problems.Limits):
         raise InputError(f"limits must be Limits(position=..., rate=...), got {limits!r}.")
     for name, value, least in (("evaluations", evaluations, 1), ("seed", seed, 0)):
         if type(value) is not int or value < least:
             raise ParameterError(not_whole(name, least, value))
-    motor = getattr(mechanism, motor_of(mechanism))
-    slip_of_body(mechanism)
+    motor = getattr(mechanism, problems.motor_of(mechanism))
+    problems.slip_of_body(mechanism)
     given = limits.given()
     if motor.limit is not None:
         given["effort"] = min(given.get("effort", motor.limit), motor.limit)
     return _Plan(
-        mechanism=fitted(mechanism, motor.profile),
+        mechanism=problems.fitted(mechanism, motor.profile),
         profile=motor.profile,
         motor_limit=motor.limit,
-        limits=Limits(**given),
+        limits=problems.Limits(**given),
         evaluations=evaluations,
         seed=seed,
     )
@@ -499,7 +477,7 @@ def _check(progress: object) -> None:
 class _Best:
     """The best of one kind, and what it took up to here."""
 
-    judged: ScoredMotion | None
+    judged: problems.ScoredMotion | None
     polished: bool = False
     evaluations: int = 0
     cancelled: bool = False
@@ -509,13 +487,19 @@ class _Best:
 class _Work:
     """Searches for one problem."""
 
-    problem: Problem
+    problem: problems.Problem
     plan: _Plan
     memory: Memory
     watch: Told | None
     executor: Executor | None
 
-    def best_of(self, space: Space, start: ScoredMotion, *, done: _Best | None = None) -> _Best:
+    def best_of(
+        self,
+        space: parametrisation.Space,
+        start: problems.ScoredMotion,
+        *,
+        done: _Best | None = None,
+    ) -> _Best:
         """Return the best motion: of those the search may begin from, its own, and the polish.
 
         It may begin from a motion of another kind, such as a spline from three phases. Whatever a
@@ -523,7 +507,7 @@ class _Work:
         """
         before = done or _Best(judged=None)
         begins = [(start, False), *([(before.judged, before.polished)] if before.judged else [])]
-        known = [one for one in begins if one[0].feasible and _has_place(space, one[0])]
+        known = [begin for begin in begins if begin[0].feasible and _has_place(space, begin[0])]
         if before.cancelled:
             return _best(known, before.evaluations, cancelled=True)
         inner = self.problem.tighter()
@@ -554,7 +538,7 @@ class _Work:
         return _best(known, count, cancelled=found.cancelled)
 
     def _polished_start(
-        self, problem: Problem, space: Space, first: Profile
+        self, problem: problems.Problem, space: parametrisation.Space, first: Profile
     ) -> tuple[Array | None, int]:
         """Return where a search begins: at a motion, better and within limits if that can be."""
         point = space.place(first)
@@ -563,21 +547,24 @@ class _Work:
         better, count = polish(problem, space, point, budget=self._polish(space), watch=self.watch)
         return (point if better is None else better), count
 
-    def _polish(self, space: Space) -> int:
+    def _polish(self, space: parametrisation.Space) -> int:
         """Return the motions that one polish may try: a round takes differences both ways."""
         return max(POLISH * self.plan.evaluations, LEAST_ROUNDS * (2 * space.size + 2))
 
-    def _finely(self, space: Space, point: Array) -> ScoredMotion:
-        return self.problem.judge(space.profile(point), samples=FINER)
+    def _finely(self, space: parametrisation.Space, point: Array) -> problems.ScoredMotion:
+        return self.problem.judge(space.profile(point), samples=problems.FINER)
 
 
-def _has_place(space: Space, motion: ScoredMotion) -> bool:
+def _has_place(space: parametrisation.Space, motion: problems.ScoredMotion) -> bool:
     """Whether a search of a kind may begin from a motion."""
     return space.place(motion.profile) is not None
 
 
 def _best(
-    known: Sequence[tuple[ScoredMotion, bool]], evaluations: int = 0, *, cancelled: bool = False
+    known: Sequence[tuple[problems.ScoredMotion, bool]],
+    evaluations: int = 0,
+    *,
+    cancelled: bool = False,
 ) -> _Best:
     """Return the best motion within the limits, the first of equals."""
     good = [one for one in known if one[0].feasible]
@@ -646,7 +633,7 @@ def pareto_front(
     mechanism: Mechanism,
     law: Friction,
     *,
-    limits: Limits,
+    limits: problems.Limits,
     cost: CostName = "energy",
     points: int = 7,
     progress: Callable[[int, int], object] | None = None,
@@ -707,7 +694,7 @@ def pareto_front(
         raise ParameterError(not_whole("points", 0, points))
     motions: list[Optimum] = []
 
-    def search(goal: GoalName = "speed", bound: float | None = None) -> bool:
+    def search(goal: problems.GoalName = "speed", bound: float | None = None) -> bool:
         """Optimise with a bound of the cost; return whether the walk goes on."""
         near = min(motions, key=lambda m: abs(cost_of(m, cost) - (bound or 0.0)), default=None)
         given = limits if bound is None else dataclasses.replace(limits, **{cost: bound})

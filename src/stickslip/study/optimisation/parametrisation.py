@@ -10,14 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.mechanisms.drives import (
-    Profile,
-    SevenStep,
-    SineSwing,
-    SplineSwing,
-    ThreePhase,
-    TimedThreePhase,
-)
+from stickslip.mechanisms import drives
 from stickslip.quantities import fields_of, named
 from stickslip.study.optimisation.problem import Limits
 
@@ -59,11 +52,11 @@ class Space(ABC):
         """Numbers of a point."""
 
     @abstractmethod
-    def profile(self, u: Array) -> Profile:
+    def profile(self, u: Array) -> drives.Profile:
         """Return the profile at a point (size,)."""
 
     @abstractmethod
-    def place(self, profile: Profile) -> Array | None:
+    def place(self, profile: drives.Profile) -> Array | None:
         """Return the point of a profile, moved into the cube, or None where it has none."""
 
     @abstractmethod
@@ -81,7 +74,10 @@ class Space(ABC):
         return (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u) * self.limits.position
 
     @final
-    def share(self, profile: ThreePhase | TimedThreePhase | SevenStep | SineSwing) -> float:
+    def share(
+        self,
+        profile: drives.ThreePhase | drives.TimedThreePhase | drives.SevenStep | drives.SineSwing,
+    ) -> float:
         """Return the number that stands for the amplitude of a profile."""
         share = profile.amplitude / self.limits.position
         return (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE)
@@ -99,7 +95,7 @@ class Space(ABC):
         return min(SLOWEST * unit, SLOWEST * largest), largest
 
 
-def _numbers(profile: Profile) -> dict[str, float]:
+def _numbers(profile: drives.Profile) -> dict[str, float]:
     values = {name: getattr(profile, name) for name in fields_of(type(profile))}
     return {name: float(value) for name, value in values.items() if value is not None}
 
@@ -113,12 +109,12 @@ class ThreePhases(Space):
     def size(self) -> int:
         return 3
 
-    def profile(self, u: Array) -> ThreePhase:
+    def profile(self, u: Array) -> drives.ThreePhase:
         outer, middle = (_between(*self.accelerations, x) for x in u[1:])
         return _three_phases(self.amplitude(u[0]), outer, middle)
 
-    def place(self, profile: Profile) -> Array | None:
-        if not isinstance(profile, ThreePhase) or profile.last is not None:
+    def place(self, profile: drives.Profile) -> Array | None:
+        if not isinstance(profile, drives.ThreePhase) or profile.last is not None:
             return None
         return self.inside([self.share(profile), *self.placed(profile.accelerations[:2])])
 
@@ -135,12 +131,12 @@ class ThreeAccelerations(Space):
     def size(self) -> int:
         return 4
 
-    def profile(self, u: Array) -> ThreePhase:
+    def profile(self, u: Array) -> drives.ThreePhase:
         first, middle, last = (_between(*self.accelerations, x) for x in u[1:])
         return _three_phases(self.amplitude(u[0]), first, middle, last)
 
-    def place(self, profile: Profile) -> Array | None:
-        if not isinstance(profile, ThreePhase | TimedThreePhase):
+    def place(self, profile: drives.Profile) -> Array | None:
+        if not isinstance(profile, drives.ThreePhase | drives.TimedThreePhase):
             return None
         return self.inside([self.share(profile), *self.placed(profile.accelerations)])
 
@@ -150,8 +146,8 @@ class ThreeAccelerations(Space):
 
 def _three_phases(
     amplitude: float, first: float, middle: float, last: float | None = None
-) -> ThreePhase:
-    return ThreePhase(
+) -> drives.ThreePhase:
+    return drives.ThreePhase(
         amplitude=amplitude,
         fast=max(first, middle),
         slow=min(first, middle),
@@ -169,13 +165,13 @@ class SevenSteps(Space):
     def size(self) -> int:
         return 6
 
-    def profile(self, u: Array) -> SevenStep:
+    def profile(self, u: Array) -> drives.SevenStep:
         fast, slow = (_between(*self.accelerations, x) for x in u[1:3])
         amplitude = self.amplitude(u[0])
         # Rates are shares of what is reached: any point of the cube is a motion.
         most = min(_reachable(amplitude, fast, slow), self.limits.rate)
         there, back = (most * (LEAST_SHARE + (1.0 - LEAST_SHARE) * x) for x in u[3:5])
-        return SevenStep(
+        return drives.SevenStep(
             amplitude=amplitude,
             fast=fast,
             slow=slow,
@@ -188,11 +184,13 @@ class SevenSteps(Space):
     def _longest_pause(self) -> float:
         return 4.0 * self.limits.position / self.limits.rate
 
-    def place(self, profile: Profile) -> Array | None:
-        if isinstance(profile, ThreePhase):  # begins with its first two accelerations both ways
+    def place(self, profile: drives.Profile) -> Array | None:
+        if isinstance(
+            profile, drives.ThreePhase
+        ):  # begins with its first two accelerations both ways
             fast, slow, _ = profile.accelerations
             rates, pause = (profile.peak_rate, profile.peak_rate), 0.0
-        elif isinstance(profile, SevenStep):
+        elif isinstance(profile, drives.SevenStep):
             fast, slow, rates = profile.fast, profile.slow, profile.cruising_rates
             pause = profile.pause
         else:
@@ -225,13 +223,13 @@ class Sines(Space):
     def size(self) -> int:
         return 2
 
-    def profile(self, u: Array) -> SineSwing:
+    def profile(self, u: Array) -> drives.SineSwing:
         amplitude = self.amplitude(u[0])
         rate = _between(LEAST_SHARE, 1.0, u[1]) * self.limits.rate
-        return SineSwing(amplitude=amplitude, frequency=rate / (2.0 * math.pi * amplitude))
+        return drives.SineSwing(amplitude=amplitude, frequency=rate / (2.0 * math.pi * amplitude))
 
-    def place(self, profile: Profile) -> Array | None:
-        if not isinstance(profile, SineSwing):
+    def place(self, profile: drives.Profile) -> Array | None:
+        if not isinstance(profile, drives.SineSwing):
             return None
         rate = 2.0 * math.pi * profile.frequency * profile.amplitude / self.limits.rate
         return self.inside(
@@ -262,11 +260,11 @@ class Splines(Space):
         unit = 4.0 * self.limits.position / self.limits.rate
         return SHORTEST_SPLINE * unit, LONGEST_SPLINE * unit
 
-    def profile(self, u: Array) -> SplineSwing:
+    def profile(self, u: Array) -> drives.SplineSwing:
         positions = tuple((self.limits.position * (2.0 * u[1:] - 1.0)).tolist())
-        return SplineSwing(positions=positions, duration=_between(*self._durations, u[0]))
+        return drives.SplineSwing(positions=positions, duration=_between(*self._durations, u[0]))
 
-    def place(self, profile: Profile) -> Array | None:
+    def place(self, profile: drives.Profile) -> Array | None:
         period = float(profile.period)
         positions = [profile.at(k * period / self.knots)[0] for k in range(self.knots)]
         return self.inside(

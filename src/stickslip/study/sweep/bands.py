@@ -20,28 +20,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip import errors
 from stickslip.data import LawEstimates
 from stickslip.engine.simulation import GivenFriction, ensemble, event_driven_law
 from stickslip.engine.solver import EventDriven, Samples
 from stickslip.engine.trajectory import completed
-from stickslip.errors import (
-    InputError,
-    ParameterError,
-    SimulationError,
-    UnknownNameError,
-    check_size,
-)
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number
-from stickslip.study.sweep.design import (
-    NEARLY_INDEPENDENT,
-    SensitivityIndices,
-    first_order_of,
-    refuse_correlated,
-)
+from stickslip.study.sweep import design
 from stickslip.study.sweep.parameter_grid import early_ends
 
 if TYPE_CHECKING:
@@ -117,7 +106,7 @@ class Band(OnAxes, Tabular):
         """`travels_by_cycle` of the only coordinate."""
         return _only("travels_by_cycle", self.travels_by_cycle)
 
-    def shares(self, coordinate: str | None = None) -> SensitivityIndices:
+    def shares(self, coordinate: str | None = None) -> design.SensitivityIndices:
         """Return which share of the variance of a travel each uncertain parameter explains alone.
 
         Sobol indices of first order, from the draws of the band by RBD-FAST. What is left to 1 is
@@ -140,21 +129,23 @@ class Band(OnAxes, Tabular):
         [0.8, 0.2]
         """
         name = (
-            _only("shares", {one: one for one in self.travels})
+            _only("shares", {travel: travel for travel in self.travels})
             if coordinate is None
             else coordinate
         )
         if name not in self.travels:
-            raise UnknownNameError("coordinate of the band", name, self.travels)
+            raise errors.UnknownNameError("coordinate of the band", name, self.travels)
         if self.ended_early:
-            raise InputError(
+            raise errors.InputError(
                 f"{' '.join(self.reasons)} The runs that lasted do not tell what spreads all of"
                 " them."
             )
         if self.correlated is not None:
-            refuse_correlated(*self.correlated, NEARLY_INDEPENDENT)
+            design.refuse_correlated(*self.correlated, design.NEARLY_INDEPENDENT)
         values = self.travels_by_run[name]
-        return first_order_of(self.draws, f"travel of {name}", self.units[name], values, self.seed)
+        return design.first_order_of(
+            self.draws, f"travel of {name}", self.units[name], values, self.seed
+        )
 
     def at(self, name: str, t: ArrayLike) -> Array:
         """Return lower end, median and upper end (3, n) of a state at some of the times `t`."""
@@ -255,14 +246,14 @@ def band_of(
     [0.2, 0.2, 0.21]
     """
     if count < 2:
-        raise InputError(f"band_of: count must be at least 2, got {count}.")
+        raise errors.InputError(f"band_of: count must be at least 2, got {count}.")
     law = event_driven_law(mechanism, law)
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
     asked = np.asarray(times, dtype=np.float64).ravel()
     kept_times = POINTS + whole + asked.size
-    check_size(
+    errors.check_size(
         "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
     )
     draws = draws_of(mechanism, law, estimates, parameter_uncertainties or {}, count, seed)
@@ -287,7 +278,7 @@ def band_of(
     kept = np.array([status.complete for status in runs.status])
     reasons = left_out(runs.status)
     if not kept.any():
-        raise SimulationError(
+        raise errors.SimulationError(
             f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
             f" s. {' '.join(early_ends(runs.status, '', noun='draws'))}"
         )
@@ -344,7 +335,9 @@ def draws_of(
         draws |= estimates.draw(law, count, seed=seed)
     if not uncertainties:
         if not draws:
-            raise InputError("no parameter of the law or of the mechanism has an uncertainty.")
+            raise errors.InputError(
+                "no parameter of the law or of the mechanism has an uncertainty."
+            )
         return draws
     declared = [*parameters(mechanism, "mechanism")]
     values = {path: value for path, _, value in declared}
@@ -357,11 +350,11 @@ def draws_of(
     while len(kept) < count:
         one = {path: float(random.normal(values[path], spread)) for path, spread in spreads.items()}
         tried += 1
-        with contextlib.suppress(ParameterError):
+        with contextlib.suppress(errors.ParameterError):
             vary(mechanism, "mechanism", one)
             kept.append(one)
         if tried > count and len(kept) < VALID_SHARE * tried:
-            raise InputError(
+            raise errors.InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."
             )
@@ -384,7 +377,7 @@ def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
 def _only(what: str, table: Mapping[str, T]) -> T:
     """Return what there is of the only coordinate."""
     if len(table) != 1:
-        raise InputError(
+        raise errors.InputError(
             f"this band has several coordinates, {', '.join(table)}: take those of one from"
             f" Band.{what}."
         )

@@ -17,15 +17,9 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.engine import simulation
 from stickslip.engine.executors import Inline, check_executor, spread
 from stickslip.engine.formulation import formulate
-from stickslip.engine.simulation import (
-    GivenFriction,
-    beginning_pair,
-    ensemble,
-    event_driven_law,
-    simulate,
-)
 from stickslip.engine.solver import EventDriven, EventTimes, Final, Output, Samples, column_units
 from stickslip.engine.trajectory import Ensemble, Event, Status, Trajectory
 from stickslip.errors import InputError, UnknownNameError, check_size
@@ -291,7 +285,7 @@ class Bifurcation(OnAxes):
 
 def bifurcation(
     mechanism: Mechanism,
-    law: GivenFriction,
+    law: simulation.GivenFriction,
     path: str,
     values: ArrayLike,
     *,
@@ -371,11 +365,11 @@ def bifurcation(
     >>> found.period[:, 0]
     array([1, 1])
     """
-    found = event_driven_law(mechanism, law)
+    found = simulation.event_driven_law(mechanism, law)
     check_executor(executor)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
-    mechanism, found = beginning_pair(mechanism, found, {path: values})
+    mechanism, found = simulation.beginning_pair(mechanism, found, {path: values})
     full, array = axis_of(mechanism, found, path, values)
     if full.startswith("initial."):
         raise InputError(f"bifurcation: {full} is not a parameter; give `starts`, or use basins.")
@@ -470,7 +464,7 @@ def _judged(
 
 def _columns(mechanism: Mechanism) -> list[str]:
     """Return the columns of friction and load that runs have, of one contact and of several."""
-    ends = ["", *(f":{one.name}" for one in mechanism.contacts())]
+    ends = ["", *(f":{contact.name}" for contact in mechanism.contacts())]
     return [f"{kind}{end}" for kind in ("friction", "normal_force") for end in ends]
 
 
@@ -556,7 +550,7 @@ class _Strobe(_Method):
             f"initial.{name}": np.array([start.get(name, told[name]) for start in starts], float)
             for name in names
         }
-        runs = ensemble(
+        runs = simulation.ensemble(
             one.mechanism,
             one.law,
             {one.path: np.full(len(starts), value), **columns},
@@ -585,7 +579,9 @@ class _AtEvents(_Method):
         samples = np.full((len(starts), one.keep), np.nan)
         status, ends = np.empty(len(starts), dtype=object), []
         for i, start in enumerate(starts):
-            run = simulate(mechanism, law, t_end=last, y0=start, solver=one.solver, throw=False)
+            run = simulation.simulate(
+                mechanism, law, t_end=last, y0=start, solver=one.solver, throw=False
+            )
             if one.state not in run.names:
                 raise UnknownNameError("column", one.state, run.names)
             times = [event.t for event in run.events if self._is_meant(event)][-one.keep :]
@@ -691,7 +687,7 @@ class Basins(OnAxes):
 
 def basins(
     mechanism: Mechanism,
-    law: GivenFriction,
+    law: simulation.GivenFriction,
     starts: Mapping[str, ArrayLike],
     *,
     coordinate: str | None = None,
@@ -761,7 +757,7 @@ def basins(
     >>> found.index.shape, [attractor.period for attractor in found.attractors]
     ((4, 3), [1])
     """
-    law = event_driven_law(mechanism, law)
+    law = simulation.event_driven_law(mechanism, law)
     place, _ = slip_among(mechanism, coordinate, "basins")
     axes = _axes(mechanism, law, starts, keep, settle)
     if period is None:
@@ -770,7 +766,7 @@ def basins(
     columns = product(axes)
     cycle = float(cycles_of(mechanism, columns, period)[0])
     times = [cycle * (settle + i) for i in range(keep + 1)]
-    runs = ensemble(
+    runs = simulation.ensemble(
         mechanism,
         law,
         columns,

@@ -45,19 +45,9 @@ from stickslip.engine.trajectory import Status
 from stickslip.errors import InputError, UnknownNameError, not_whole
 from stickslip.friction import Friction, Laws
 from stickslip.mechanisms import Mechanism
+from stickslip.show import documents
 from stickslip.show.described import Described
 from stickslip.show.display import Summary, Tabular, require_library, text_of
-from stickslip.show.documents import (
-    SCHEMA_VERSION,
-    becomes,
-    document,
-    is_free,
-    json_text,
-    open_regular,
-    remove_unfinished,
-    unwritable,
-    write_file,
-)
 from stickslip.show.formatting import quantity
 from stickslip.study.sweep.design import (
     OF_INDICES,
@@ -86,7 +76,7 @@ PART_NAME: Final = re.compile(rf"{RUNS}/(?:[^/\x00]+/){{0,20}}part-\d{{6,}}\.par
 """Paths of parts below the folder of a campaign: a manifest may name any others."""
 LARGEST: Final = 200_000_000
 """Bytes of a manifest or journal that are read at most: a part has some 250."""
-SCHEMA: Final = f"stickslip/campaign/{SCHEMA_VERSION}"
+SCHEMA: Final = f"stickslip/campaign/{documents.SCHEMA_VERSION}"
 PART: Final = 32_768
 """Runs of a file: some tenths of a second of work of a spring-block, and a megabyte."""
 RESERVED: Final = ("status", "certified")
@@ -212,7 +202,7 @@ class CampaignRuns(Tabular):
             if name not in self.columns:
                 raise UnknownNameError(f"column of {self.folder}", name, self.columns)
         wanted = None if columns is None else [*columns]
-        tables = (self._read(one, wanted).to_pandas() for one in self.parts)
+        tables = (self._read(part, wanted).to_pandas() for part in self.parts)
         found: pd.DataFrame = pd.concat([*tables], ignore_index=True)
         return found
 
@@ -230,7 +220,7 @@ class CampaignRuns(Tabular):
         pq = require_library("pyarrow.parquet", "parquet")
         path = self.folder / part.file
         try:
-            with open_regular(path) as file:
+            with documents.open_regular(path) as file:
                 if columns is not None and not columns:
                     return pq.read_schema(file).empty_table()
                 return pq.read_table(file, columns=columns)
@@ -599,7 +589,7 @@ class _Ledger:
                 self._begin(before, replace=replace)
                 held.pop_all()
         except OSError as error:
-            raise unwritable(folder, error) from error
+            raise documents.unwritable(folder, error) from error
 
     def _begin(self, before: Mapping[str, Any] | None, *, replace: bool) -> None:
         """Find what is there already, and remove what is of another campaign or was cut off."""
@@ -615,24 +605,27 @@ class _Ledger:
             for name in (*listed, JOURNAL, *OF_ALL):
                 (self.folder / name).unlink(missing_ok=True)
             listed, before = {}, None
-        remove_unfinished(self.folder, {MANIFEST, JOURNAL, *OF_ALL})
+        documents.remove_unfinished(self.folder, {MANIFEST, JOURNAL, *OF_ALL})
         names = {Path(name).name for name in self.planned}
         for place in _folders(self.planned):
-            remove_unfinished(self.folder / place, names)
+            documents.remove_unfinished(self.folder / place, names)
         for name, one in listed.items():
             planned = self.planned.get(name) == one.rows
             if planned and _hash_of(self.folder / name) == one.sha256:
                 self.known[name] = one
         self.rows = sum(one.rows for one in self.known.values())
         if before is None or self.rows < self.head["runs"]:
-            write_file(self.folder / MANIFEST, json_text(document("campaign", self.head)))
+            documents.write_file(
+                self.folder / MANIFEST,
+                documents.json_text(documents.document("campaign", self.head)),
+            )
             lines = "".join(f"{_line(x)}\n" for x in self.known.values())
-            write_file(self.folder / JOURNAL, lines)
+            documents.write_file(self.folder / JOURNAL, lines)
 
     def add(self, finished: _Finished, data: bytes) -> None:
         """Keep a file; it is there before it is listed."""
         # the file first: what a line names is there, however the process ends
-        write_file(self.folder / finished.file, data)
+        documents.write_file(self.folder / finished.file, data)
         self.known[finished.file] = finished
         self.rows += finished.rows
         try:
@@ -641,17 +634,19 @@ class _Ledger:
                 journal.flush()
                 os.fsync(journal.fileno())
         except OSError as error:
-            raise unwritable(self.folder / JOURNAL, error) from error
+            raise documents.unwritable(self.folder / JOURNAL, error) from error
 
     def finish(self, parts: Sequence[_Finished]) -> None:
         """Write the manifest of a campaign that is complete."""
-        content = {**self.head, "parts": [vars(one) for one in parts]}
-        write_file(self.folder / MANIFEST, json_text(document("campaign", content)))
+        content = {**self.head, "parts": [vars(part) for part in parts]}
+        documents.write_file(
+            self.folder / MANIFEST, documents.json_text(documents.document("campaign", content))
+        )
         (self.folder / JOURNAL).unlink(missing_ok=True)
 
     def _alone(self) -> None:
         """Refuse to write where another process does; the system frees what a killed one held."""
-        if not is_free(self.lock.fileno()):
+        if not documents.is_free(self.lock.fileno()):
             raise InputError(
                 f"another process is running the campaign in {self.folder}: wait for it, or"
                 " choose another folder."
@@ -725,12 +720,12 @@ def _lock(path: Path) -> Any:
 
 def _is_foreign(path: Path) -> bool:
     """Whether a file is none that a campaign leaves when it is killed before its first part."""
-    return path.name != LOCK and becomes(path) not in (MANIFEST, JOURNAL)
+    return path.name != LOCK and documents.becomes(path) not in (MANIFEST, JOURNAL)
 
 
 def _content(path: Path) -> bytes:
     """Return the bytes of a manifest or a journal."""
-    with open_regular(path) as file:
+    with documents.open_regular(path) as file:
         data = file.read(LARGEST + 1)
     if len(data) > LARGEST:
         raise OSError(errno.EFBIG, f"it has more than {LARGEST / 1e6:.0f} MB")
@@ -758,7 +753,7 @@ def _is_entry(entry: object) -> bool:
         and ".." not in file.split("/")
         and isinstance(sha256, str)
         and isinstance(status, dict)
-        and all(type(one) is int and one >= 0 for one in (*counts, *status.values()))
+        and all(type(count) is int and count >= 0 for count in (*counts, *status.values()))
     )
 
 
@@ -769,7 +764,7 @@ def _line(finished: _Finished) -> str:
 def _hash_of(path: Path) -> str:
     """Return the hash of a file, empty if it is not there."""
     try:
-        with open_regular(path) as file:
+        with documents.open_regular(path) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""

@@ -35,7 +35,7 @@ def states_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> tuple[str, ...]:
     >>> states_of(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0))
     ('x', 'v')
     """
-    contacts = tuple(one.name for one in mechanism.contacts())
+    contacts = tuple(contact.name for contact in mechanism.contacts())
     return (*mechanism.coordinates, *mechanism.rates, *bristle_names(contacts, law))
 
 

@@ -31,13 +31,7 @@ from stickslip.engine.solver import Samples
 from stickslip.engine.trajectory import Ensemble, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identify.fits import (
-    TravelModel,
-    Trial,
-    standard_errors,
-    trials_of,
-    uncertainties_of,
-)
+from stickslip.identify import fits
 from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names, slips_by_angle
 from stickslip.mechanisms.drives import SampledSwing
 from stickslip.quantities import turned, vary
@@ -276,7 +270,7 @@ class Validation(InPanels):
     @property
     def agrees(self) -> bool | None:
         """Whether all that was measured is expected of the law; None if that cannot be told."""
-        seen = [one.agrees for one in self.records]
+        seen = [record.agrees for record in self.records]
         if self.travels:
             seen.append(_judged(self.travels_as_large if self.stated else None))
         return False if False in seen else None if None in seen or not seen else True
@@ -333,7 +327,7 @@ class Validation(InPanels):
 
     @property
     def _odds(self) -> str:
-        shares = [one.as_large for one in self.records if one.as_large is not None]
+        shares = [record.as_large for record in self.records if record.as_large is not None]
         if self.travels and self.travels_as_large is not None:
             shares.append(self.travels_as_large)
         least = min(shares)
@@ -344,9 +338,9 @@ class Validation(InPanels):
     def sentences(self) -> tuple[str, ...]:
         """Return the verdict, and what it rests on, as sentences."""
         said = [self.verdict]
-        for one in self.records:
-            label = f"{one.name}: " if one.name and len(self.records) > 1 else ""
-            said += [f"{label}{text}" for text in one.sentences()]
+        for record in self.records:
+            label = f"{record.name}: " if record.name and len(self.records) > 1 else ""
+            said += [f"{label}{text}" for text in record.sentences()]
         if self.travels and not self.stated:
             said.append(
                 "No uncertainty of the readings was stated: half of their last digit was taken."
@@ -366,8 +360,8 @@ class Validation(InPanels):
         return {
             "agrees": self.agrees,
             "verdict": self.verdict,
-            "records": [one.to_dict() for one in self.records],
-            "travels": [one.to_dict() for one in self.travels],
+            "records": [record.to_dict() for record in self.records],
+            "travels": [travel.to_dict() for travel in self.travels],
             "uncertainty_of_travels_stated": self.stated if self.travels else None,
             "share_with_as_large_residuals_of_travels": self.travels_as_large,
             "drawn": list(self.drawn),
@@ -380,8 +374,8 @@ class Validation(InPanels):
     def _summary(self) -> Summary:
         first, *rest = self.sentences()
         rows = [
-            (one.name, number(one.measured, 4), number(one.predicted, 4), one.unit)
-            for one in self.travels
+            (travel.name, number(travel.measured, 4), number(travel.predicted, 4), travel.unit)
+            for travel in self.travels
         ]
         head = ("", "measured", "predicted", "unit") if rows else ()
         return Summary(sentence=first, head=head, rows=rows, notes=rest)
@@ -460,7 +454,7 @@ def validate(
         uncertain.kept += (RECORDED,)
     records = measurement.records()
     if any(record.time is not None for record in records):
-        doubts = uncertainties_of(mechanism, measurement)
+        doubts = fits.uncertainties_of(mechanism, measurement)
         seen = tuple(
             _record(mechanism, record, uncertain, doubts[index], index)
             for index, record in enumerate(records)
@@ -707,14 +701,14 @@ def _travels(
     uncertain: _Uncertain,
 ) -> Validation:
     """Compare readings of how far a body came."""
-    trials = trials_of(mechanism, measurement, t_end)
+    trials = fits.trials_of(mechanism, measurement, t_end)
     labels = [
         record.name or str(index)
         for index, record in enumerate(measurement.records(), 1)
         for _ in np.atleast_1d(record.values(record.travelled))
     ]
-    errors, stated = standard_errors(trials)
-    model = TravelModel(law, (), t_end)
+    errors, stated = fits.standard_errors(trials)
+    model = fits.TravelModel(law, (), t_end)
     model.check_rest(trials, (), errors)
     predicted = model.travels(trials, ())
     drawn: dict[Hashable, Array] = {}
@@ -762,12 +756,12 @@ def _travels(
     )
 
 
-def _scales(trials: Sequence[Trial]) -> Array:
+def _scales(trials: Sequence[fits.Trial]) -> Array:
     return np.array([trial.scale for trial in trials])
 
 
 def _drawn_travels(
-    trial: Trial, law: FrictionLaw, t_end: float, uncertain: _Uncertain, index: int
+    trial: fits.Trial, law: FrictionLaw, t_end: float, uncertain: _Uncertain, index: int
 ) -> Array:
     """Return the travel of a trial with each draw (n,), NaN where its run ended early."""
     draws = uncertain.draws(trial.mechanism, trial.doubts, trial.shared, index)

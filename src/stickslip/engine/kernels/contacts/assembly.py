@@ -25,6 +25,8 @@ A coordinate at its hard stop counts as held with an infinite level towards it.
 
 import math
 
+from stickslip.engine.kernels import equations
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, rare
 from stickslip.engine.kernels.contacts.loops import (
     cut_levels,
@@ -34,91 +36,8 @@ from stickslip.engine.kernels.contacts.loops import (
     scale_cuts,
     share_in_loops,
 )
-from stickslip.engine.kernels.equations import (
-    FORCES,
-    GEOMETRY,
-    LAW,
-    LOADS,
-    LOOPS_OF,
-    MASSES,
-    TURNING,
-    WALLS_OF,
-    bind,
-    evaluate,
-    slip_rate_along,
-    spread,
-)
 from stickslip.engine.kernels.guard_roots import size_of_forces
 from stickslip.engine.kernels.mode_transitions import wall_coordinate, wall_side
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    ASKED,
-    BACKWARD,
-    BORNE,
-    BRISTLE_COUNTS,
-    BRISTLE_RATES,
-    BRISTLES,
-    CHOLESKY,
-    CONSTANT_LOADS,
-    CONSTANT_MASS,
-    DAMPING,
-    DIAGONAL,
-    DIRECTIONAL,
-    FIRST_WALL,
-    FLAGS,
-    FORCE,
-    FORWARD,
-    FREE,
-    FRICTION,
-    FRICTION_CONSTANT,
-    FRICTION_FACTOR,
-    FRICTIONLESS,
-    HAS_BRISTLES,
-    HELD_FAST,
-    HELD_NORMALS,
-    HELD_SLIPS,
-    HOLDS,
-    INPUT_COUNTS,
-    INPUTS,
-    IS_TURNED,
-    KINDS,
-    LAW_BRISTLES,
-    LAW_FLAGS,
-    LAW_ROWS,
-    LAW_VALUES,
-    LEVEL_CONSTANT,
-    LEVEL_FACTOR,
-    LEVELS,
-    LOAD,
-    LOOPED,
-    LOOPS,
-    MASS,
-    MASS_COLUMNS,
-    MASS_ROWS,
-    MODES,
-    MOTION_POINT,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_HELD,
-    N_MASSES,
-    N_PAIRS,
-    N_REACTIONS,
-    N_STATES,
-    N_WALLS,
-    NEEDED,
-    OPEN,
-    PIVOT,
-    REACTION_ROWS,
-    REACTS,
-    SLIP_FACTORS,
-    SLIPS,
-    TIME,
-    TURN,
-    WALL_COLUMNS,
-    WALLS,
-    Y,
-)
 
 # Hard stops of mechanisms with several contacts: where they are, and what they hold.
 #
@@ -129,13 +48,13 @@ from stickslip.engine.kernels.state_layout import (
 
 def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:
     """Return the distance of a coordinate from a stop."""
-    position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+    position = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]]
     return wall_side(wall, whole) * (position - w[at + wall_coordinate(wall, whole)])
 
 
 def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the side of the stop at which a coordinate is: 1 upper, -1 lower, 0 none."""
-    for wall in range(whole[N_WALLS]):
+    for wall in range(whole[layout.N_WALLS]):
         if wall_coordinate(wall, whole) == i and margin_of(wall, w, whole, at) == 0.0:
             return wall_side(wall, whole)
     return 0
@@ -143,9 +62,9 @@ def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
 
 def raise_levels(levels: int, w: Vector, whole: Wholes, at: int) -> None:
     """Make the levels of held coordinates infinite towards the stops at which they are."""
-    for wall in range(whole[N_WALLS]):
+    for wall in range(whole[layout.N_WALLS]):
         i = wall_coordinate(wall, whole)
-        held = whole[whole[MODES] + i] == HELD_FAST
+        held = whole[whole[layout.MODES] + i] == layout.HELD_FAST
         if held and margin_of(wall, w, whole, at) == 0.0:
             w[levels + 2 * i + (0 if wall_side(wall, whole) > 0 else 1)] = math.inf
 
@@ -159,12 +78,12 @@ def stop_guards(w: Vector, whole: Wholes, at: int, to: int, always: float) -> No
     """Write the guards of the stops: distances of the coordinates that may reach them."""
     # What moves away from a stop, or is held, cannot reach it: its distance may be 0 and say
     # nothing.
-    for wall in range(whole[N_WALLS]):
-        mode = whole[whole[MODES] + wall_coordinate(wall, whole)]
-        away = mode in (FORWARD, BACKWARD) and mode != wall_side(wall, whole)
-        idle = mode == HELD_FAST or away
+    for wall in range(whole[layout.N_WALLS]):
+        mode = whole[whole[layout.MODES] + wall_coordinate(wall, whole)]
+        away = mode in (layout.FORWARD, layout.BACKWARD) and mode != wall_side(wall, whole)
+        idle = mode == layout.HELD_FAST or away
         margin = always if idle else margin_of(wall, w, whole, at)
-        w[to + whole[FIRST_WALL] + wall] = margin
+        w[to + whole[layout.FIRST_WALL] + wall] = margin
 
 
 # The mass matrix of the coordinates that are free to move, factorised by Cholesky.
@@ -175,17 +94,17 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
     A principal part of a positive definite matrix is one itself: there is always an answer.
     """
-    n = whole[N_COORDINATES]
-    modes = whole[MODES]
-    mass = whole[MASS]
-    factors = whole[CHOLESKY]
-    if whole[N_DIRECTIONS] > n:
+    n = whole[layout.N_COORDINATES]
+    modes = whole[layout.MODES]
+    mass = whole[layout.MASS]
+    factors = whole[layout.CHOLESKY]
+    if whole[layout.N_DIRECTIONS] > n:
         mass = project_mass(w, whole)
     for i in range(n):
         # Rows of held ones stay, as those of 1: a change of modes moves no index.
-        free_row = whole[modes + i] != HELD_FAST
+        free_row = whole[modes + i] != layout.HELD_FAST
         for j in range(i):
-            free = free_row and whole[modes + j] != HELD_FAST
+            free = free_row and whole[modes + j] != layout.HELD_FAST
             total = w[mass + i * n + j] if free else 0.0
             for k in range(j):
                 total -= w[factors + i * n + k] * w[factors + j * n + k]
@@ -199,20 +118,20 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
 def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     """Solve for the free coordinates in place; 0 at held ones."""
-    n = whole[N_COORDINATES]
-    modes = whole[MODES]
-    if whole[DIAGONAL]:
-        mass = whole[MASS]
+    n = whole[layout.N_COORDINATES]
+    modes = whole[layout.MODES]
+    if whole[layout.DIAGONAL]:
+        mass = whole[layout.MASS]
         for i in range(n):
-            held = whole[modes + i] == HELD_FAST
+            held = whole[modes + i] == layout.HELD_FAST
             w[right + i] = 0.0 if held else w[right + i] / w[mass + i * n + i]
         return
-    factors = whole[CHOLESKY]
-    if whole[N_DIRECTIONS] > n:
+    factors = whole[layout.CHOLESKY]
+    if whole[layout.N_DIRECTIONS] > n:
         fold(right, w, whole)
     # L z = b, then L^T x = z; held ones have 0 on the right and stay so.
     for i in range(n):
-        total = 0.0 if whole[modes + i] == HELD_FAST else w[right + i]
+        total = 0.0 if whole[modes + i] == layout.HELD_FAST else w[right + i]
         for k in range(i):
             total -= w[factors + i * n + k] * w[right + k]
         w[right + i] = total / w[factors + i * n + i]
@@ -222,10 +141,10 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
             total -= w[factors + k * n + i] * w[right + k]
         w[right + i] = total / w[factors + i * n + i]
     for i in range(n):
-        if whole[modes + i] == HELD_FAST:
+        if whole[modes + i] == layout.HELD_FAST:
             w[right + i] = 0.0
-    if whole[N_DIRECTIONS] > n:
-        bind(right, 1, w, whole)
+    if whole[layout.N_DIRECTIONS] > n:
+        equations.bind(right, 1, w, whole)
 
 
 # Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
@@ -238,33 +157,49 @@ decisions as in guards: where both are equal, rounding would let it break away a
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
     """Write what is the same in a whole run: directions of slip, a constant mass matrix."""
-    evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
-    if whole[IS_TURNED]:
-        evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
-    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
-        evaluate(LOOPS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[LOOPS])
+    equations.evaluate(
+        equations.GEOMETRY,
+        0,
+        whole[layout.FLAGS],
+        t,
+        w,
+        whole[layout.Y],
+        whole[layout.SLIP_FACTORS],
+    )
+    if whole[layout.IS_TURNED]:
+        equations.evaluate(
+            equations.TURNING, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.TURN]
+        )
+    if whole[layout.N_DIRECTIONS] > whole[layout.N_COORDINATES]:
+        equations.evaluate(
+            equations.LOOPS_OF, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOOPS]
+        )
         scale_cuts(w, whole)
-    if whole[N_WALLS] > 0:
-        evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
-    put_mass(t, w, whole, whole[Y])
+    if whole[layout.N_WALLS] > 0:
+        equations.evaluate(
+            equations.WALLS_OF, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.WALLS]
+        )
+    put_mass(t, w, whole, whole[layout.Y])
     # Without friction only the normals are in the rows: their determinant is the measure of PIVOT.
-    count, rows = whole[N_REACTIONS], whole[REACTION_ROWS]
+    count, rows = whole[layout.N_REACTIONS], whole[layout.REACTION_ROWS]
     for i in range(count * (count + 1)):
         w[rows + i] = 0.0
     add_normals(w, whole)
-    w[FRICTIONLESS] = determinant(w, rows, count)
-    evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
+    w[layout.FRICTIONLESS] = determinant(w, rows, count)
+    equations.evaluate(
+        equations.LOADS, 0, whole[layout.FLAGS], t, w, whole[layout.Y], whole[layout.LOAD]
+    )
 
 
 def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write the mass matrix, of held coordinates below it."""
-    n = whole[N_COORDINATES]
-    mass = whole[MASS]
-    values = whole[LAW_VALUES]
-    evaluate(MASSES, 0, whole[FLAGS], t, w, at, values)
-    for k in range(whole[N_MASSES]):
-        i = whole[whole[MASS_ROWS] + k]
-        j = whole[whole[MASS_COLUMNS] + k]
+    n = whole[layout.N_COORDINATES]
+    mass = whole[layout.MASS]
+    values = whole[layout.LAW_VALUES]
+    equations.evaluate(equations.MASSES, 0, whole[layout.FLAGS], t, w, at, values)
+    for k in range(whole[layout.N_MASSES]):
+        i = whole[whole[layout.MASS_ROWS] + k]
+        j = whole[whole[layout.MASS_COLUMNS] + k]
         w[mass + i * n + j] = w[values + k]
         if i < n:  # rows from n on are those of held coordinates, which are no columns
             w[mass + j * n + i] = w[values + k]
@@ -272,11 +207,11 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the direction, 1 or -1, in which a contact slips or is about to."""
-    coordinate = whole[whole[SLIPS] + contact]
-    factor = w[whole[SLIP_FACTORS] + contact]
-    mode = whole[whole[MODES] + coordinate]
-    if mode in (HELD_FAST, FREE):
-        return 1 if factor * slip_rate_along(coordinate, at, w, whole) >= 0.0 else -1
+    coordinate = whole[whole[layout.SLIPS] + contact]
+    factor = w[whole[layout.SLIP_FACTORS] + contact]
+    mode = whole[whole[layout.MODES] + coordinate]
+    if mode in (layout.HELD_FAST, layout.FREE):
+        return 1 if factor * equations.slip_rate_along(coordinate, at, w, whole) >= 0.0 else -1
     return 1 if mode * factor > 0.0 else -1
 
 
@@ -287,40 +222,54 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
     first two along the speed; whether friction is affine in the speed; rates of bristles.
     """
     row = set_row(contact, side, w, whole, at)
-    kind = whole[whole[KINDS] + contact]
-    evaluate(LAW + kind, side, whole[whole[LAW_FLAGS] + contact], t, w, row, whole[LAW_VALUES])
+    kind = whole[whole[layout.KINDS] + contact]
+    equations.evaluate(
+        equations.LAW + kind,
+        side,
+        whole[whole[layout.LAW_FLAGS] + contact],
+        t,
+        w,
+        row,
+        whole[layout.LAW_VALUES],
+    )
 
 
 def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     """Write what the functions of a contact's law read; return the place in `w` where it stands."""
-    coordinate = whole[whole[SLIPS] + contact]
-    row = whole[whole[LAW_ROWS] + contact]
-    if whole[whole[MODES] + coordinate] == HELD_FAST:
+    coordinate = whole[whole[layout.SLIPS] + contact]
+    row = whole[whole[layout.LAW_ROWS] + contact]
+    if whole[whole[layout.MODES] + coordinate] == layout.HELD_FAST:
         # 0 exactly: laws must not see what rounding has left of a rate.
         w[row] = 0.0
     else:
-        speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
+        speed = w[whole[layout.SLIP_FACTORS] + contact] * equations.slip_rate_along(
+            coordinate, at, w, whole
+        )
         w[row] = side * speed
-    bristle = whole[whole[BRISTLES] + contact]
-    place = row + whole[whole[LAW_BRISTLES] + contact]
-    inputs = whole[whole[INPUT_COUNTS] + contact]
+    bristle = whole[whole[layout.BRISTLES] + contact]
+    place = row + whole[whole[layout.LAW_BRISTLES] + contact]
+    inputs = whole[whole[layout.INPUT_COUNTS] + contact]
     for k in range(inputs):
         # Inputs of all contacts stand behind the loads, contact by contact.
-        first = whole[LOAD] + whole[N_CONTACTS] + whole[whole[INPUTS] + contact]
+        first = (
+            whole[layout.LOAD] + whole[layout.N_CONTACTS] + whole[whole[layout.INPUTS] + contact]
+        )
         w[place - inputs + k] = w[first + k]
     if bristle >= 0:
-        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
-            w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
+        for k in range(whole[whole[layout.BRISTLE_COUNTS] + contact]):
+            w[place + k] = w[at + 2 * whole[layout.N_COORDINATES] + bristle + k]
         # Friction is affine in the load, which stands outside; rates of bristles are not.
-        w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]
+        w[place + whole[whole[layout.BRISTLE_COUNTS] + contact]] = w[whole[layout.LOAD] + contact]
     return row
 
 
 def bends(contact: int, whole: Wholes) -> bool:
     """Return whether bristles carry a contact's friction; a rule for rest takes it away."""
-    mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-    slips = mode in (FORWARD, BACKWARD, FREE)
-    return whole[whole[BRISTLES] + contact] >= 0 and (slips or not whole[whole[HOLDS] + contact])
+    mode = whole[whole[layout.MODES] + whole[whole[layout.SLIPS] + contact]]
+    slips = mode in (layout.FORWARD, layout.BACKWARD, layout.FREE)
+    return whole[whole[layout.BRISTLES] + contact] >= 0 and (
+        slips or not whole[whole[layout.HOLDS] + contact]
+    )
 
 
 def ask_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -328,10 +277,10 @@ def ask_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
 
     Unless all is asked afresh, contacts keep what they had if their mode is as it was.
     """
-    for c in range(whole[N_CONTACTS]):
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
-        if fresh or whole[whole[ASKED] + c] != mode:
-            whole[whole[ASKED] + c] = mode
+    for c in range(whole[layout.N_CONTACTS]):
+        mode = whole[whole[layout.MODES] + whole[whole[layout.SLIPS] + c]]
+        if fresh or whole[whole[layout.ASKED] + c] != mode:
+            whole[whole[layout.ASKED] + c] = mode
             ask_contact(c, mode, t, w, whole, at)
 
 
@@ -341,49 +290,49 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
     One that is pushed to its static level, in a decision, has that as its friction. Rates of
     bristles are written too, with the load at hand; those of open contacts rest.
     """
-    constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
-    values = whole[LAW_VALUES]
-    levels = whole[LEVEL_CONSTANT] + 2 * contact
-    level_factors = whole[LEVEL_FACTOR] + 2 * contact
+    constant, factor = whole[layout.FRICTION_CONSTANT], whole[layout.FRICTION_FACTOR]
+    values = whole[layout.LAW_VALUES]
+    levels = whole[layout.LEVEL_CONSTANT] + 2 * contact
+    level_factors = whole[layout.LEVEL_FACTOR] + 2 * contact
     w[constant + contact] = 0.0
     w[factor + contact] = 0.0
-    w[whole[DAMPING] + contact] = 0.0
+    w[whole[layout.DAMPING] + contact] = 0.0
     for k in range(2):
         w[levels + k] = 0.0
         w[level_factors + k] = 0.0
-    bristle = whole[whole[BRISTLES] + contact]
-    if whole[whole[OPEN] + contact]:
+    bristle = whole[whole[layout.BRISTLES] + contact]
+    if whole[whole[layout.OPEN] + contact]:
         # An open contact has no friction, and its bristles keep their bend.
-        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
-            w[whole[BRISTLE_RATES] + bristle + k] = 0.0
+        for k in range(whole[whole[layout.BRISTLE_COUNTS] + contact]):
+            w[whole[layout.BRISTLE_RATES] + bristle + k] = 0.0
         return
     side = side_of(contact, w, whole, at)
     ask_law(contact, side, t, w, whole, at)
     if bends(contact, whole):
         w[constant + contact] = side * w[values]
         w[factor + contact] = side * w[values + 1]
-        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
-            w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
+        for k in range(whole[whole[layout.BRISTLE_COUNTS] + contact]):
+            w[whole[layout.BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
         return
-    for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
-        w[whole[BRISTLE_RATES] + bristle + k] = 0.0
-    if mode in (FORWARD, BACKWARD):
+    for k in range(whole[whole[layout.BRISTLE_COUNTS] + contact]):
+        w[whole[layout.BRISTLE_RATES] + bristle + k] = 0.0
+    if mode in (layout.FORWARD, layout.BACKWARD):
         w[constant + contact] = side * w[values]
         w[factor + contact] = side * w[values + 1]
         # Slip speed is the factor times the rate, and the force along the coordinate the factor
         # times friction: damping has its square.
-        own = w[whole[SLIP_FACTORS] + contact]
-        w[whole[DAMPING] + contact] = (
-            own * own * (w[values + 4] + w[values + 5] * w[whole[LOAD] + contact])
+        own = w[whole[layout.SLIP_FACTORS] + contact]
+        w[whole[layout.DAMPING] + contact] = (
+            own * own * (w[values + 4] + w[values + 5] * w[whole[layout.LOAD] + contact])
         )
-    elif mode not in (HELD_FAST, FREE):
+    elif mode not in (layout.HELD_FAST, layout.FREE):
         w[constant + contact] = side * w[values + 2]
         w[factor + contact] = side * w[values + 3]
     ahead = 0 if side > 0 else 1
     w[levels + ahead] = w[values + 2]
     w[level_factors + ahead] = w[values + 3]
     # A law without directions has the level that was just asked on both sides.
-    if whole[whole[DIRECTIONAL] + contact] and mode == HELD_FAST:
+    if whole[whole[layout.DIRECTIONAL] + contact] and mode == layout.HELD_FAST:
         ask_law(contact, -side, t, w, whole, at)
     w[levels + 1 - ahead] = w[values + 2]
     w[level_factors + 1 - ahead] = w[values + 3]
@@ -391,17 +340,22 @@ def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at:
 
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads."""
-    n = whole[N_COORDINATES]
-    found, needed = whole[ACCELERATION], whole[NEEDED]
-    force, friction = whole[FORCE], whole[FRICTION]
-    modes, mass = whole[MODES], whole[MASS]
+    n = whole[layout.N_COORDINATES]
+    found, needed = whole[layout.ACCELERATION], whole[layout.NEEDED]
+    force, friction = whole[layout.FORCE], whole[layout.FRICTION]
+    modes, mass = whole[layout.MODES], whole[layout.MASS]
     for i in range(n):
         w[found + i] = w[force + i]
-    loops = whole[N_DIRECTIONS] > n
-    for c in range(whole[N_CONTACTS]):
-        own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
+    loops = whole[layout.N_DIRECTIONS] > n
+    for c in range(whole[layout.N_CONTACTS]):
+        own = (
+            w[whole[layout.FRICTION_CONSTANT] + c]
+            + w[whole[layout.FRICTION_FACTOR] + c] * w[whole[layout.LOAD] + c]
+        )
         w[friction + c] = own
-        spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
+        equations.spread(
+            whole[whole[layout.SLIPS] + c], w[whole[layout.SLIP_FACTORS] + c] * own, found, w, whole
+        )
     # All forces but inertia here; what couples held coordinates to free ones is taken off below.
     for i in range(n):
         w[needed + i] = w[found + i]
@@ -409,9 +363,9 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     if loops:
         bear(w, whole)
     for i in range(n):
-        if whole[modes + i] != HELD_FAST:
+        if whole[modes + i] != layout.HELD_FAST:
             w[needed + i] = 0.0
-        elif not whole[DIAGONAL]:  # else nothing couples them
+        elif not whole[layout.DIAGONAL]:  # else nothing couples them
             total = w[needed + i]
             for j in range(n):
                 total -= w[mass + i * n + j] * w[found + j]
@@ -424,12 +378,12 @@ def bear(w: Vector, whole: Wholes) -> None:
 
     NEEDED has the forces but those of inertia.
     """
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     for i in range(n):
-        total = w[whole[NEEDED] + i]
+        total = w[whole[layout.NEEDED] + i]
         for j in range(n):
-            total -= w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j]
-        w[whole[BORNE] + i] = total if whole[whole[LOOPED] + i] else 0.0
+            total -= w[whole[layout.MASS] + i * n + j] * w[whole[layout.ACCELERATION] + j]
+        w[whole[layout.BORNE] + i] = total if whole[whole[layout.LOOPED] + i] else 0.0
 
 
 def blur(i: int, w: Vector, whole: Wholes) -> float:
@@ -443,43 +397,52 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
     At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
     loads, accelerations and needed friction.
     """
-    levels = whole[LEVELS]
-    for i in range(2 * whole[N_PAIRS]):
+    levels = whole[layout.LEVELS]
+    for i in range(2 * whole[layout.N_PAIRS]):
         w[levels + i] = 0.0
-    for c in range(whole[N_CONTACTS]):
-        factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
+    for c in range(whole[layout.N_CONTACTS]):
+        factor, load = w[whole[layout.SLIP_FACTORS] + c], w[whole[layout.LOAD] + c]
         for k in range(2):
             place = 2 * c + (k if factor > 0.0 else 1 - k)
-            level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
-            w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
-    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+            level = (
+                w[whole[layout.LEVEL_CONSTANT] + place]
+                + w[whole[layout.LEVEL_FACTOR] + place] * load
+            )
+            w[levels + 2 * whole[whole[layout.SLIPS] + c] + k] += abs(factor) * level
+    if whole[layout.N_DIRECTIONS] > whole[layout.N_COORDINATES]:
         cut_levels(levels, w, whole)
         share_in_loops(w, whole)
-    for c in range(whole[N_CONTACTS]):
-        i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
-            factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
+    for c in range(whole[layout.N_CONTACTS]):
+        i = whole[whole[layout.SLIPS] + c]
+        if whole[whole[layout.MODES] + i] == layout.HELD_FAST and whole[whole[layout.HOLDS] + c]:
+            factor, load = w[whole[layout.SLIP_FACTORS] + c], w[whole[layout.LOAD] + c]
             # Partners share in proportion to their levels, and so reach these at the same time.
-            needed = w[whole[NEEDED] + i]
+            needed = w[whole[layout.NEEDED] + i]
             back = 0 if needed >= 0.0 else 1
             place = 2 * c + (back if factor > 0.0 else 1 - back)
-            level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
+            level = (
+                w[whole[layout.LEVEL_CONSTANT] + place]
+                + w[whole[layout.LEVEL_FACTOR] + place] * load
+            )
             total = w[levels + 2 * i + back]
-            if whole[N_WALLS] > 0:
+            if whole[layout.N_WALLS] > 0:
                 needed = max(-total, min(total, needed))
             part = needed * level / total if total > 0.0 else 0.0
-            w[whole[FRICTION] + c] = part if factor > 0.0 else -part
+            w[whole[layout.FRICTION] + c] = part if factor > 0.0 else -part
     raise_levels(levels, w, whole, at)
 
 
 def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
     """Return the force that a held coordinate needs beside those that act on it."""
-    n = whole[N_COORDINATES]
-    total = -w[whole[FORCE] + n + row]
+    n = whole[layout.N_COORDINATES]
+    total = -w[whole[layout.FORCE] + n + row]
     for i in range(n):
-        total += w[whole[MASS] + (n + row) * n + i] * w[whole[ACCELERATION] + i]
-    for c in range(whole[N_CONTACTS]):
-        total += w[whole[HELD_SLIPS] + c * whole[N_HELD] + row] * w[whole[FRICTION] + c]
+        total += w[whole[layout.MASS] + (n + row) * n + i] * w[whole[layout.ACCELERATION] + i]
+    for c in range(whole[layout.N_CONTACTS]):
+        total += (
+            w[whole[layout.HELD_SLIPS] + c * whole[layout.N_HELD] + row]
+            * w[whole[layout.FRICTION] + c]
+        )
     return total
 
 
@@ -489,21 +452,21 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
     This is affine in the loads, as shares in proportion to the levels are not. It makes no
     difference to the reactions where contacts of one coordinate slip at the same height.
     """
-    i, partners = whole[whole[SLIPS] + contact], 0
-    for d in range(whole[N_CONTACTS]):
-        together = whole[whole[SLIPS] + d] == i and whole[whole[HOLDS] + d]
-        partners += 1 if together and not whole[whole[OPEN] + d] else 0
-    return force / max(partners, 1) / w[whole[SLIP_FACTORS] + contact]
+    i, partners = whole[whole[layout.SLIPS] + contact], 0
+    for d in range(whole[layout.N_CONTACTS]):
+        together = whole[whole[layout.SLIPS] + d] == i and whole[whole[layout.HOLDS] + d]
+        partners += 1 if together and not whole[whole[layout.OPEN] + d] else 0
+    return force / max(partners, 1) / w[whole[layout.SLIP_FACTORS] + contact]
 
 
 def split(w: Vector, whole: Wholes) -> None:
     """Write the needed friction of held coordinates by contact, in equal parts."""
-    for c in range(whole[N_CONTACTS]):
-        i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
-            is_open = whole[whole[OPEN] + c]
-            own = 0.0 if is_open else equal_part(c, w[whole[NEEDED] + i], w, whole)
-            w[whole[FRICTION] + c] = own
+    for c in range(whole[layout.N_CONTACTS]):
+        i = whole[whole[layout.SLIPS] + c]
+        if whole[whole[layout.MODES] + i] == layout.HELD_FAST and whole[whole[layout.HOLDS] + c]:
+            is_open = whole[whole[layout.OPEN] + c]
+            own = 0.0 if is_open else equal_part(c, w[whole[layout.NEEDED] + i], w, whole)
+            w[whole[layout.FRICTION] + c] = own
 
 
 def react(w: Vector, whole: Wholes) -> None:
@@ -513,28 +476,28 @@ def react(w: Vector, whole: Wholes) -> None:
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
     """
-    for trial in range(whole[N_REACTIONS] + 1):
-        put_loads(trial - 1, whole[LOAD], w, whole)
+    for trial in range(whole[layout.N_REACTIONS] + 1):
+        put_loads(trial - 1, whole[layout.LOAD], w, whole)
         accelerate(w, whole)
         split(w, whole)
-        for row in range(whole[N_REACTIONS]):
+        for row in range(whole[layout.N_REACTIONS]):
             note_surplus(trial, row, held_surplus(row, w, whole), w, whole)
-    w[PIVOT] = balance(whole[LOAD], w, whole) / w[FRICTIONLESS]
+    w[layout.PIVOT] = balance(whole[layout.LOAD], w, whole) / w[layout.FRICTIONLESS]
 
 
 def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
     """Set the reactions to 0, but one of them to 1."""
     k = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
+    for c in range(whole[layout.N_CONTACTS]):
+        if whole[whole[layout.REACTS] + c]:
             w[to + c] = 1.0 if k == unit else 0.0
             k += 1
 
 
 def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes) -> None:
     """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one."""
-    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
-    rows = whole[REACTION_ROWS]
+    count, wide = whole[layout.N_REACTIONS], whole[layout.N_REACTIONS] + 1
+    rows = whole[layout.REACTION_ROWS]
     bare = rows + count * wide + row
     if trial == 0:
         w[bare] = surplus
@@ -544,16 +507,16 @@ def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes)
 
 def balance(to: int, w: Vector, whole: Wholes) -> float:
     """Write the reactions that leave no surplus; return the determinant of their equations."""
-    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
-    rows = whole[REACTION_ROWS]
+    count, wide = whole[layout.N_REACTIONS], whole[layout.N_REACTIONS] + 1
+    rows = whole[layout.REACTION_ROWS]
     for row in range(count):
         w[rows + row * wide + count] = w[rows + count * wide + row]
     # What held coordinates lack is what loads give by their normals.
     add_normals(w, whole)
     found = determinant(w, rows, count)
     k = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
+    for c in range(whole[layout.N_CONTACTS]):
+        if whole[whole[layout.REACTS] + c]:
             w[to + c] = w[rows + k * wide + count]
             k += 1
     return found
@@ -561,13 +524,13 @@ def balance(to: int, w: Vector, whole: Wholes) -> float:
 
 def add_normals(w: Vector, whole: Wholes) -> None:
     """Add to each row of the reactions what a unit of each load does to it by itself."""
-    count, held = whole[N_REACTIONS], whole[N_HELD]
+    count, held = whole[layout.N_REACTIONS], whole[layout.N_HELD]
     k = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
+    for c in range(whole[layout.N_CONTACTS]):
+        if whole[whole[layout.REACTS] + c]:
             for row in range(count):
-                normal = w[whole[HELD_NORMALS] + c * held + row]
-                w[whole[REACTION_ROWS] + row * (count + 1) + k] += normal
+                normal = w[whole[layout.HELD_NORMALS] + c * held + row]
+                w[whole[layout.REACTION_ROWS] + row * (count + 1) + k] += normal
             k += 1
 
 
@@ -605,9 +568,9 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 
 def refactor(w: Vector, whole: Wholes) -> None:
     """Factorise a constant mass matrix for the modes at hand; find what follows from others."""
-    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+    if whole[layout.N_DIRECTIONS] > whole[layout.N_COORDINATES]:
         find_followers(w, whole)
-    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
+    if whole[layout.CONSTANT_MASS] and not whole[layout.DIAGONAL]:
         factorise(w, whole)
 
 
@@ -619,23 +582,23 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads."""
-    evaluate(FORCES, 0, whole[FLAGS], t, w, at, whole[FORCE])
-    if not whole[CONSTANT_MASS]:
+    equations.evaluate(equations.FORCES, 0, whole[layout.FLAGS], t, w, at, whole[layout.FORCE])
+    if not whole[layout.CONSTANT_MASS]:
         put_mass(t, w, whole, at)
         factorise(w, whole)
-    if not whole[CONSTANT_LOADS]:
-        evaluate(LOADS, 0, whole[FLAGS], t, w, at, whole[LOAD])
+    if not whole[layout.CONSTANT_LOADS]:
+        equations.evaluate(equations.LOADS, 0, whole[layout.FLAGS], t, w, at, whole[layout.LOAD])
     apply_laws(True, t, w, whole, at)
 
 
 def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and what follows from it, where forces, mass matrix and loads are at hand."""
-    reacts = whole[N_REACTIONS] > 0
+    reacts = whole[layout.N_REACTIONS] > 0
     # Reactions change with any mode: no answer of a law may be kept.
     ask_laws(fresh or reacts, t, w, whole, at)
     if reacts:
         react(w, whole)
-        if whole[HAS_BRISTLES]:
+        if whole[layout.HAS_BRISTLES]:
             ask_laws(True, t, w, whole, at)  # rates of bristles depend on the loads
     accelerate(w, whole)
     share(w, whole, at)
@@ -644,17 +607,21 @@ def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None
 def reconsider(w: Vector, whole: Wholes) -> None:
     """Write everything anew at a state and a time at which only modes have changed since."""
     refactor(w, whole)
-    if not whole[CONSTANT_MASS]:
+    if not whole[layout.CONSTANT_MASS]:
         factorise(w, whole)
-    apply_laws(False, w[TIME], w, whole, whole[Y])
+    apply_laws(False, w[layout.TIME], w, whole, whole[layout.Y])
 
 
 def put_motion(w: Vector, whole: Wholes, at: int) -> None:
     """Write a state, and behind it the accelerations and the friction that belong to it."""
-    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[MOTION_POINT]
+    n, states, point = (
+        whole[layout.N_COORDINATES],
+        whole[layout.N_STATES],
+        whole[layout.MOTION_POINT],
+    )
     for i in range(states):
         w[point + i] = w[at + i]
     for i in range(n):
-        w[point + states + i] = w[whole[ACCELERATION] + i]
-    for c in range(whole[N_CONTACTS]):
-        w[point + states + n + c] = w[whole[FRICTION] + c]
+        w[point + states + i] = w[whole[layout.ACCELERATION] + i]
+    for c in range(whole[layout.N_CONTACTS]):
+        w[point + states + n + c] = w[whole[layout.FRICTION] + c]

@@ -35,87 +35,12 @@ the momentum M (q'+ - q'-) is 0. A stop that would have to pull gives no impulse
 
 import math
 
+from stickslip.engine.kernels import mode_transitions
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, rare
-from stickslip.engine.kernels.contacts.assembly import (
-    WITHIN,
-    ask_law,
-    blur,
-    factorise,
-    finite,
-    margin_of,
-    put_mass,
-    raise_levels,
-    reconsider,
-    refresh,
-    solve_free,
-    stopped_side,
-)
-from stickslip.engine.kernels.contacts.loops import (
-    close_loops,
-    crossing,
-    cut_levels,
-    is_bound,
-    mass_along,
-)
+from stickslip.engine.kernels.contacts import assembly, loops
 from stickslip.engine.kernels.equations import combined
 from stickslip.engine.kernels.guard_roots import CLOCK
-from stickslip.engine.kernels.mode_transitions import (
-    approach,
-    energy_now,
-    resting_speed,
-    wall_coordinate,
-    wall_side,
-)
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    AMBIGUOUS,
-    BACKWARD,
-    BOOKS,
-    BOUNDS,
-    CANDIDATES,
-    CONSTANT_MASS,
-    DECISIONS,
-    DIAGONAL,
-    FIRST_WALL,
-    FORCED,
-    FORWARD,
-    FREE,
-    GROSS,
-    HELD_FAST,
-    HOLDS,
-    KEPT,
-    LAW_VALUES,
-    LENGTH,
-    LEVELS,
-    LOAD,
-    LOOPED,
-    LOST,
-    MASS,
-    MODES,
-    N_CHANNELS,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_PAIRS,
-    N_REACTIONS,
-    N_WALLS,
-    NEEDED,
-    OPEN,
-    PIVOTINGS,
-    PUSHED,
-    REACHED,
-    REACHED_SO_FAR,
-    SCALE,
-    SLIP_FACTORS,
-    SLIPS,
-    STEPS,
-    STRUCK,
-    SUPPLIED,
-    TIME,
-    WALL_COLUMNS,
-    WALLS,
-    Y,
-)
 
 MOST_MOVES = 40
 """Moves of a descent, and as many for each direction and cut: the function that is descended falls
@@ -139,54 +64,57 @@ TOLERATED = 1e-12
 
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
     """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards."""
-    mode = whole[whole[MODES] + i]
-    if mode == HELD_FAST:
-        needed = w[whole[NEEDED] + i]
+    mode = whole[whole[layout.MODES] + i]
+    if mode == layout.HELD_FAST:
+        needed = w[whole[layout.NEEDED] + i]
         back = 0 if needed >= 0.0 else 1
-        levels = whole[BOUNDS] if kinetic else whole[LEVELS]
+        levels = whole[layout.BOUNDS] if kinetic else whole[layout.LEVELS]
         # rounding of the forces of others is no push where the level is 0, say
-        own = tolerance * mass_along(i, w, whole)
-        own = max(own, blur(i, w, whole))
-        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
+        own = tolerance * loops.mass_along(i, w, whole)
+        own = max(own, assembly.blur(i, w, whole))
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + assembly.WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
-    return sign * combined(i, whole[ACCELERATION], w, whole) < -tolerance
+    return sign * combined(i, whole[layout.ACCELERATION], w, whole) < -tolerance
 
 
 def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
     """Write the friction with which each coordinate would begin to slip, in both directions."""
-    bounds, values = whole[BOUNDS], whole[LAW_VALUES]
-    for i in range(2 * whole[N_DIRECTIONS]):
+    bounds, values = whole[layout.BOUNDS], whole[layout.LAW_VALUES]
+    for i in range(2 * whole[layout.N_DIRECTIONS]):
         w[bounds + i] = 0.0
-    for c in range(whole[N_CONTACTS]):
-        i = whole[whole[SLIPS] + c]
-        if whole[whole[OPEN] + c] or not whole[whole[HOLDS] + c]:
+    for c in range(whole[layout.N_CONTACTS]):
+        i = whole[whole[layout.SLIPS] + c]
+        if whole[whole[layout.OPEN] + c] or not whole[whole[layout.HOLDS] + c]:
             continue
-        factor = w[whole[SLIP_FACTORS] + c]
-        mode = whole[whole[MODES] + i]
-        whole[whole[MODES] + i] = HELD_FAST  # a law is asked at rest
+        factor = w[whole[layout.SLIP_FACTORS] + c]
+        mode = whole[whole[layout.MODES] + i]
+        whole[whole[layout.MODES] + i] = layout.HELD_FAST  # a law is asked at rest
         for k in range(2):
             side = 1 if (k == 0) == (factor > 0.0) else -1
-            ask_law(c, side, t, w, whole, whole[Y])
-            level = w[values] + w[values + 1] * w[whole[LOAD] + c]
+            assembly.ask_law(c, side, t, w, whole, whole[layout.Y])
+            level = w[values] + w[values + 1] * w[whole[layout.LOAD] + c]
             w[bounds + 2 * i + k] += abs(factor) * max(level, 0.0)  # bent bristles may push along
-        whole[whole[MODES] + i] = mode
-    cut_levels(bounds, w, whole)
-    raise_levels(bounds, w, whole, whole[Y])
+        whole[whole[layout.MODES] + i] = mode
+    loops.cut_levels(bounds, w, whole)
+    assembly.raise_levels(bounds, w, whole, whole[layout.Y])
 
 
 def scale_of(w: Vector, whole: Wholes) -> float:
     """Return the largest acceleration at hand, or that a candidate's friction can make."""
-    n, scale = whole[N_COORDINATES], 0.0
+    n, scale = whole[layout.N_COORDINATES], 0.0
     # Tolerances are shares of an acceleration: the largest that forces or levels at hand can make.
     for i in range(n):
-        scale = max(scale, abs(w[whole[ACCELERATION] + i]))
-        if whole[whole[CANDIDATES] + i] == WAITING:
-            level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
-            scale = max(scale, level / w[whole[MASS] + i * n + i])
-    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
-        level = max(w[whole[LEVELS] + 2 * cut], w[whole[LEVELS] + 2 * cut + 1])
+        scale = max(scale, abs(w[whole[layout.ACCELERATION] + i]))
+        if whole[whole[layout.CANDIDATES] + i] == WAITING:
+            level = max(
+                assembly.finite(w[whole[layout.LEVELS] + 2 * i]),
+                assembly.finite(w[whole[layout.LEVELS] + 2 * i + 1]),
+            )
+            scale = max(scale, level / w[whole[layout.MASS] + i * n + i])
+    for cut in range(whole[layout.N_DIRECTIONS], whole[layout.N_PAIRS]):
+        level = max(w[whole[layout.LEVELS] + 2 * cut], w[whole[layout.LEVELS] + 2 * cut + 1])
         if level > 0.0:  # one that is none at the values at hand has neither level nor inertia
-            scale = max(scale, level / mass_along(cut, w, whole))
+            scale = max(scale, level / loops.mass_along(cut, w, whole))
     return scale
 
 
@@ -198,16 +126,20 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
     """
-    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
-    if whole[N_DIRECTIONS] > n:
+    n, modes, candidates = (
+        whole[layout.N_COORDINATES],
+        whole[layout.MODES],
+        whole[layout.CANDIDATES],
+    )
+    if whole[layout.N_DIRECTIONS] > n:
         return descend(kinetic, fresh, scale, w, whole)
     fewest, patience = n + 1, PATIENCE
     for trial in range(20 + 20 * n):
-        whole[PIVOTINGS] += 1
+        whole[layout.PIVOTINGS] += 1
         if trial > 0 or not fresh:
-            reconsider(w, whole)
+            assembly.reconsider(w, whole)
         if kinetic:
-            kinetic_levels(w[TIME], w, whole)
+            kinetic_levels(w[layout.TIME], w, whole)
         count, last = 0, -1
         for i in range(n):
             if whole[candidates + i] == WAITING and violates(
@@ -221,14 +153,14 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
         patience = PATIENCE if count < fewest else patience - 1
         fewest = min(fewest, count)
         # At the static level one is pushed and may stay; with kinetic friction it slips.
-        pushed = FORWARD if kinetic else PUSHED
+        pushed = layout.FORWARD if kinetic else layout.PUSHED
         for i in range(n):
             chosen = whole[candidates + i] == WAITING and (patience >= 0 or i == last)
             if chosen and violates(i, kinetic, TOLERATED * scale, w, whole):
-                if whole[modes + i] == HELD_FAST:
-                    whole[modes + i] = pushed if w[whole[NEEDED] + i] > 0.0 else -pushed
+                if whole[modes + i] == layout.HELD_FAST:
+                    whole[modes + i] = pushed if w[whole[layout.NEEDED] + i] > 0.0 else -pushed
                 else:
-                    whole[modes + i] = HELD_FAST
+                    whole[modes + i] = layout.HELD_FAST
     return False
 
 
@@ -240,18 +172,22 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
     has its least at the answer falls with each move, so that none comes again.
     """
-    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
-    now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
+    n, modes, candidates = (
+        whole[layout.N_COORDINATES],
+        whole[layout.MODES],
+        whole[layout.CANDIDATES],
+    )
+    now, target = whole[layout.REACHED_SO_FAR], whole[layout.ACCELERATION]
     begun = False
-    for trial in range(MOST_MOVES * (1 + whole[N_PAIRS])):
-        whole[PIVOTINGS] += 1
+    for trial in range(MOST_MOVES * (1 + whole[layout.N_PAIRS])):
+        whole[layout.PIVOTINGS] += 1
         if trial > 0 or not fresh:
-            reconsider(w, whole)
+            assembly.reconsider(w, whole)
         share, turned = 1.0, -1
         # The largest share of the way on which nothing pushed turns against its push.
-        for i in range(whole[N_DIRECTIONS]):
+        for i in range(whole[layout.N_DIRECTIONS]):
             mode = whole[modes + i]
-            if begun and whole[candidates + i] == WAITING and mode != HELD_FAST:
+            if begun and whole[candidates + i] == WAITING and mode != layout.HELD_FAST:
                 sign = 1.0 if mode > 0 else -1.0
                 before = sign * combined(i, now, w, whole)
                 after = sign * combined(i, target, w, whole)
@@ -263,30 +199,33 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
                 w[now + j] = w[target + j]
         begun = True
         if turned >= 0:
-            whole[modes + turned] = HELD_FAST
-            close_loops(True, w, whole)
+            whole[modes + turned] = layout.HELD_FAST
+            loops.close_loops(True, w, whole)
             continue
         if kinetic:
-            kinetic_levels(w[TIME], w, whole)
+            kinetic_levels(w[layout.TIME], w, whole)
         worst = worst_cut(kinetic, scale, w, whole)
         if worst < 0:
             return True
-        let_go(worst, FORWARD if kinetic else PUSHED, w, whole)
+        let_go(worst, layout.FORWARD if kinetic else layout.PUSHED, w, whole)
     return False
 
 
 def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
     """Return the held coordinate or the cut whose level is exceeded most, or -1."""
     worst, most = -1, 0.0
-    levels = whole[BOUNDS] if kinetic else whole[LEVELS]
-    for i in range(whole[N_PAIRS]):
-        held = whole[whole[MODES] + i] == HELD_FAST and not whole[whole[LOOPED] + i]
+    levels = whole[layout.BOUNDS] if kinetic else whole[layout.LEVELS]
+    for i in range(whole[layout.N_PAIRS]):
+        held = (
+            whole[whole[layout.MODES] + i] == layout.HELD_FAST
+            and not whole[whole[layout.LOOPED] + i]
+        )
         if not held or not violates(i, kinetic, TOLERATED * scale, w, whole):
             continue
-        needed = w[whole[NEEDED] + i]
+        needed = w[whole[layout.NEEDED] + i]
         level = w[levels + 2 * i + (0 if needed >= 0.0 else 1)]
         # as accelerations, so that motions are compared whatever they are a multiple of
-        beyond = (abs(needed) - level) / math.sqrt(mass_along(i, w, whole))
+        beyond = (abs(needed) - level) / math.sqrt(loops.mass_along(i, w, whole))
         if beyond > most:
             worst, most = i, beyond
     return worst
@@ -295,14 +234,14 @@ def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
 @rare
 def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
     """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed."""
-    side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
-    if i < whole[N_DIRECTIONS]:
-        whole[whole[MODES] + i] = pushed if side > 0.0 else -pushed
+    side = 1.0 if w[whole[layout.NEEDED] + i] > 0.0 else -1.0
+    if i < whole[layout.N_DIRECTIONS]:
+        whole[whole[layout.MODES] + i] = pushed if side > 0.0 else -pushed
         return
-    for d in range(whole[N_DIRECTIONS]):
-        rate = side * crossing(i, d, w, whole)
-        if whole[whole[MODES] + d] == HELD_FAST and rate != 0.0:
-            whole[whole[MODES] + d] = pushed if rate > 0.0 else -pushed
+    for d in range(whole[layout.N_DIRECTIONS]):
+        rate = side * loops.crossing(i, d, w, whole)
+        if whole[whole[layout.MODES] + d] == layout.HELD_FAST and rate != 0.0:
+            whole[whole[layout.MODES] + d] = pushed if rate > 0.0 else -pushed
 
 
 def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
@@ -311,32 +250,32 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
     """
-    n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
+    n, modes, candidates = whole[layout.N_DIRECTIONS], whole[layout.MODES], whole[layout.CANDIDATES]
     solved, fresh, more = True, True, 1
     while more > 0:
         solved = boxed(False, fresh, scale, w, whole) and solved
         more = 0
         fresh = True
-        if n > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
+        if n > whole[layout.N_COORDINATES] and hold_still_ones(scale, w, whole):
             fresh = False
         for i in range(n):
             mode = whole[modes + i]
-            if whole[candidates + i] == WAITING and abs(mode) == PUSHED:
+            if whole[candidates + i] == WAITING and abs(mode) == layout.PUSHED:
                 fresh = False
-                if abs(combined(i, whole[ACCELERATION], w, whole)) > STILL * scale:
-                    whole[modes + i] = FORWARD if mode > 0 else BACKWARD
+                if abs(combined(i, whole[layout.ACCELERATION], w, whole)) > STILL * scale:
+                    whole[modes + i] = layout.FORWARD if mode > 0 else layout.BACKWARD
                     whole[candidates + i] = BROKEN
                     more += 1
                 else:
-                    whole[modes + i] = HELD_FAST
+                    whole[modes + i] = layout.HELD_FAST
     if not fresh:
-        reconsider(w, whole)
+        assembly.reconsider(w, whole)
     for i in range(n):
-        if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
-            along = whole[modes + i] * combined(i, whole[ACCELERATION], w, whole)
+        if whole[candidates + i] == BROKEN and whole[modes + i] != layout.FREE:
+            along = whole[modes + i] * combined(i, whole[layout.ACCELERATION], w, whole)
             solved = solved and not along < -AGAINST * scale
-            if n > whole[N_COORDINATES]:  # what cannot move does not slip
-                solved = solved and not is_bound(i, w, whole)
+            if n > whole[layout.N_COORDINATES]:  # what cannot move does not slip
+                solved = solved and not loops.is_bound(i, w, whole)
     return solved
 
 
@@ -344,51 +283,54 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
     """Hold what is pushed and does not move, where contacts close loops; return whether any is."""
     found = False
-    for i in range(whole[N_DIRECTIONS]):
-        pushed = whole[whole[CANDIDATES] + i] == WAITING and whole[whole[MODES] + i] != HELD_FAST
-        if pushed and abs(combined(i, whole[ACCELERATION], w, whole)) <= STILL * scale:
-            whole[whole[MODES] + i] = HELD_FAST
+    for i in range(whole[layout.N_DIRECTIONS]):
+        pushed = (
+            whole[whole[layout.CANDIDATES] + i] == WAITING
+            and whole[whole[layout.MODES] + i] != layout.HELD_FAST
+        )
+        if pushed and abs(combined(i, whole[layout.ACCELERATION], w, whole)) <= STILL * scale:
+            whole[whole[layout.MODES] + i] = layout.HELD_FAST
             found = True
     if found:
-        close_loops(True, w, whole)
+        loops.close_loops(True, w, whole)
     return found
 
 
 def one_by_one(w: Vector, whole: Wholes) -> None:
     """Let the worst violator of the static levels slip with kinetic friction, then the next."""
-    modes, candidates = whole[MODES], whole[CANDIDATES]
+    modes, candidates = whole[layout.MODES], whole[layout.CANDIDATES]
     worst = 0
     while worst >= 0:
-        reconsider(w, whole)
-        worst, excess = -1, WITHIN
-        for i in range(whole[N_PAIRS]):
-            waits = i >= whole[N_DIRECTIONS] or whole[candidates + i] == WAITING
-            waits = waits and not whole[whole[LOOPED] + i]
-            if waits and whole[modes + i] == HELD_FAST:
-                needed = w[whole[NEEDED] + i]
-                level = w[whole[LEVELS] + 2 * i + (0 if needed >= 0.0 else 1)]
+        assembly.reconsider(w, whole)
+        worst, excess = -1, assembly.WITHIN
+        for i in range(whole[layout.N_PAIRS]):
+            waits = i >= whole[layout.N_DIRECTIONS] or whole[candidates + i] == WAITING
+            waits = waits and not whole[whole[layout.LOOPED] + i]
+            if waits and whole[modes + i] == layout.HELD_FAST:
+                needed = w[whole[layout.NEEDED] + i]
+                level = w[whole[layout.LEVELS] + 2 * i + (0 if needed >= 0.0 else 1)]
                 beyond = abs(needed) / level - 1.0 if level > 0.0 else abs(needed)
                 if beyond > excess:
                     worst, excess = i, beyond
         if worst >= 0:
-            let_go(worst, FORWARD, w, whole)
+            let_go(worst, layout.FORWARD, w, whole)
 
 
 def begin_decision(whole: Wholes) -> int:
     """Set the candidates back: forced ones slip, others are held. Return how many wait."""
     waiting = 0
-    for i in range(whole[N_DIRECTIONS]):
-        if whole[whole[CANDIDATES] + i] != 0:
-            forced = whole[whole[FORCED] + i]
-            whole[whole[MODES] + i] = forced
-            whole[whole[CANDIDATES] + i] = WAITING if forced == 0 else BROKEN
+    for i in range(whole[layout.N_DIRECTIONS]):
+        if whole[whole[layout.CANDIDATES] + i] != 0:
+            forced = whole[whole[layout.FORCED] + i]
+            whole[whole[layout.MODES] + i] = forced
+            whole[whole[layout.CANDIDATES] + i] = WAITING if forced == 0 else BROKEN
             waiting += 1 if forced == 0 else 0
     return waiting
 
 
 def is_ambiguous(w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand."""
-    n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
+    n, modes, kept = whole[layout.N_DIRECTIONS], whole[layout.MODES], whole[layout.KEPT]
     # Whatever the trial gives, the answer at hand is put back.
     for i in range(n):
         whole[kept + i] = whole[modes + i]
@@ -398,7 +340,7 @@ def is_ambiguous(w: Vector, whole: Wholes) -> bool:
     for i in range(n):
         differs = differs or whole[modes + i] != whole[kept + i]
         whole[modes + i] = whole[kept + i]
-    reconsider(w, whole)
+    assembly.reconsider(w, whole)
     return differs
 
 
@@ -410,39 +352,46 @@ def decide(w: Vector, whole: Wholes) -> bool:
     loads are those that little later. Accelerations and all else are left as those of the answer at
     the time itself.
     """
-    now = w[TIME]
+    now = w[layout.TIME]
     waiting, broken = begin_decision(whole), 0
-    for i in range(whole[N_DIRECTIONS]):
-        broken += 1 if whole[whole[CANDIDATES] + i] == BROKEN else 0
+    for i in range(whole[layout.N_DIRECTIONS]):
+        broken += 1 if whole[whole[layout.CANDIDATES] + i] == BROKEN else 0
     if waiting == 0 and broken < 2:  # of several, one may push another back
-        refresh(now, w, whole, whole[Y])
+        assembly.refresh(now, w, whole, whole[layout.Y])
         return True
     if broken > 0:
-        w[TIME] = now + CLOCK * max(now, w[LENGTH])
-    t = w[TIME]
-    refresh(t, w, whole, whole[Y])
+        w[layout.TIME] = now + CLOCK * max(now, w[layout.LENGTH])
+    t = w[layout.TIME]
+    assembly.refresh(t, w, whole, whole[layout.Y])
     scale = scale_of(w, whole)
-    whole[DECISIONS] += 1
+    whole[layout.DECISIONS] += 1
     solved = break_away(scale, w, whole)
     if not solved:
         # Somebody would move against its own friction: all are decided anew, with kinetic levels.
-        for i in range(whole[N_DIRECTIONS]):
-            if whole[whole[CANDIDATES] + i] != 0:
-                whole[whole[CANDIDATES] + i] = WAITING
-                whole[whole[MODES] + i] = HELD_FAST
+        for i in range(whole[layout.N_DIRECTIONS]):
+            if whole[whole[layout.CANDIDATES] + i] != 0:
+                whole[whole[layout.CANDIDATES] + i] = WAITING
+                whole[whole[layout.MODES] + i] = layout.HELD_FAST
         solved = boxed(True, False, scale, w, whole)
-        if whole[N_DIRECTIONS] > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
-            reconsider(w, whole)
+        if whole[layout.N_DIRECTIONS] > whole[layout.N_COORDINATES] and hold_still_ones(
+            scale, w, whole
+        ):
+            assembly.reconsider(w, whole)
     moved = 0
-    for i in range(whole[N_DIRECTIONS]):
-        if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
+    for i in range(whole[layout.N_DIRECTIONS]):
+        if (
+            whole[whole[layout.CANDIDATES] + i] != 0
+            and whole[whole[layout.MODES] + i] != layout.HELD_FAST
+        ):
             moved += 1
-    coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself
+    coupled = (
+        not whole[layout.DIAGONAL] or whole[layout.N_REACTIONS] > 0
+    )  # else each is decided by itself
     if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(w, whole):
-        whole[AMBIGUOUS] += 1
+        whole[layout.AMBIGUOUS] += 1
     if t > now:
-        w[TIME] = now
-        refresh(now, w, whole, whole[Y])
+        w[layout.TIME] = now
+        assembly.refresh(now, w, whole, whole[layout.Y])
     return solved
 
 
@@ -466,34 +415,42 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
 
     STRUCK tells then which coordinates have reached a stop: 2.
     """
-    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
-    first = whole[FIRST_WALL]
+    n, y, change = whole[layout.N_COORDINATES], whole[layout.Y], whole[layout.BOUNDS]
+    first = whole[layout.FIRST_WALL]
     for i in range(n):
-        whole[whole[STRUCK] + i] = 0
+        whole[whole[layout.STRUCK] + i] = 0
         w[change + i] = 0.0
-    for wall in range(whole[N_WALLS]):
-        reach = AT_ONCE * w[whole[REACHED] + first + wall]
-        meets = margin_of(wall, w, whole, y) <= reach and approach(first + wall, w, whole) > 0.0
+    for wall in range(whole[layout.N_WALLS]):
+        reach = AT_ONCE * w[whole[layout.REACHED] + first + wall]
+        meets = (
+            assembly.margin_of(wall, w, whole, y) <= reach
+            and mode_transitions.approach(first + wall, w, whole) > 0.0
+        )
         if first + wall == guard or meets:
-            i = wall_coordinate(wall, whole)
-            w[y + i] = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
-            whole[whole[STRUCK] + i] = STRIKES
-    refresh(w[TIME], w, whole, y)
-    for wall in range(whole[N_WALLS]):
-        i = wall_coordinate(wall, whole)
-        if whole[whole[STRUCK] + i] == STRIKES and margin_of(wall, w, whole, y) == 0.0:
+            i = mode_transitions.wall_coordinate(wall, whole)
+            w[y + i] = w[whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]]
+            whole[whole[layout.STRUCK] + i] = STRIKES
+    assembly.refresh(w[layout.TIME], w, whole, y)
+    for wall in range(whole[layout.N_WALLS]):
+        i = mode_transitions.wall_coordinate(wall, whole)
+        if (
+            whole[whole[layout.STRUCK] + i] == STRIKES
+            and assembly.margin_of(wall, w, whole, y) == 0.0
+        ):
             # Those that stand beside a stop within rounding were put onto it: they rebound, too.
             rebound = restitution_of(wall, w, whole)
             w[change + i] = -(1.0 + rebound) * w[y + n + i]
-    before = energy_now(w, whole)
+    before = mode_transitions.energy_now(w, whole)
     share_impulses(w, whole)
     book_impacts(w, whole)
     for i in range(n):
         # What rests at its stop must keep rate 0 to the last bit.
         rate = w[y + n + i] + w[change + i]
-        w[y + n + i] = 0.0 if whole[whole[STRUCK] + i] == RESTS else rate
-    if whole[N_CHANNELS] > 0 and whole[BOOKS] and whole[STEPS] > 0:
-        w[SUPPLIED] += energy_now(w, whole) - before  # with what is lost, what the guides have done
+        w[y + n + i] = 0.0 if whole[whole[layout.STRUCK] + i] == RESTS else rate
+    if whole[layout.N_CHANNELS] > 0 and whole[layout.BOOKS] and whole[layout.STEPS] > 0:
+        w[layout.SUPPLIED] += (
+            mode_transitions.energy_now(w, whole) - before
+        )  # with what is lost, what the guides have done
 
 
 def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
@@ -501,24 +458,24 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
 
     Everything is worked out for the modes at hand, before and after.
     """
-    y, modes = whole[Y], whole[MODES]
-    i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
-    at = whole[WALLS] + wall * whole[WALL_COLUMNS]
+    y, modes = whole[layout.Y], whole[layout.MODES]
+    i, side = mode_transitions.wall_coordinate(wall, whole), mode_transitions.wall_side(wall, whole)
+    at = whole[layout.WALLS] + wall * whole[layout.WALL_COLUMNS]
     restitution = w[at + 1]
-    push = side * w[whole[ACCELERATION] + i]
-    size = w[whole[SCALE] + whole[N_COORDINATES] + i]
-    if approach(whole[FIRST_WALL] + wall, w, whole) > resting_speed(
-        w[TIME], size, push, w[at], restitution
-    ):
+    push = side * w[whole[layout.ACCELERATION] + i]
+    size = w[whole[layout.SCALE] + whole[layout.N_COORDINATES] + i]
+    if mode_transitions.approach(
+        whole[layout.FIRST_WALL] + wall, w, whole
+    ) > mode_transitions.resting_speed(w[layout.TIME], size, push, w[at], restitution):
         return restitution
     mode = whole[modes + i]
-    whole[modes + i] = HELD_FAST
-    refresh(w[TIME], w, whole, y)
+    whole[modes + i] = layout.HELD_FAST
+    assembly.refresh(w[layout.TIME], w, whole, y)
     # Friction helps to hold it: to leave, the force off the stop must exceed the level that way.
-    level = finite(w[whole[LEVELS] + 2 * i + (1 if side > 0 else 0)])
-    pressed = side * w[whole[NEEDED] + i] + level > 0.0
+    level = assembly.finite(w[whole[layout.LEVELS] + 2 * i + (1 if side > 0 else 0)])
+    pressed = side * w[whole[layout.NEEDED] + i] + level > 0.0
     whole[modes + i] = mode
-    refresh(w[TIME], w, whole, y)
+    assembly.refresh(w[layout.TIME], w, whole, y)
     return 0.0 if pressed else restitution
 
 
@@ -529,16 +486,21 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
     that would else move into it. Factors and accelerations are those of the impacts afterwards: a
     decision has to follow.
     """
-    n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
-    if not whole[CONSTANT_MASS]:
-        put_mass(w[TIME], w, whole, y)
+    n, y, change, struck = (
+        whole[layout.N_COORDINATES],
+        whole[layout.Y],
+        whole[layout.BOUNDS],
+        whole[layout.STRUCK],
+    )
+    if not whole[layout.CONSTANT_MASS]:
+        assembly.put_mass(w[layout.TIME], w, whole, y)
     for i in range(n):
-        whole[whole[KEPT] + i] = whole[whole[MODES] + i]
-    for _ in range(2 * whole[N_WALLS]):
+        whole[whole[layout.KEPT] + i] = whole[whole[layout.MODES] + i]
+    for _ in range(2 * whole[layout.N_WALLS]):
         follow(w, whole)
         settled = True
         for i in range(n):
-            side = stopped_side(i, w, whole, y)
+            side = assembly.stopped_side(i, w, whole, y)
             if side == 0:
                 continue
             if whole[struck + i] == 0 and side * (w[y + n + i] + w[change + i]) > 0.0:
@@ -552,49 +514,51 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
         if settled:
             break
     for i in range(n):
-        whole[whole[MODES] + i] = whole[whole[KEPT] + i]
+        whole[whole[layout.MODES] + i] = whole[whole[layout.KEPT] + i]
 
 
 def follow(w: Vector, whole: Wholes) -> None:
     """Write the changes of the rates that no stop gives: momentum along them stays."""
-    n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
+    n, change, found = whole[layout.N_COORDINATES], whole[layout.BOUNDS], whole[layout.ACCELERATION]
     # Struck coordinates are given, others keep their momentum: the solver for held and free ones
     # does.
     for i in range(n):
-        whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
-    if not whole[DIAGONAL]:
-        factorise(w, whole)
+        whole[whole[layout.MODES] + i] = (
+            layout.FREE if whole[whole[layout.STRUCK] + i] == 0 else layout.HELD_FAST
+        )
+    if not whole[layout.DIAGONAL]:
+        assembly.factorise(w, whole)
     for i in range(n):
         w[found + i] = 0.0
         for j in range(n):
-            if whole[whole[STRUCK] + j] != 0 and j != i:
-                w[found + i] -= w[whole[MASS] + i * n + j] * w[change + j]
-    solve_free(w, whole, found)
+            if whole[whole[layout.STRUCK] + j] != 0 and j != i:
+                w[found + i] -= w[whole[layout.MASS] + i * n + j] * w[change + j]
+    assembly.solve_free(w, whole, found)
     for i in range(n):
-        if whole[whole[STRUCK] + i] == 0:
+        if whole[whole[layout.STRUCK] + i] == 0:
             w[change + i] = w[found + i]
 
 
 def impulse(i: int, w: Vector, whole: Wholes) -> float:
     """Return the impulse along a coordinate that the changes of the rates take."""
-    n, total = whole[N_COORDINATES], 0.0
+    n, total = whole[layout.N_COORDINATES], 0.0
     for j in range(n):
-        total += w[whole[MASS] + i * n + j] * w[whole[BOUNDS] + j]
+        total += w[whole[layout.MASS] + i * n + j] * w[whole[layout.BOUNDS] + j]
     return total
 
 
 def book_impacts(w: Vector, whole: Wholes) -> None:
     """Book what the stops take; books open after what happens as a run begins."""
-    n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
-    if not whole[BOOKS] or whole[STEPS] == 0:
+    n, y, change = whole[layout.N_COORDINATES], whole[layout.Y], whole[layout.BOUNDS]
+    if not whole[layout.BOOKS] or whole[layout.STEPS] == 0:
         return
     lost = 0.0
     for i in range(n):
-        if whole[whole[STRUCK] + i] != 0:
+        if whole[whole[layout.STRUCK] + i] != 0:
             # An impulse does its work at the mean of the rates before and after it.
             mean = w[y + n + i] + 0.5 * w[change + i]
             lost -= impulse(i, w, whole) * mean
-    w[LOST] += lost
-    w[GROSS] += lost
-    if whole[N_CHANNELS] > 0:
-        w[SUPPLIED] += lost
+    w[layout.LOST] += lost
+    w[layout.GROSS] += lost
+    if whole[layout.N_CHANNELS] > 0:
+        w[layout.SUPPLIED] += lost

@@ -21,78 +21,13 @@ same instant, within rounding of the time, changes together.
 
 import math
 
+from stickslip.engine.kernels import equations
+from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, rare
-from stickslip.engine.kernels.contacts.assembly import (
-    WITHIN,
-    assemble,
-    blur,
-    solve_free,
-    stop_guards,
-)
-from stickslip.engine.kernels.equations import (
-    FORCE_SLOPES,
-    MARGIN_SLOPES_OF,
-    MARGINS,
-    combined,
-    evaluate,
-    factor_of,
-    slip_rate_along,
-    spread,
-)
+from stickslip.engine.kernels.contacts import assembly
 from stickslip.engine.kernels.guard_roots import NO_GUARD, largest_term, size_of_forces
 from stickslip.engine.kernels.mode_transitions import UNMOVED, wall_coordinate, wall_side
 from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, NEVER_FALLS, first_fall, interpolate
-from stickslip.engine.kernels.state_layout import (
-    ACCELERATION,
-    BACKWARD,
-    BORNE,
-    BOUNDS,
-    DAMPING,
-    DENSE,
-    DIAGONAL,
-    DRIFT,
-    FIRST_LIMIT,
-    FIRST_WALL,
-    FLAGS,
-    FORCE,
-    FORWARD,
-    FRACTION,
-    FRICTION,
-    HELD_FAST,
-    LAW_VALUES,
-    LENGTH,
-    LEVELS,
-    LOOPED,
-    MASS,
-    MODES,
-    N_CONTACTS,
-    N_COORDINATES,
-    N_DIRECTIONS,
-    N_PAIRS,
-    N_SLOPES,
-    N_STATES,
-    N_SWITCHES,
-    N_TIME_SLOPES,
-    N_WALLS,
-    NEEDED,
-    NEEDED_SERIES,
-    POINT,
-    POLYNOMIAL,
-    REACHED,
-    ROOTS,
-    SERIES,
-    SLIP_FACTORS,
-    SLIPS,
-    SLOPE_COLUMNS,
-    SLOPE_ROWS,
-    SLOPE_VALUES,
-    SLOPES,
-    TIME,
-    TIME_ROWS,
-    VALUES,
-    Y1,
-    Y,
-)
 from stickslip.engine.kernels.steppers import VANISHED, fill_waves, series_tail, wave_at, waves_tail
 
 STILLNESS = 1e-14
@@ -109,38 +44,46 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
     It begins at TIME.
     """
-    assemble(w[TIME], w, whole, at)
+    assembly.assemble(w[layout.TIME], w, whole, at)
     fill_series(h, w, whole, at)
 
 
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the series where accelerations and needed friction at the state are at hand."""
-    n, states = whole[N_COORDINATES], whole[N_STATES]
-    largest = whole[POINT]
-    evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
+    n, states = whole[layout.N_COORDINATES], whole[layout.N_STATES]
+    largest = whole[layout.POINT]
+    equations.evaluate(
+        equations.FORCE_SLOPES,
+        0,
+        whole[layout.FLAGS],
+        w[layout.TIME],
+        w,
+        at,
+        whole[layout.SLOPE_VALUES],
+    )
     # Terms hold the powers of the step: the series is one in its fraction, from 0 to 1.
-    last = whole[DENSE] + 1
+    last = whole[layout.DENSE] + 1
     for i in range(n):
         w[last + i] = w[at + i]
         w[last + n + i] = w[at + n + i]
         w[last + states + i] = h * w[at + n + i]
-        w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
-    for i in range(whole[N_PAIRS]):
-        w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
+        w[last + states + n + i] = h * w[whole[layout.ACCELERATION] + i]
+    for i in range(whole[layout.N_PAIRS]):
+        w[whole[layout.NEEDED_SERIES] + i] = w[whole[layout.NEEDED] + i]
     # Largest terms so far, beside which later ones vanish.
     for i in range(states):
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
     last += states
     small, terms = 0, 1
-    waving = fill_waves(w[TIME], h, w, whole, at)
-    while terms < SERIES and small < 2:
+    waving = fill_waves(w[layout.TIME], h, w, whole, at)
+    while terms < layout.SERIES and small < 2:
         next_forces(terms, h, last, waving, w, whole)
         ratio = h / (terms + 1.0)
         # Before the last harmonic that counts, terms may vanish by themselves for a while.
         ended = terms >= waving
         for i in range(n):
             speed = ratio * w[last + n + i]
-            growth = ratio * w[whole[DRIFT] + i]
+            growth = ratio * w[whole[layout.DRIFT] + i]
             w[last + states + i] = speed
             w[last + states + n + i] = growth
             w[largest + i] = max(w[largest + i], abs(speed))
@@ -151,82 +94,84 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         small = small + 1 if ended else 0
         terms += 1
         last += states
-    w[whole[DENSE]] = terms - small
-    w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+    w[whole[layout.DENSE]] = terms - small
+    w[whole[layout.BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
     # Speeds of closing slips are combinations of those of coordinates, term by term.
-    for i in range(n, whole[N_DIRECTIONS]):
+    for i in range(n, whole[layout.N_DIRECTIONS]):
         for k in range(terms - small + 1):
-            rate = combined(i, whole[DENSE] + 1 + k * states + n, w, whole)
-            w[whole[NEEDED_SERIES] + k * whole[N_PAIRS] + i] = rate
+            rate = equations.combined(i, whole[layout.DENSE] + 1 + k * states + n, w, whole)
+            w[whole[layout.NEEDED_SERIES] + k * whole[layout.N_PAIRS] + i] = rate
 
 
 def next_forces(terms: int, h: float, last: int, waving: int, w: Vector, whole: Wholes) -> None:
     """Write one term of the accelerations to DRIFT and one of the needed friction."""
-    n = whole[N_COORDINATES]
-    row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
-    slopes = whole[SLOPE_VALUES]
-    modes, found = whole[MODES], whole[DRIFT]
-    k, count = 0, whole[N_SLOPES]
+    n = whole[layout.N_COORDINATES]
+    row = whole[layout.NEEDED_SERIES] + terms * whole[layout.N_PAIRS]
+    slopes = whole[layout.SLOPE_VALUES]
+    modes, found = whole[layout.MODES], whole[layout.DRIFT]
+    k, count = 0, whole[layout.N_SLOPES]
     for i in range(n):  # the slopes stand row by row
         total = 0.0
-        while k < count and whole[whole[SLOPE_ROWS] + k] == i:
-            total += w[slopes + k] * w[last + whole[whole[SLOPE_COLUMNS] + k]]
+        while k < count and whole[whole[layout.SLOPE_ROWS] + k] == i:
+            total += w[slopes + k] * w[last + whole[whole[layout.SLOPE_COLUMNS] + k]]
             k += 1
         w[row + i] = total
     # Forces are affine in the time, which so has a slope in the first term alone.
     if terms == 1:
-        for k in range(whole[N_TIME_SLOPES]):
-            w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
+        for k in range(whole[layout.N_TIME_SLOPES]):
+            w[row + whole[whole[layout.TIME_ROWS] + k]] += (
+                h * w[slopes + whole[layout.N_SLOPES] + k]
+            )
     elif waving > 0:
         add_waves(terms, row, w, whole)
     damp(last + n, row, w, whole)
     for i in range(n):
         w[found + i] = w[row + i]
-    solve_free(w, whole, found)
-    if whole[N_DIRECTIONS] > n:
+    assembly.solve_free(w, whole, found)
+    if whole[layout.N_DIRECTIONS] > n:
         leave_to_loops(row, w, whole)
     for i in range(n):
-        if whole[modes + i] != HELD_FAST:
+        if whole[modes + i] != layout.HELD_FAST:
             w[row + i] = 0.0  # what is free needs nothing
-        elif not whole[DIAGONAL]:
+        elif not whole[layout.DIAGONAL]:
             total = w[row + i]
             for j in range(n):
-                total -= w[whole[MASS] + i * n + j] * w[found + j]
+                total -= w[whole[layout.MASS] + i * n + j] * w[found + j]
             w[row + i] = total
 
 
 def add_waves(terms: int, to: int, w: Vector, whole: Wholes) -> None:
     """Add a power of the harmonics to a term of the forces."""
     power, waves = wave_at(terms, w, whole)
-    for k in range(whole[N_TIME_SLOPES]):
-        w[to + whole[whole[TIME_ROWS] + k]] += power * w[waves + k]
+    for k in range(whole[layout.N_TIME_SLOPES]):
+        w[to + whole[whole[layout.TIME_ROWS] + k]] += power * w[waves + k]
 
 
 def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
     """Take the damping of slipping contacts away from a term of the forces."""
-    n = whole[N_COORDINATES]
+    n = whole[layout.N_COORDINATES]
     # DAMPING has the slip factor squared in it: it is that of the force along the coordinate.
-    for c in range(whole[N_CONTACTS]):
-        damping = w[whole[DAMPING] + c]
+    for c in range(whole[layout.N_CONTACTS]):
+        damping = w[whole[layout.DAMPING] + c]
         if damping != 0.0:
-            i = whole[whole[SLIPS] + c]
+            i = whole[whole[layout.SLIPS] + c]
             if i < n:
                 w[to + i] -= damping * w[rates + i]
             else:
-                spread(i, damping * combined(i, rates, w, whole), to, w, whole)
+                equations.spread(i, damping * equations.combined(i, rates, w, whole), to, w, whole)
 
 
 @rare
 def leave_to_loops(to: int, w: Vector, whole: Wholes) -> None:
     """Write a term of the forces along all cuts; DRIFT has that of the accelerations."""
-    n, borne = whole[N_COORDINATES], whole[BORNE]
+    n, borne = whole[layout.N_COORDINATES], whole[layout.BORNE]
     for i in range(n):
         total = w[to + i]
         for j in range(n):
-            total -= w[whole[MASS] + i * n + j] * w[whole[DRIFT] + j]
+            total -= w[whole[layout.MASS] + i * n + j] * w[whole[layout.DRIFT] + j]
         w[borne + i] = total
-    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
-        w[to + cut] = combined(cut, borne, w, whole)
+    for cut in range(whole[layout.N_DIRECTIONS], whole[layout.N_PAIRS]):
+        w[to + cut] = equations.combined(cut, borne, w, whole)
 
 
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
@@ -234,9 +179,9 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
     """
-    w[LENGTH] = h
-    fill_series(h, w, whole, whole[Y])
-    interpolate(w, whole, 1.0, whole[Y1])
+    w[layout.LENGTH] = h
+    fill_series(h, w, whole, whole[layout.Y])
+    interpolate(w, whole, 1.0, whole[layout.Y1])
     return max(series_tail(h, w, whole), waves_tail(w, whole))
 
 
@@ -246,25 +191,25 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
     of the inverse mass matrix. The time is rounded, too.
     """
-    n = whole[N_COORDINATES]
-    if whole[whole[LOOPED] + i]:
+    n = whole[layout.N_COORDINATES]
+    if whole[whole[layout.LOOPED] + i]:
         return is_looped_balanced(i, w, whole)
-    size = abs(w[whole[FORCE] + i])
-    for k in range(whole[N_SLOPES]):
-        if whole[whole[SLOPE_ROWS] + k] == i:
-            column = whole[whole[SLOPE_COLUMNS] + k]
-            size += abs(w[whole[SLOPE_VALUES] + k] * w[whole[Y] + column])
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[SLIPS] + c] == i:
-            size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
-    found = abs(w[whole[ACCELERATION] + i]) - change_in_a_tick(i, w, whole)
-    if whole[DIAGONAL]:
-        return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
+    size = abs(w[whole[layout.FORCE] + i])
+    for k in range(whole[layout.N_SLOPES]):
+        if whole[whole[layout.SLOPE_ROWS] + k] == i:
+            column = whole[whole[layout.SLOPE_COLUMNS] + k]
+            size += abs(w[whole[layout.SLOPE_VALUES] + k] * w[whole[layout.Y] + column])
+    for c in range(whole[layout.N_CONTACTS]):
+        if whole[whole[layout.SLIPS] + c] == i:
+            size += abs(w[whole[layout.SLIP_FACTORS] + c] * w[whole[layout.FRICTION] + c])
+    found = abs(w[whole[layout.ACCELERATION] + i]) - change_in_a_tick(i, w, whole)
+    if whole[layout.DIAGONAL]:
+        return found * w[whole[layout.MASS] + i * n + i] <= STILLNESS * size
     # A row of the inverse mass matrix, which is symmetric: the answer to a unit force.
-    row = whole[VALUES]
+    row = whole[layout.VALUES]
     for j in range(n):
         w[row + j] = 1.0 if j == i else 0.0
-    solve_free(w, whole, row)
+    assembly.solve_free(w, whole, row)
     size *= abs(w[row + i])
     for j in range(n):
         size += abs(w[row + j]) * size_of_forces(j, w, whole)
@@ -274,17 +219,19 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 @rare
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a slip of a loop that begins balance but for their rounding."""
-    n, row = whole[N_COORDINATES], whole[VALUES]
+    n, row = whole[layout.N_COORDINATES], whole[layout.VALUES]
     for j in range(n):
-        w[row + j] = factor_of(i, j, w, whole)
-    solve_free(w, whole, row)
+        w[row + j] = equations.factor_of(i, j, w, whole)
+    assembly.solve_free(w, whole, row)
     size = 0.0
     for j in range(n):
         size += abs(w[row + j]) * size_of_forces(j, w, whole)
-    for c in range(whole[N_CONTACTS]):
-        force = w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c]
-        size += abs(force * combined(whole[whole[SLIPS] + c], row, w, whole))
-    found = abs(combined(i, whole[ACCELERATION], w, whole)) - change_in_a_tick(i, w, whole)
+    for c in range(whole[layout.N_CONTACTS]):
+        force = w[whole[layout.SLIP_FACTORS] + c] * w[whole[layout.FRICTION] + c]
+        size += abs(force * equations.combined(whole[whole[layout.SLIPS] + c], row, w, whole))
+    found = abs(equations.combined(i, whole[layout.ACCELERATION], w, whole)) - change_in_a_tick(
+        i, w, whole
+    )
     return found <= STILLNESS * size
 
 
@@ -293,12 +240,12 @@ def change_in_a_tick(i: int, w: Vector, whole: Wholes) -> float:
 
     It is the second term of the series of its speed that tells.
     """
-    h, n = w[LENGTH], whole[N_COORDINATES]
+    h, n = w[layout.LENGTH], whole[layout.N_COORDINATES]
     if i < n:
-        growth = w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i]
+        growth = w[whole[layout.DENSE] + 1 + 2 * whole[layout.N_STATES] + n + i]
     else:
-        growth = w[whole[NEEDED_SERIES] + 2 * whole[N_PAIRS] + i]
-    return STILLNESS * 2.0 * abs(growth) / h * max(1.0, w[TIME] / h)
+        growth = w[whole[layout.NEEDED_SERIES] + 2 * whole[layout.N_PAIRS] + i]
+    return STILLNESS * 2.0 * abs(growth) / h * max(1.0, w[layout.TIME] / h)
 
 
 def search(
@@ -318,21 +265,21 @@ def search(
     first `balanced` of them are rounding, and left out. The interval that is searched ends `slack`
     behind the earliest fall known, in FRACTION: coefficients are scaled by its powers.
     """
-    reach = min(1.0, w[FRACTION] + slack)
+    reach = min(1.0, w[layout.FRACTION] + slack)
     # Each term has a power of the fraction of one at least: up to `reach` they add up to this at
     # most.
     if value > reach * bound:
         return NEVER_FALLS
     power = 1.0
     total = 0.0
-    w[POLYNOMIAL] = value
+    w[layout.POLYNOMIAL] = value
     for k in range(1, count + 1):
         power *= reach
-        w[POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
-        total += abs(w[POLYNOMIAL + k])
+        w[layout.POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
+        total += abs(w[layout.POLYNOMIAL + k])
     for k in range(1, balanced + 1):
         # Rounding as a first coefficient would decide the sign of all that follows.
-        w[POLYNOMIAL + k] = 0.0
+        w[layout.POLYNOMIAL + k] = 0.0
     if value > total:
         return NEVER_FALLS
     x = first_fall(w, count)
@@ -346,92 +293,110 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
     """
-    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
-    terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
-    moved, grown = whole[POINT], whole[DRIFT]
+    n, states, pairs = whole[layout.N_COORDINATES], whole[layout.N_STATES], whole[layout.N_PAIRS]
+    terms, count = int(w[whole[layout.DENSE]]), int(w[whole[layout.BOUNDS]]) - 1
+    moved, grown = whole[layout.POINT], whole[layout.DRIFT]
     # POINT and DRIFT keep the sums of sizes: what speeds and needed friction can change by.
-    sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
-    sum_terms(whole[NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
+    sum_terms(whole[layout.DENSE] + 1 + states + n, states, terms, moved, n, w)
+    sum_terms(whole[layout.NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
     best = NO_GUARD
-    w[FRACTION] = 1.0
+    w[layout.FRACTION] = 1.0
     for guard in range(2 * pairs):
-        w[whole[ROOTS] + guard] = NEVER_FALLS
-    h = w[LENGTH]
+        w[whole[layout.ROOTS] + guard] = NEVER_FALLS
+    h = w[layout.LENGTH]
     # Falls closer than two ticks of the clock are one.
-    slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
+    slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[layout.TIME]), h) / h)
     early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
     if early != NO_GUARD:
         best = look_at(early, best, slack, w, whole)
     for guard in range(2 * pairs):
-        if w[FRACTION] == 0.0:
+        if w[layout.FRACTION] == 0.0:
             return best
         if guard != early:
             best = look_at(guard, best, slack, w, whole)
-    if whole[N_SWITCHES] > 0:
+    if whole[layout.N_SWITCHES] > 0:
         best = first_switch(best, slack, w, whole)
-    return first_stop(best, slack, w, whole) if whole[N_WALLS] > 0 and w[FRACTION] > 0.0 else best
+    return (
+        first_stop(best, slack, w, whole)
+        if whole[layout.N_WALLS] > 0 and w[layout.FRACTION] > 0.0
+        else best
+    )
 
 
 @rare
 def first_switch(best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Return the guard that falls first, those of the mechanism's own switches included."""
-    states, terms, dense = whole[N_STATES], int(w[whole[DENSE]]), whole[DENSE] + 1
-    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
-    margins, slopes, h = whole[LAW_VALUES], whole[SLOPES], w[LENGTH]
-    evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], margins)
-    evaluate(MARGIN_SLOPES_OF, 0, whole[FLAGS], w[TIME], w, whole[Y], slopes)
-    for j in range(whole[N_SWITCHES]):
-        sign = 1.0 if whole[FLAGS] & (1 << j) else -1.0
-        value, reached, row = sign * w[margins + j], whole[REACHED] + first + j, slopes
+    states, terms, dense = (
+        whole[layout.N_STATES],
+        int(w[whole[layout.DENSE]]),
+        whole[layout.DENSE] + 1,
+    )
+    first = whole[layout.FIRST_LIMIT] - whole[layout.N_SWITCHES]
+    margins, slopes, h = whole[layout.LAW_VALUES], whole[layout.SLOPES], w[layout.LENGTH]
+    equations.evaluate(
+        equations.MARGINS, 0, whole[layout.FLAGS], w[layout.TIME], w, whole[layout.Y], margins
+    )
+    equations.evaluate(
+        equations.MARGIN_SLOPES_OF,
+        0,
+        whole[layout.FLAGS],
+        w[layout.TIME],
+        w,
+        whole[layout.Y],
+        slopes,
+    )
+    for j in range(whole[layout.N_SWITCHES]):
+        sign = 1.0 if whole[layout.FLAGS] & (1 << j) else -1.0
+        value, reached, row = sign * w[margins + j], whole[layout.REACHED] + first + j, slopes
         row += j * (states + 1)
         w[reached] = max(w[reached], abs(value))
         if -UNMOVED * w[reached] <= value < 0.0:
             value = 0.0  # it has just been turned, within rounding of its threshold
-        reach, power, total = min(1.0, w[FRACTION] + slack), 1.0, 0.0
-        w[POLYNOMIAL] = value
+        reach, power, total = min(1.0, w[layout.FRACTION] + slack), 1.0, 0.0
+        w[layout.POLYNOMIAL] = value
         for k in range(1, terms + 1):
             power *= reach
             term = h * w[row + states] if k == 1 else 0.0
             for i in range(states):
                 term += w[row + i] * w[dense + k * states + i]
-            w[POLYNOMIAL + k] = sign * power * term
-            total += abs(w[POLYNOMIAL + k])
+            w[layout.POLYNOMIAL + k] = sign * power * term
+            total += abs(w[layout.POLYNOMIAL + k])
         if value > total:
             continue
         x = first_fall(w, terms)
         if x == FALLS_AT_ONCE:
-            w[FRACTION] = 0.0
+            w[layout.FRACTION] = 0.0
             return first + j
-        if x <= 1.0 and (reach * x < w[FRACTION] or (reach * x == 1.0 and best == NO_GUARD)):
-            w[FRACTION] = reach * x
+        if x <= 1.0 and (reach * x < w[layout.FRACTION] or (reach * x == 1.0 and best == NO_GUARD)):
+            w[layout.FRACTION] = reach * x
             best = first + j
     return best
 
 
 def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Return the guard that falls first, those of hard stops included."""
-    states, terms = whole[N_STATES], int(w[whole[DENSE]])
-    first, values = whole[FIRST_WALL], whole[VALUES]
-    stop_guards(w, whole, whole[Y], values, math.inf)
-    for wall in range(whole[N_WALLS]):
+    states, terms = whole[layout.N_STATES], int(w[whole[layout.DENSE]])
+    first, values = whole[layout.FIRST_WALL], whole[layout.VALUES]
+    assembly.stop_guards(w, whole, whole[layout.Y], values, math.inf)
+    for wall in range(whole[layout.N_WALLS]):
         margin = w[values + first + wall]
         if margin == math.inf:
             continue
-        reached = whole[REACHED] + first + wall
+        reached = whole[layout.REACHED] + first + wall
         w[reached] = max(w[reached], abs(margin))
         i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
         # what leaves its stop as its press ends has neither speed nor acceleration yet
-        leaves = margin == 0.0 and w[whole[Y] + whole[N_COORDINATES] + i] == 0.0
+        leaves = margin == 0.0 and w[whole[layout.Y] + whole[layout.N_COORDINATES] + i] == 0.0
         balanced = 2 if leaves and is_balanced(i, w, whole) else 0
-        row = whole[DENSE] + 1 + states + i
+        row = whole[layout.DENSE] + 1 + states + i
         # The margin is side * (position - place), so that terms of the place enter negated. No sum
         # of their sizes is at hand: infinity.
         x = search(margin, math.inf, slack, row, states, -side, terms, balanced, w)
         if x == FALLS_AT_ONCE:
-            w[FRACTION] = 0.0
+            w[layout.FRACTION] = 0.0
             return first + wall
-        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
-            w[FRACTION] = x
+        if x < w[layout.FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[layout.FRACTION] = x
             best = first + wall
     return best
 
@@ -441,25 +406,32 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
 
     What is held within rounding of its level has the allowance of decisions: they held it.
     """
-    n, i = whole[N_COORDINATES], guard // 2
-    mode = whole[whole[MODES] + i]
-    if i >= n and mode != HELD_FAST:
-        return mode * slip_rate_along(i, whole[Y], w, whole) if is_slip(guard, whole) else math.inf
-    if mode == HELD_FAST:
-        if whole[N_PAIRS] > n and whole[whole[LOOPED] + i]:
+    n, i = whole[layout.N_COORDINATES], guard // 2
+    mode = whole[whole[layout.MODES] + i]
+    if i >= n and mode != layout.HELD_FAST:
+        return (
+            mode * equations.slip_rate_along(i, whole[layout.Y], w, whole)
+            if is_slip(guard, whole)
+            else math.inf
+        )
+    if mode == layout.HELD_FAST:
+        if whole[layout.N_PAIRS] > n and whole[whole[layout.LOOPED] + i]:
             return math.inf
-        level = w[whole[LEVELS] + guard]
-        value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
-        spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
+        level = w[whole[layout.LEVELS] + guard]
+        value = level + side_sign(guard) * w[whole[layout.NEEDED_SERIES] + i]
+        spare = assembly.WITHIN * level + assembly.blur(i, w, whole) if level < math.inf else 0.0
         return value + spare if value < spare else value
-    if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
-        return mode * w[whole[Y] + n + i]
+    if mode in (layout.FORWARD, layout.BACKWARD) and guard % 2 == 0:
+        return mode * w[whole[layout.Y] + n + i]
     return math.inf
 
 
 def is_slip(guard: int, whole: Wholes) -> bool:
     """Whether a guard is that of the speed of something that slips."""
-    return whole[whole[MODES] + guard // 2] in (FORWARD, BACKWARD) and guard % 2 == 0
+    return (
+        whole[whole[layout.MODES] + guard // 2] in (layout.FORWARD, layout.BACKWARD)
+        and guard % 2 == 0
+    )
 
 
 def side_sign(guard: int) -> float:
@@ -469,17 +441,17 @@ def side_sign(guard: int) -> float:
 
 def nearest_guard(w: Vector, whole: Wholes) -> int:
     """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`."""
-    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
+    n, states, pairs = whole[layout.N_COORDINATES], whole[layout.N_STATES], whole[layout.N_PAIRS]
     best, least = NO_GUARD, 1.0
     for guard in range(2 * pairs):
         i = guard // 2
-        if whole[whole[MODES] + i] == HELD_FAST:
-            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
+        if whole[whole[layout.MODES] + i] == layout.HELD_FAST:
+            slope = side_sign(guard) * w[whole[layout.NEEDED_SERIES] + pairs + i]
         elif i < n:
-            slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+            slope = whole[whole[layout.MODES] + i] * w[whole[layout.DENSE] + 1 + states + n + i]
         # Behind the coordinates this series has the speeds of closing slips that slip.
         else:
-            slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
+            slope = whole[whole[layout.MODES] + i] * w[whole[layout.NEEDED_SERIES] + pairs + i]
         value = value_of(guard, w, whole)
         if value > 0.0 and value < -least * slope:
             best, least = guard, -value / slope
@@ -488,42 +460,44 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Note where a guard falls, if it does before the best one; return which of them is first."""
-    n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
-    pairs = whole[N_PAIRS]
-    mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
+    n, states, i = whole[layout.N_COORDINATES], whole[layout.N_STATES], guard // 2
+    pairs = whole[layout.N_PAIRS]
+    mode, value = whole[whole[layout.MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
-    if mode == HELD_FAST:
-        w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
-        row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
-        bound, sign = w[whole[DRIFT] + i], side_sign(guard)
+    if mode == layout.HELD_FAST:
+        w[whole[layout.REACHED] + guard] = max(w[whole[layout.REACHED] + guard], abs(value))
+        row, count = whole[layout.NEEDED_SERIES] + pairs + i, int(w[whole[layout.BOUNDS]]) - 1
+        bound, sign = w[whole[layout.DRIFT] + i], side_sign(guard)
         # Where nothing can hold it, growth below the rounding of the inertia forces is no growth.
-        loose = w[whole[LEVELS] + guard] == 0.0 and i < n
+        loose = w[whole[layout.LEVELS] + guard] == 0.0 and i < n
         balanced = 1 if loose and abs(w[row]) <= STILLNESS * growth_of_forces(i, w, whole) else 0
         x = search(value, bound, slack, row, pairs, sign, count, balanced, w)
     else:
         balanced = 1 if value == 0.0 and is_balanced(i, w, whole) else 0
         if i < n:
-            row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+            row, count = whole[layout.DENSE] + 1 + states + n + i, int(w[whole[layout.DENSE]])
             # a force between other bodies reaches this one by the rounding of the inverse mass
             if balanced and abs(w[row + states]) <= STILLNESS * largest_term(
                 2, states, n, w, whole
             ):
                 balanced = 2
-            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, balanced, w)
+            x = search(
+                value, w[whole[layout.POINT] + i], slack, row, states, mode, count, balanced, w
+            )
         else:
-            row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
+            row, count = whole[layout.NEEDED_SERIES] + pairs + i, int(w[whole[layout.DENSE]])
             x = search(value, math.inf, slack, row, pairs, mode, count, balanced, w)
     return note_root(guard, x, best, w, whole)
 
 
 def growth_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     """Return how fast the inertia forces change that act on a coordinate, over the step."""
-    n, total = whole[N_COORDINATES], 0.0
-    row = whole[DENSE] + 1 + 2 * whole[N_STATES] + n
+    n, total = whole[layout.N_COORDINATES], 0.0
+    row = whole[layout.DENSE] + 1 + 2 * whole[layout.N_STATES] + n
     for j in range(n):
-        total += abs(w[whole[MASS] + i * n + j] * w[row + j])
-    return 2.0 * total / w[LENGTH]  # half of the second derivative stands in the series
+        total += abs(w[whole[layout.MASS] + i * n + j] * w[row + j])
+    return 2.0 * total / w[layout.LENGTH]  # half of the second derivative stands in the series
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
@@ -538,11 +512,11 @@ def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> N
 def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
     """Keep the fall of a guard; return the guard that falls first."""
     if x == FALLS_AT_ONCE:
-        w[whole[ROOTS] + guard] = 0.0
-        w[FRACTION] = 0.0
+        w[whole[layout.ROOTS] + guard] = 0.0
+        w[layout.FRACTION] = 0.0
         return guard
-    w[whole[ROOTS] + guard] = x
-    if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
-        w[FRACTION] = x
+    w[whole[layout.ROOTS] + guard] = x
+    if x < w[layout.FRACTION] or (x == 1.0 and best == NO_GUARD):
+        w[layout.FRACTION] = x
         return guard
     return best

@@ -23,36 +23,17 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FunctionType, SimpleNamespace
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from stickslip.engine import kernels
 from stickslip.engine.formulation import Model
-from stickslip.engine.kernels import backend, entries
+from stickslip.engine.kernels import backend, entries, equations
 from stickslip.engine.kernels.backend import Vector, Wholes
-from stickslip.engine.kernels.equations import (
-    CALLED,
-    LAW,
-    LAW_MARGIN_SLOPES,
-    LAW_MARGINS,
-    LAW_SLOPES_OF,
-)
+from stickslip.engine.solver.compile import translation
 from stickslip.engine.solver.compile.object_code import ObjectCode, maker, name_of
-from stickslip.engine.solver.compile.translation import (
-    REAL,
-    TRUTH,
-    VECTOR,
-    WHOLE,
-    WHOLES,
-    Function,
-    Meaning,
-    Signature,
-    call_by_address,
-    exported,
-    translated,
-)
 from stickslip.errors import CompilationError
 
 # Machine code of a model's equations: made by LLVM in a tenth of a second, from the plain text.
@@ -60,19 +41,19 @@ from stickslip.errors import CompilationError
 ENTRY = "equations"
 """The function that calls the others by their numbers; no other is seen from outside."""
 LAW_FUNCTIONS = {
-    re.compile(r"law_(\d+)"): LAW,
-    re.compile(r"law_margins_(\d+)"): LAW_MARGINS,
-    re.compile(r"law_slopes_(\d+)"): LAW_SLOPES_OF,
-    re.compile(r"law_margin_slopes_(\d+)"): LAW_MARGIN_SLOPES,
+    re.compile(r"law_(\d+)"): equations.LAW,
+    re.compile(r"law_margins_(\d+)"): equations.LAW_MARGINS,
+    re.compile(r"law_slopes_(\d+)"): equations.LAW_SLOPES_OF,
+    re.compile(r"law_margin_slopes_(\d+)"): equations.LAW_MARGIN_SLOPES,
 }
 """Names of the functions of laws, one for each structure, and the number of the first."""
 TAKEN = (
-    ("mode", WHOLE),
-    ("flags", WHOLE),
-    ("t", REAL),
-    ("w", VECTOR),
-    ("at", WHOLE),
-    ("to", WHOLE),
+    ("mode", translation.WHOLE),
+    ("flags", translation.WHOLE),
+    ("t", translation.REAL),
+    ("w", translation.VECTOR),
+    ("at", translation.WHOLE),
+    ("to", translation.WHOLE),
 )
 
 
@@ -114,9 +95,9 @@ class EquationsCode(ObjectCode):
             if not isinstance(node, ast.FunctionDef):
                 shown = ast.unparse(node).partition("\n")[0]
                 raise CompilationError(f"equations, line {node.lineno}: {shown!r} is no function.")
-            signature = Signature(f"f.{node.name}", TAKEN)
-            functions.append(Function(node, signature, _nothing, "equations"))
-        return "\n".join([translated(functions), *_chosen(dict(self.numbers))])
+            signature = translation.Signature(f"f.{node.name}", TAKEN)
+            functions.append(translation.Function(node, signature, _nothing, "equations"))
+        return "\n".join([translation.translated(functions), *_chosen(dict(self.numbers))])
 
 
 def _nothing(_name: str) -> None:
@@ -137,7 +118,7 @@ def _chosen(numbers: dict[str, int]) -> list[str]:
 @functools.lru_cache(maxsize=256)
 def numbered(model: Model) -> dict[str, int]:
     """Return the numbers by which kernels call the functions of a model's equations."""
-    found = {name: i for i, name in enumerate(CALLED)}
+    found = {name: i for i, name in enumerate(equations.CALLED)}
     for numbers, start in LAW_FUNCTIONS.items():
         found |= {
             match[0]: start + int(match[1])
@@ -158,15 +139,21 @@ def code_of(model: Model) -> EquationsCode:
 # Functions are translated from the modules of `stickslip.engine.kernels` as they stand, those that
 # the entries reach; their annotations say what everything is.
 
-KINDS: dict[Any, str] = {Vector: VECTOR, Wholes: WHOLES, float: REAL, int: WHOLE, bool: TRUTH}
+KINDS: dict[Any, str] = {
+    Vector: translation.VECTOR,
+    Wholes: translation.WHOLES,
+    float: translation.REAL,
+    int: translation.WHOLE,
+    bool: translation.TRUTH,
+}
 """Kinds of values by their annotations."""
 CALLED_BY_ADDRESS = {
     backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
     backend.call_contacts: ("name", "t", "w", "whole", "at", "to"),
 }
 """What is called by an address in a vector, and what it is given."""
-NUMBERS: Mapping[str, Any] = {REAL: ctypes.c_double, WHOLE: ctypes.c_int64}
-ARRAYS = {VECTOR: np.dtype(np.float64), WHOLES: np.dtype(np.int64)}
+NUMBERS: Mapping[str, Any] = {translation.REAL: ctypes.c_double, translation.WHOLE: ctypes.c_int64}
+ARRAYS = {translation.VECTOR: np.dtype(np.float64), translation.WHOLES: np.dtype(np.int64)}
 PLACE = ctypes.c_char * 0
 """What stands at the start of any memory that may be written."""
 SECONDS = 6.0
@@ -195,10 +182,14 @@ class KernelsCode(ObjectCode):
     def text(self) -> str:
         functions = [function_of(one) for one in _reached()]
         called = [
-            call_by_address(signature_of(one), order) for one, order in CALLED_BY_ADDRESS.items()
+            translation.call_by_address(signature_of(one), order)
+            for one, order in CALLED_BY_ADDRESS.items()
         ]
-        outside = [exported(name, signature_of(getattr(entries, name))) for name in self.symbols]
-        return "\n".join([translated(functions), *called, *outside])
+        outside = [
+            translation.exported(name, signature_of(getattr(entries, name)))
+            for name in self.symbols
+        ]
+        return "\n".join([translation.translated(functions), *called, *outside])
 
     def functions(self) -> SimpleNamespace:
         """Return the entries as Python functions of arrays, once they are ready."""
@@ -241,10 +232,19 @@ def _reached() -> list[FunctionType]:
 
 def _callees(function: FunctionType) -> Iterator[FunctionType]:
     for node in ast.walk(_definition(function)):
-        if isinstance(node, ast.Name):
-            other = function.__globals__.get(node.id)
+        if isinstance(node, ast.Name | ast.Attribute):
+            other = _outside(function, ast.unparse(node))
             if isinstance(other, FunctionType):
                 yield other
+
+
+def _outside(function: FunctionType, name: str) -> object:
+    """Return what a name outside a function stands for, which may be one in a module."""
+    module, _, last = name.rpartition(".")
+    if not module:
+        return function.__globals__.get(last)
+    found = function.__globals__.get(module)
+    return getattr(found, last, None) if isinstance(found, ModuleType) else None
 
 
 @functools.cache
@@ -258,14 +258,14 @@ def _definition(function: FunctionType) -> ast.FunctionDef:
 
 
 @functools.cache
-def signature_of(function: FunctionType) -> Signature:
+def signature_of(function: FunctionType) -> translation.Signature:
     """Return how a kernel is called, from its annotations."""
     # not from the source: to parse it takes longer than to load the machine code
     kinds, code = function.__annotations__, function.__code__
     place = function.__module__.removeprefix(f"{kernels.__name__}.")
     names = code.co_varnames[: code.co_argcount]
     taken = tuple((name, _kind(kinds.get(name), function)) for name in names)
-    return Signature(f"{place}.{function.__name__}", taken, _results(function))
+    return translation.Signature(f"{place}.{function.__name__}", taken, _results(function))
 
 
 def _results(function: FunctionType) -> tuple[str, ...]:
@@ -285,20 +285,20 @@ def _kind(annotation: object, function: FunctionType) -> str:
     )
 
 
-def function_of(function: FunctionType) -> Function:
+def function_of(function: FunctionType) -> translation.Function:
     """Return a kernel as it is translated, with what the names in it stand for."""
 
-    def meaning(name: str) -> Meaning | None:
-        found = function.__globals__.get(name)
+    def meaning(name: str) -> translation.Meaning | None:
+        found = _outside(function, name)
         if isinstance(found, FunctionType):
             return signature_of(found)
         return found if isinstance(found, bool | int | float | tuple) else None
 
     title = f"{function.__module__}.{function.__name__}"
-    return Function(_definition(function), signature_of(function), meaning, title)
+    return translation.Function(_definition(function), signature_of(function), meaning, title)
 
 
-def as_function(address: int, signature: Signature) -> Callable[..., Any]:
+def as_function(address: int, signature: translation.Signature) -> Callable[..., Any]:
     """Return machine code as a function of arrays and numbers, which are checked."""
     kinds = [kind for _, kind in signature.parameters]
     types: list[Any] = []

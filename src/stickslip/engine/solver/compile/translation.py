@@ -67,6 +67,7 @@ DECLARED = {
     "ceil": "double @llvm.ceil.f64(double)",
     "to whole": "i64 @llvm.fptosi.sat.i64.f64(double)",
 }
+CONSTANTS = {"math.inf": math.inf, "math.nan": math.nan}
 KEPT = "pow"
 LARGEST = 2**63
 
@@ -119,7 +120,7 @@ class Function:
     signature: Signature
     """How it is called; the definition has the same parameters."""
     meaning: Callable[[str], Meaning | None]
-    """What names outside it stand for."""
+    """What names outside it stand for, those in modules with the name of the module before."""
     title: str
     """Where it stands, for messages."""
 
@@ -545,7 +546,7 @@ class _Body:
             ):
                 return self._found(one, word, among, names)
         values = [self._value(node.left, names)]
-        values += [self._value(one, names) for one in node.comparators]
+        values += [self._value(comparator, names) for comparator in node.comparators]
         text = ""
         for op, left, right in zip(node.ops, values, values[1:], strict=False):
             if type(op) not in COMPARISONS or {left.kind, right.kind} & {VECTOR, WHOLES}:
@@ -581,15 +582,13 @@ class _Body:
         match node:
             case ast.Constant(value=bool() | int() | float() as number):
                 return self._number(number, node)
-            case ast.Name():
+            case ast.Name() | ast.Attribute(value=ast.Name()):
                 return self._named(node, names)
             case ast.Subscript(slice=ast.Slice()):
                 return self._slice(node, names)
             case ast.Subscript():
                 place, kind = self._place(node, names)
                 return self._result(kind, f"load {kind}, ptr {place}")
-            case ast.Attribute(value=ast.Name(id="math"), attr="inf" | "nan" as name):
-                return Value(REAL, _constant(getattr(math, name)))
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return self._negative(operand, names)
             case ast.UnaryOp(op=ast.Invert(), operand=operand):
@@ -615,16 +614,16 @@ class _Body:
             raise self._refused(node, "is too large")
         return Value(_kind(number), _constant(number))
 
-    def _named(self, node: ast.Name, names: set[str]) -> Value:
-        name = node.id
+    def _named(self, node: ast.Name | ast.Attribute, names: set[str]) -> Value:
+        name = ast.unparse(node)
         if name in names:
             if name in self._vectors:
                 return self._vectors[name]
             kind = self._kinds[name]
             return self._result(kind, f"load {kind}, ptr %{name}.place")
-        if name in self._kinds or name in self._vectors:
-            raise self._refused(node, "has no value here")
-        found = self.function.meaning(name)
+        found = None
+        if name.partition(".")[0] not in {*self._kinds, *self._vectors}:
+            found = CONSTANTS.get(name, self.function.meaning(name))
         if isinstance(found, tuple):
             return self._table(found)
         if found is None or isinstance(found, Signature):
@@ -750,16 +749,16 @@ class _Body:
                 values = [self._value(one, names) for one in given]
                 if {value.kind for value in values} <= {WHOLE, REAL}:
                     return self._extreme(name, values)
-            case ast.Call(func=ast.Name()):
+            case ast.Call(func=ast.Name() | ast.Attribute(value=ast.Name())):
                 results = self._called(node, names)
                 return results[0] if len(results) == 1 else None
         raise self._refused(node)
 
     def _called(self, node: ast.Call, names: set[str]) -> list[Value]:
-        """Call a function of the same module; return its results."""
-        meaning = None
-        if isinstance(node.func, ast.Name) and node.func.id not in names:
-            meaning = self.function.meaning(node.func.id)
+        """Call a function of this or another module; return its results."""
+        meaning, called = None, ast.unparse(node.func)
+        if called.partition(".")[0] not in names:
+            meaning = self.function.meaning(called)
         if not isinstance(meaning, Signature) or node.keywords:
             raise self._refused(node)
         if len(node.args) != len(meaning.parameters):
