@@ -51,9 +51,10 @@ lint: $(DEV) ## formatting, lint rules and sections of docstrings
 	$(call heading,docstrings)
 	$(BIN)/python -m tools.docstrings
 
-types: $(DEV) ## static types
+types: $(DEV) ## static types, on this system and on Windows
 	$(call heading,mypy)
 	$(BIN)/mypy
+	$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32
 
 architecture: $(DEV) ## import contracts, and the size of each room beside its budget
 	$(call heading,lint-imports)

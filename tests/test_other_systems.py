@@ -5,6 +5,7 @@ What this cannot show is whether the code computes the same there.
 
 import ast
 import os
+import re
 import subprocess
 import sys
 import textwrap
@@ -111,35 +112,84 @@ def test_a_function_that_a_system_lacks_is_noticed():
         check_links(code_of(formulate(BLOCK, LAWS[0])), "macOS on Arm", STANDARD - {"cos"})
 
 
-POSIX_MODULES = {"fcntl", "grp", "pwd", "resource", "termios", "pty", "tty", "posix", "syslog"}
-POSIX_NAMES = (
-    {name for name in dir(os) if name.startswith(("sched_", "WIF", "WEXIT", "set", "getg", "gete"))}
-    | {"getuid", "fork", "forkpty", "nice", "killpg", "chown", "lchown", "mkfifo", "uname", "wait"}
-    | {"O_NOFOLLOW", "O_NONBLOCK", "O_DIRECTORY", "O_CLOEXEC", "sysconf", "getloadavg", "geteuid"}
-) - {"setattr"}
-GUARDS = {
-    ("engine/solver/compile/object_code.py", "geteuid"): "if HAS_MODES",
-    ("engine/solver/compile/modules.py", "nice"): "suppress(AttributeError, OSError)",
-    ("show/documents.py", "getuid"): 'hasattr(os, "getuid")',
-}
-"""Where something of POSIX is used by its name, and what keeps it from other systems."""
+POSIX_ONLY = """
+import fcntl, os, pwd, resource, signal
+os.getuid()
+os.fork()
+os.nice(1)
+fcntl.flock(0, fcntl.LOCK_EX)
+pwd.getpwuid(0)
+resource.getrlimit(resource.RLIMIT_AS)
+os.kill(0, signal.SIGKILL)
+if sys.platform != "win32":
+    os.getuid()
+"""
+
+
+def test_types_are_checked_as_they_are_on_windows() -> None:
+    makefile = (PACKAGE.parents[1] / "Makefile").read_text(encoding="utf-8")
+    (command,) = re.findall(r"\$\(BIN\)/mypy (--platform win32) --cache-dir ", makefile)
+    api = pytest.importorskip("mypy.api", reason="mypy is for contributors")
+    calls = f"import sys{POSIX_ONLY}"
+    settings = ("--config-file=", "--cache-dir", os.devnull)
+    out, err, _ = api.run([*settings, *command.split(), "-c", calls])
+    assert not err
+    refused = {int(line) for line in re.findall(r"^<string>:(\d+): error", out, re.MULTILINE)}
+    assert refused == {3, 4, 5, 6, 7, 8, 9}
+
+
+PLACES = re.compile(r"/(bin|dev|etc|home|opt|proc|tmp|usr|var)(/|$)")
+"""Beginnings of paths that Windows does not have, macOS partly."""
+
+
+class PlacesOfPosix(ast.NodeVisitor):
+    """What names a place of POSIX, or splits paths at colons, outside ``if sys.platform ...``."""
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+
+    def visit_If(self, node: ast.If) -> None:
+        if "sys.platform" not in ast.unparse(node.test):
+            self.generic_visit(node)
+
+    def visit_Expr(self, node: ast.Expr) -> None:
+        if not isinstance(node.value, ast.Constant):  # a docstring
+            self.generic_visit(node)
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        if isinstance(node.value, str) and PLACES.match(node.value):
+            self.found.append(f"line {node.lineno}: {node.value!r}")
+
+    def visit_Call(self, node: ast.Call) -> None:
+        text = ast.unparse(node)
+        if re.search(r"environ.*split\(':'\)|':'\.join\(.*(sys\.path|environ)", text):
+            self.found.append(f"line {node.lineno}: {text}")
+        self.generic_visit(node)
+
+
+def places(text: str) -> list[str]:
+    visitor = PlacesOfPosix()
+    visitor.visit(ast.parse(text))
+    return visitor.found
 
 
 @for_all(sorted(PACKAGE.rglob("*.py")))
-def test_what_only_posix_has_is_asked_for_where_it_may_be_missing(path: Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    imported = {
-        alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names
-    }
-    assert not imported & POSIX_MODULES, "it is imported with the module"
-    for node in ast.walk(tree):
-        if not (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):
-            continue
-        if node.value.id == "os" and node.attr in POSIX_NAMES:
-            guard = GUARDS.get((path.relative_to(PACKAGE).as_posix(), node.attr))
-            assert guard is not None, f"line {node.lineno}: os.{node.attr}"
-            assert guard in text
+def test_no_place_of_posix_is_taken_for_granted(path: Path) -> None:
+    assert not places(path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        'open("/tmp/x")',
+        'Path("/proc") / "self"',
+        'environ["PATH"].split(":")',
+        '":".join(sys.path)',
+    ],
+)
+def test_a_place_of_posix_is_noticed(code):
+    assert places(code)
+    assert not places(f'if sys.platform == "linux":\n    {code}')
 
 
 WITHOUT_POSIX = """
@@ -163,8 +213,8 @@ for name in ("fcntl", "grp", "pwd", "resource", "termios"):
 for name in ("getuid", "geteuid", "getgid", "getegid", "fork", "nice", "killpg", "O_NONBLOCK",
              "O_NOFOLLOW"):
     delattr(os, name)
-object_code.HAS_MODES = False
-documents.sys = types.SimpleNamespace(platform="win32")
+for module in (documents, object_code):
+    module.sys = types.SimpleNamespace(platform="win32")
 from stickslip.cli import main
 for arguments in {arguments!r}:
     try:
@@ -217,7 +267,7 @@ def windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     locks = SimpleNamespace(LK_NBLCK=2, locking=locking)
     monkeypatch.setitem(sys.modules, "msvcrt", locks)
-    monkeypatch.setitem(sys.modules, "fcntl", None)
+    monkeypatch.setattr(documents, "sys", SimpleNamespace(platform="win32"))
     monkeypatch.delattr(os, "getuid")
 
 

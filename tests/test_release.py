@@ -94,6 +94,27 @@ def test_a_workflow_is_yaml_with_least_permissions(path: Path) -> None:
                 assert not re.search(r"\b(pip|make|pytest)\b", run)
 
 
+def test_the_files_that_are_published_are_those_that_were_tested() -> None:
+    yaml = pytest.importorskip("yaml", reason="PyYAML comes with the extra ros")
+    tests, release = (
+        yaml.safe_load(text_of(f".github/workflows/{name}.yml"))["jobs"]
+        for name in ("tests", "release")
+    )
+    package, describe = tests["package"]["steps"], release["describe"]["steps"]
+    (kept,) = [step["with"]["name"] for step in package if "upload" in step.get("uses", "")]
+    (taken,) = [step["with"]["name"] for step in describe if "download" in step.get("uses", "")]
+    assert taken == kept
+    assert release["describe"]["needs"] == "tests"
+    assert release["publish"]["needs"] == "describe"
+    assert not re.search(r"-m (build|tools\.package)\b", text_of(".github/workflows/release.yml"))
+
+
+def test_ratios_of_a_night_are_of_errors_found_in_that_night() -> None:
+    text = text_of(".github/workflows/nightly.yml")
+    (made,) = re.findall(r"stickslip benchmark .*--output (\S+)", text)
+    assert f"benchmarks.ratios --friction {made}/results.csv --output" in text
+
+
 def test_all_extras_are_tested_at_their_bounds_and_described() -> None:
     (line,) = re.findall(r"^EXTRAS := (.*)$", MAKEFILE, re.MULTILINE)
     # peers of the benchmark have bounds of their own on each other
@@ -117,7 +138,16 @@ def test_the_paper_has_the_length_and_the_sources_that_its_journal_asks_for() ->
     known = set(re.findall(r"^@\w+\{(\w+),$", text_of("paper/paper.bib"), re.MULTILINE))
     assert set(re.findall(r"@(\w+)", body)) == known
     headings = re.findall(r"^# (.*)$", body, re.MULTILINE)
-    assert {"Summary", "Statement of need", "State of the field", "References"} <= set(headings)
+    assert headings == [
+        "Summary",
+        "Statement of need",
+        "State of the field",
+        "Software design",
+        "Research impact statement",
+        "AI usage disclosure",
+        "Acknowledgements",
+        "References",
+    ]
 
 
 PAGES = {

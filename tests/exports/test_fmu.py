@@ -3,6 +3,7 @@
 import ctypes
 import dataclasses
 import itertools
+import platform
 import subprocess
 import sys
 import zipfile
@@ -523,7 +524,7 @@ def test_refusals_leave_no_file(folder, monkeypatch):
     refused("already exists", BLOCK, COULOMB, file="block.fmu")
     monkeypatch.setenv("PATH", str(folder / "nowhere"))
     refused("there is none .cc, gcc or clang.: install one", BLOCK, COULOMB)
-    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr(platform, "system", lambda: "Darwin")
     refused("is made on Linux", BLOCK, COULOMB)
     with pytest.raises(InputError, match="export_fmu"):
         export(COULOMB, "fmu")

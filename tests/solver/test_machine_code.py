@@ -6,6 +6,7 @@ import stat
 import subprocess
 import sys
 import warnings
+from types import SimpleNamespace
 
 import pytest
 
@@ -300,7 +301,7 @@ def test_a_warning_is_given_once(file):
 
 def test_nothing_is_judged_where_there_are_no_mode_bits(file, monkeypatch):
     file.parent.chmod(0o777)
-    monkeypatch.setattr(object_code, "HAS_MODES", False)
+    monkeypatch.setattr(object_code, "sys", SimpleNamespace(platform="win32"))
     assert not CODE.load()
 
 

@@ -183,7 +183,7 @@ def require_library(name: str, extra: str, otherwise: str = "") -> "ModuleType":
     except ImportError:
         other = f", or {otherwise}" if otherwise else ""
         raise InputError(
-            f"{name} is not installed: pip install 'stickslip[{extra}]'{other}."
+            f"{name.partition('.')[0]} is not installed: pip install 'stickslip[{extra}]'{other}."
         ) from None
 
 

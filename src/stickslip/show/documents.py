@@ -5,7 +5,6 @@ import ctypes
 import errno
 import glob
 import hashlib
-import importlib
 import json
 import math
 import os
@@ -346,12 +345,13 @@ def is_free(lock: int) -> bool:
 
 
 def _take(lock: int) -> None:
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        locks: Any = importlib.import_module("msvcrt")
-        locks.locking(lock, locks.LK_NBLCK, 1)
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
     else:
+        import fcntl
+
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
@@ -361,9 +361,8 @@ def _remove_abandoned() -> None:
         with contextlib.suppress(OSError):
             found = left.lstat()
             old = time.time() - found.st_mtime > YOUNG
-            user = (
-                os.getuid() if hasattr(os, "getuid") else found.st_uid
-            )  # Windows has a folder each
+            # Windows has a folder for each user.
+            user = os.getuid() if hasattr(os, "getuid") else found.st_uid
             if old and stat.S_ISDIR(found.st_mode) and found.st_uid == user:
                 with open_regular(left / ".lock") as lock:
                     abandoned = is_free(lock.fileno())

@@ -19,6 +19,7 @@ from typing_extensions import override
 from stickslip.data.readers.table import Table, json_of, one_line, parsed_as
 from stickslip.data.readers.topics import Log, Topic, table_of
 from stickslip.errors import MOST_NUMBERS, InputError, check_size
+from stickslip.show.display import require_library
 from stickslip.show.documents import open_regular, private_folder
 from stickslip.show.formatting import joined, number
 
@@ -207,16 +208,12 @@ LARGEST_JSON: Final = 2**24
 
 def read_mcap(path: Path, names: Collection[str] = ()) -> Table:
     """Return the states of joints in a log."""
-    try:
-        from mcap.decoder import DecoderFactory
-        from mcap.exceptions import DecoderNotFoundError, McapError
-        from mcap.reader import make_reader
-        from mcap_ros2.decoder import DecoderFactory as Ros2
-    except ImportError:
-        raise InputError(
-            f"{path}: MCAP files need the packages mcap and mcap-ros2-support: pip install"
-            " 'stickslip[logs]'."
-        ) from None
+    for name in ("mcap.reader", "mcap_ros2.decoder"):
+        require_library(name, "logs", f"convert {path} to CSV")
+    from mcap.decoder import DecoderFactory
+    from mcap.exceptions import DecoderNotFoundError, McapError
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory as Ros2
 
     class Json(DecoderFactory):
         @override
@@ -315,13 +312,10 @@ LARGEST_METADATA: Final = 2_000_000
 
 def read_bag(path: Path, names: Collection[str] = ()) -> Table:
     """Return the states of joints in a bag."""
-    try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        raise InputError(
-            f"{path}: ROS bags need the package rosbags: pip install 'stickslip[logs]'."
-        ) from None
+    require_library("rosbags.highlevel", "logs", f"convert {path} to CSV")
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
     with parsed_as(path, "a ROS bag"):
         said = _described(path) if path.name == METADATA else _Described(files=(path,))
         with ExitStack() as stack:

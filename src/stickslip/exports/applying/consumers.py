@@ -20,6 +20,7 @@ from stickslip.exports.joints import JointFriction, SmoothFriction, compared, st
 from stickslip.exports.program import Subject
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.quantities import named
+from stickslip.show.display import require_library
 from stickslip.show.documents import check_xml, read_bytes
 from stickslip.show.formatting import quantity
 
@@ -49,13 +50,7 @@ class Ros2(models.Model):
     @cached_property
     def nodes(self) -> Sequence[tuple[str, Mapping[str, Any]]]:
         """Parameters of nodes by name, as nodes of YAML."""
-        try:
-            import yaml
-        except ImportError:
-            raise InputError(
-                f"{self.path}: parameters of ROS 2 need the package PyYAML: pip install"
-                " 'stickslip[ros]'."
-            ) from None
+        yaml = require_library("yaml", "ros")
         try:
             text = self.data.decode("utf-8")
             root = yaml.compose(text, Loader=yaml.SafeLoader)

@@ -9,6 +9,7 @@ import copy
 import math
 import re
 import stat
+import sys
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -32,6 +33,7 @@ from stickslip.mechanisms import Axis, gear_inputs, given_inputs, input_names
 from stickslip.mechanisms.drives import Drive, PiecewiseLinear, Sine
 from stickslip.quantities import turned
 from stickslip.show.described import Described
+from stickslip.show.display import require_library
 from stickslip.show.formatting import percent, quantity
 
 # What a model asks of MuJoCo, refused before any of it is done.
@@ -96,21 +98,18 @@ def limited_memory() -> Iterator[None]:
 
     It is the memory of the process that has a limit meanwhile, where the system knows one.
     """
-    try:
-        import resource
+    with contextlib.ExitStack() as stack:
+        if sys.platform == "linux":
+            import resource
 
-        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
-        before = resource.getrlimit(resource.RLIMIT_AS)
-        limits = [one for one in before if one != resource.RLIM_INFINITY]
-        most = min([pages * resource.getpagesize() + LARGEST_GROWTH, *limits])
-        resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
-    except (ImportError, OSError):  # not Linux
+            with contextlib.suppress(OSError):  # not told
+                pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+                before = resource.getrlimit(resource.RLIMIT_AS)
+                limits = [one for one in before if one != resource.RLIM_INFINITY]
+                most = min([pages * resource.getpagesize() + LARGEST_GROWTH, *limits])
+                resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
+                stack.callback(resource.setrlimit, resource.RLIMIT_AS, before)
         yield
-        return
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 def timed(steps: Iterable[T]) -> Iterator[T]:
@@ -278,12 +277,9 @@ class Compiled:
 def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Compiled | None, str]:
     """Return a file as MuJoCo has it, or why there is nothing where MuJoCo does not take it."""
     try:
-        import mujoco
-    except ImportError:
-        return None, (
-            "MuJoCo is not installed, so the file was not run in it:"
-            " pip install 'stickslip[mujoco]'."
-        )
+        mujoco = require_library("mujoco", "mujoco")
+    except InputError as error:
+        return None, f"The file was not run in MuJoCo: {error}"
     if isinstance(model, Mjcf) and model.markup.root.name == "mujocoinclude":
         return None, "The file is a part of a model, so it was not run in MuJoCo."
     try:

@@ -7,7 +7,6 @@ import math
 import platform
 import shutil
 import subprocess
-import sys
 import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -200,7 +199,7 @@ FLAGS = (
 
 def compiler_here() -> str:
     """Return the C compiler; refuse early where no binary can be made."""
-    if sys.platform != "linux" or platform.machine() != "x86_64":
+    if platform.system() != "Linux" or platform.machine() != "x86_64":
         raise InputError(
             f"an FMU is made on Linux on x86-64, and this is {platform.system()} on"
             f" {platform.machine()}: export the rig on such a machine."

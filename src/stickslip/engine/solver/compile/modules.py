@@ -333,8 +333,9 @@ def _is_python() -> bool:
 
 def main() -> None:
     """Compile the equations that stdin tells, and the kernels."""
-    with contextlib.suppress(AttributeError, OSError):
-        os.nice(POLITE)
+    if sys.platform != "win32":
+        with contextlib.suppress(OSError):
+            os.nice(POLITE)
     pair, program, numbers = json.load(sys.stdin)
     EquationsCode(pair, program, tuple((name, number) for name, number in numbers)).load()
     KERNELS.load()

@@ -8,6 +8,7 @@ import itertools
 import os
 import shlex
 import stat
+import sys
 import tempfile
 import threading
 import warnings
@@ -32,8 +33,6 @@ from stickslip.errors import CompilationError
 
 Processor: TypeAlias = tuple[str, str, str]
 """A kind of processor: triple, name and features, as LLVM calls them."""
-HAS_MODES = os.name == "posix"
-"""Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
 BASE_FEATURES = "+64bit,+sse2"
@@ -86,9 +85,10 @@ def _trusted(folder: Path) -> Path:
 
     It belongs to one of them and nobody else may write to it. Nobody else may rename the folders
     above it either, where a group that has this user or root as its only member is nobody else.
-    Whose those are is not asked: containers and networks show homes under other owners.
+    Whose those are is not asked: containers and networks show homes under other owners. Windows has
+    access lists in place of owners and mode bits, and what lies in a user's folders is his own.
     """
-    if HAS_MODES:
+    if sys.platform != "win32":
         _refuse_foreign(folder, folder.stat(), OTHERS_WRITE)
         for parent in folder.parents:
             status = parent.stat()
@@ -103,10 +103,11 @@ def _trusted(folder: Path) -> Path:
 
 def _refuse_foreign(path: Path, status: os.stat_result, modes: int) -> None:
     """Refuse what is another user's, or has one of these mode bits."""
-    if status.st_uid not in (os.geteuid(), 0):  # root may write anywhere anyway
-        raise _not_trusted(path, f"{path} belongs to another user")
-    if status.st_mode & modes:
-        raise _not_trusted(path, _open_to_others(path, "-R go-w"))
+    if sys.platform != "win32":
+        if status.st_uid not in (os.geteuid(), 0):  # root may write anywhere anyway
+            raise _not_trusted(path, f"{path} belongs to another user")
+        if status.st_mode & modes:
+            raise _not_trusted(path, _open_to_others(path, "-R go-w"))
 
 
 def _open_to_others(path: Path, modes: str) -> str:
@@ -120,17 +121,16 @@ def _not_trusted(path: Path, reason: str) -> OSError:
 @functools.cache
 def _is_private(group: int) -> bool:
     """Whether nobody is in a group but root, or this user, whose name it then has."""
-    import grp
-    import pwd
+    private = group == 0
+    if sys.platform != "win32" and not private:
+        import grp
+        import pwd
 
-    if group == 0:
-        return True
-    try:
-        own, user = grp.getgrgid(group), pwd.getpwuid(os.geteuid())
-    except KeyError:
-        return False
-    named_alike = user.pw_gid == group and own.gr_name == user.pw_name
-    return named_alike and set(own.gr_mem) <= {user.pw_name}
+        with contextlib.suppress(KeyError):
+            own, user = grp.getgrgid(group), pwd.getpwuid(os.geteuid())
+            named_alike = user.pw_gid == group and own.gr_name == user.pw_name
+            private = named_alike and set(own.gr_mem) <= {user.pw_name}
+    return private
 
 
 def _refuse_foreign_file(path: Path) -> None:
@@ -138,12 +138,11 @@ def _refuse_foreign_file(path: Path) -> None:
 
     A file of one's own that others may write to is one's own if they cannot enter its folder.
     """
-    if HAS_MODES:
-        status = path.lstat()
-        if stat.S_ISLNK(status.st_mode):
-            raise _not_trusted(path, f"{path} is a link: remove it")
-        open_to_others = path.parent.stat().st_mode & OTHERS_ENTER
-        _refuse_foreign(path, status, OTHERS_WRITE if open_to_others else 0)
+    status = path.lstat()
+    if stat.S_ISLNK(status.st_mode):
+        raise _not_trusted(path, f"{path} is a link: remove it")
+    open_to_others = path.parent.stat().st_mode & OTHERS_ENTER
+    _refuse_foreign(path, status, OTHERS_WRITE if open_to_others else 0)
 
 
 def _write(path: Path, content: bytes) -> None:
