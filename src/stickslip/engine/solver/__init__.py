@@ -27,6 +27,7 @@ HOMES = {
 INSIDE = {
     "BareRun": "event_driven",
     "Equations": "backend",
+    "Form": "event_driven",
     "IncrementalEnsemble": "incremental",
     "IncrementalRun": "incremental",
     "as_numbers": "ensembles",
