@@ -672,12 +672,13 @@ def replaced(root: Any, prefix: str, path: str, value: float) -> Any:
     if isinstance(root, tuple):
         place = int(name)
         return (*root[:place], replaced(root[place], inner, path, value), *root[place + 1 :])
-    if isinstance(root, Group):
+    values = {own: getattr(root, own) for own in _names(type(root))}
+    if name in values:
+        values[name] = replaced(values[name], inner, path, value)
+    else:  # of a group
         members = dict(root.members)
         members[name] = replaced(members[name], inner, path, value)
-        return unchecked(type(root), members=tuple(members.items()))
-    values = {own: getattr(root, own) for own in _names(type(root))}
-    values[name] = replaced(values[name], inner, path, value)
+        values["members"] = tuple(members.items())
     return unchecked(type(root), **values)
 
 

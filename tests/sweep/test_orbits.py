@@ -14,8 +14,10 @@ from stickslip import (
     Capsule,
     Coulomb,
     Dahl,
+    EventDriven,
     Pendulum,
     PendulumCart,
+    Stribeck,
     Viscous,
     simulate,
 )
@@ -37,6 +39,9 @@ CAPSULE = Capsule(
     drive=Torque(drive=Sine(amplitude=0.2, frequency=13.0)),
 )
 ROUGH = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+FADING = Stribeck(
+    kinetic_coefficient=0.2, static_coefficient=0.25, stribeck_velocity=0.05, fading_exponent=1.5
+)
 
 
 def oscillator(b=0.8, force=1.0, phase=0.0, **settings):
@@ -49,6 +54,36 @@ def capsule_at(frequency, phase=0.0):
     return replace(
         CAPSULE, drive=Torque(drive=Sine(amplitude=0.2, frequency=frequency, phase=phase))
     )
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "law", "path", "value"),
+    [
+        (CAPSULE, ROUGH, FREQUENCY, 11.0),
+        (CAPSULE, ROUGH, "friction.static_coefficient", 0.23),
+        (
+            replace(CAPSULE, drive=Torque(drive=Square(high=0.2, low=-0.1, period=0.15))),
+            ROUGH,
+            "mechanism.drive.drive.period",
+            0.14,
+        ),
+        (CAPSULE, FADING, "friction.fading_exponent", 1.7),
+    ],
+    ids=["sine", "law", "pieces of a drive", "shape of an equation"],
+)
+def test_a_shot_is_the_run_of_its_own_pair_to_the_bit(mechanism, law, path, value):
+    # equations are looked up once for all values of a parameter
+    map_ = return_map(mechanism, law, 2, None, EventDriven(), path)
+    y = np.linspace(1e-3, 2e-3, len(map_.names))
+    shot = map_.shoot(y, value)
+    begin = {**shot.mechanism.start(), **dict(zip(map_.names, y, strict=True))}
+    start = [begin.get(name, 0.0) for name in map_.states]
+    run = EventDriven().bare(shot.mechanism, shot.law, y0=start, t_end=shot.period)
+    end = np.array([shot.period])
+    free = list(map_.free)
+    np.testing.assert_array_equal(run.at(end)[0][free] - y, shot.residual)
+    paths = [f"initial.{name}" for name in map_.names]
+    np.testing.assert_array_equal(run.differentiate(end, paths)[0][free], shot.monodromy)
 
 
 def den_hartog(b, ratio):

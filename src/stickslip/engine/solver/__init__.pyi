@@ -17,6 +17,7 @@ from stickslip.engine.solver.ensembles import check_columns as check_columns
 from stickslip.engine.solver.ensembles import run_ensemble as run_ensemble
 from stickslip.engine.solver.event_driven import BareRun as BareRun
 from stickslip.engine.solver.event_driven import EventDriven as _EventDriven
+from stickslip.engine.solver.event_driven import Form as Form
 from stickslip.engine.solver.event_driven import status_of as status_of
 from stickslip.engine.solver.fixed_step import FixedStep as _FixedStep
 from stickslip.engine.solver.fixed_step import Method as Method

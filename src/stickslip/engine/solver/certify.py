@@ -451,10 +451,12 @@ class Sensing:
     """End that was asked for."""
     told: tuple[str, ...]
     """States that began where the mechanism says."""
+    sloped: Model | None = None
+    """Equations with derivatives, where they are known."""
 
     def __call__(self, t: Array, paths: Sequence[str]) -> Array:
         """Return sensitivities (n, states, paths) at times (n,)."""
-        model = formulate(self.mechanism, self.law, slopes=True)
+        model = self.sloped or formulate(self.mechanism, self.law, slopes=True)
         full = list(paths)
         if not {*model.parameter_paths, *map("initial.{}".format, model.states)}.issuperset(paths):
             roots = roots_of(self.mechanism, self.law)

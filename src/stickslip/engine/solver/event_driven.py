@@ -24,7 +24,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,14 @@ from stickslip.engine.solver.run import (
     execute,
     path_units,
 )
-from stickslip.engine.solver.starts import Inputs, gather, inputs_of, numbers_of, within_stops
+from stickslip.engine.solver.starts import (
+    Inputs,
+    gather,
+    inputs_of,
+    numbers_of,
+    refuse_turned,
+    within_stops,
+)
 from stickslip.engine.trajectory import Certificate, Event, Status, Trajectory
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
@@ -424,7 +431,13 @@ class EventDriven(Solver):
         return replace(run, certificate=replace(run.certificate, error_estimate=error))
 
     def bare(
-        self, mechanism: Mechanism, law: FrictionLaw | Laws, *, y0: Sequence[float], t_end: float
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | Laws,
+        *,
+        y0: Sequence[float],
+        t_end: float,
+        form: "Form | None" = None,
     ) -> "BareRun":
         """Run without a certificate, for searches, which make runs by the thousand.
 
@@ -438,16 +451,24 @@ class EventDriven(Solver):
             State at time 0: coordinates, rates, bristles [SI].
         t_end : float
             Last time [s].
+        form : Form, optional
+            Their equations and numbers; looked up if not given.
 
         Returns
         -------
         BareRun
             Status, states and sensitivities of the run.
         """
-        model = formulate(mechanism, law)
-        inputs, start = gather(mechanism, law, model, t_end), within_stops(mechanism, y0)
+        if form is None:
+            model, sloped = formulate(mechanism, law), None
+            inputs = gather(mechanism, law, model, t_end)
+        else:
+            model, sloped = form.model, form.sloped
+            refuse_turned(mechanism, model)
+            inputs = inputs_of(mechanism, form.p, t_end)
+        start = within_stops(mechanism, y0)
         record = self._executed(model, inputs, start, t_end, self.tolerance_for(law))
-        return bare_run(mechanism, law, model, inputs, record, t_end)
+        return bare_run(mechanism, law, model, inputs, record, t_end, sloped)
 
     def _executed(
         self,
@@ -467,6 +488,33 @@ class EventDriven(Solver):
             limit=int(self.max_steps),
             tier=self.tier,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """The equations of runs that differ in numbers only, for searches, which look them up once."""
+
+    model: Model
+    """Equations of a mechanism with a law."""
+    sloped: Model
+    """The same with their derivatives."""
+    p: list[float]
+    """Parameters in the order of the models, not to be changed."""
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, law: FrictionLaw | Laws) -> Self:
+        """Look up the equations of a mechanism with a law."""
+        model = formulate(mechanism, law)
+        sloped = formulate(mechanism, law, slopes=True)
+        return cls(model, sloped, numbers_of(mechanism, law, model))
+
+    def at(self, path: str, value: float) -> "Form":
+        """Return the form with a value of the parameter at a full path, if equations have it."""
+        if path not in self.model.parameter_paths:
+            return self
+        p = self.p.copy()
+        p[self.model.parameter_paths.index(path)] = value
+        return Form(self.model, self.sloped, p)
 
 
 @dataclass(frozen=True, eq=False)
@@ -548,6 +596,7 @@ def bare_run(
     inputs: Inputs,
     record: Record,
     t_end: float,
+    sloped: Model | None = None,
 ) -> BareRun:
     """Wrap what the kernels recorded, without a certificate."""
     whole = record.whole
@@ -555,7 +604,7 @@ def bare_run(
         states=model.states,
         status=status_of(whole[layout.STATUS], model),
         playback=Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS]),
-        differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
+        differentiate=Sensing(mechanism, law, inputs, record, t_end, (), sloped),
     )
 
 

@@ -137,7 +137,7 @@ LOOKS = 0.02
 """Time in plain Python after which files are looked at again [s]: that takes a hundredth of it."""
 STRETCH = 500
 """Steps in plain Python after which a run asks whether machine code would pay."""
-FIRST_ROWS = 64
+FIRST_ROWS = 128
 """Rows of steps and of events that a run begins with room for."""
 
 

@@ -292,10 +292,10 @@ def schedule(
 
 def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
     if not _has_pieces(drives, t_end):
-        smooth = [_smooth_bound(drive, side, count) for drive in drives for side in (0, 1)]
+        row = [BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)]
         return Schedule(
-            table=np.tile([BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)], (count, 1)),
-            bounds=np.stack(smooth, axis=1) if smooth else np.zeros((count, 0)),
+            table=np.full((count, len(row)), row),
+            bounds=_smooth_bounds(drives, count).reshape(count, -1),
             time_scale=_time_scale(drives, count),
         )
     tables = [[_columns(part.pieces(t_end), count) for part in parts_of(drive)] for drive in drives]
@@ -474,25 +474,28 @@ def _taken(table: Array, index: NDArray[np.intp]) -> Array:
 def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Array:
     """Return least and largest value of each drive from each start on (count, all)."""
     count, pieces = starts.shape
-    bounds = np.zeros((count, pieces, len(drives), 2))
+    bounds = np.empty((count, pieces, len(drives), 2))
+    smooth = _smooth_bounds(drives, count)
     ends = np.concatenate([starts[:, 1:], np.full((count, 1), math.inf)], axis=1)
-    for k, (drive, row) in enumerate(zip(drives, rows, strict=True)):
+    for k, row in enumerate(rows):
         value, slope = row[:, :, 0], row[:, :, 1]
         # the last piece never ends: without the inner choice, slope 0 times infinity would be NaN
         last = np.where(slope == 0.0, value, value + slope * np.where(slope == 0, 0, ends - starts))
-        smooth = [_smooth_bound(drive, side, count) for side in (0, 1)]
         for side, best in enumerate((np.minimum, np.maximum)):
             # From each piece on: extremes are gathered from the end backwards.
             reached = best.accumulate(best(value, last)[:, ::-1], axis=1)[:, ::-1]
-            bounds[:, :, k, side] = reached + smooth[side][:, None]
+            bounds[:, :, k, side] = reached + smooth[:, k, side, None]
     return bounds.reshape(count, -1)
 
 
-def _smooth_bound(drive: Drive, side: int, count: int) -> Array:
-    return sum(
-        (np.broadcast_to(part.smooth_bound()[side], count) for part in parts_of(drive)),
-        np.zeros(count),
-    )
+def _smooth_bounds(drives: Sequence[Drive], count: int) -> Array:
+    """Return least and largest value of the smooth part of each drive (count, drives, 2)."""
+    bounds = np.zeros((count, len(drives), 2))
+    for k, drive in enumerate(drives):
+        for part in parts_of(drive):
+            for side, value in enumerate(part.smooth_bound()):
+                bounds[:, k, side] += value
+    return bounds
 
 
 def _time_scale(drives: Sequence[Drive], count: int) -> Array:

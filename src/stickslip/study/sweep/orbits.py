@@ -32,12 +32,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.simulation import GivenFriction, event_driven_law, initial_state
-from stickslip.engine.solver import BareRun, EventDriven
+from stickslip.engine.solver import BareRun, EventDriven, Form
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.quantities import replaced, vary
+from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
 from stickslip.study.sweep.parameter_grid import (
@@ -303,6 +303,15 @@ class ReturnMap:
         """Names of the states that are solved for."""
         return tuple(self.states[i] for i in self.free)
 
+    @cached_property
+    def form(self) -> Form | None:
+        """The equations of all runs; None if some values of the parameter shape them."""
+        for root, prefix in ((self.mechanism, "mechanism"), (self.law, "friction")):
+            for path, quantity, _ in parameters(root, prefix):
+                if path == self.path and not quantity.structural:
+                    return Form.of(self.mechanism, self.law)
+        return None if self.path else Form.of(self.mechanism, self.law)
+
     def pair(self, value: float) -> tuple[Mechanism, FrictionLaw | Laws]:
         """Return mechanism and law with a value of the parameter."""
         if self.path is None:
@@ -331,12 +340,14 @@ class ReturnMap:
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
         # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        y = np.where(np.abs(y) <= _EPSILON * np.abs(y).max(initial=0.0), 0.0, y)
-        if not np.isfinite(y).all():
+        largest = np.abs(y).max(initial=0.0)
+        if not np.isfinite(largest):
             raise SimulationError("a step has left all finite states.")
+        y = np.where(np.abs(y) <= _EPSILON * largest, 0.0, y)
         begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
         start = [float(begin.get(name, 0.0)) for name in self.states]
-        run = self.solver.bare(mechanism, law, y0=start, t_end=period)
+        form = self.form if self.form is None else self.form.at(str(self.path), value)
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=form)
         if not run.status.complete:
             raise SimulationError(run.status.value)
         states = run.at(period * _SHARES)
