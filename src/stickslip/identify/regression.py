@@ -61,16 +61,6 @@ FEW = 2.0
 """Degrees of freedom from which residuals of independent rows tell the noise."""
 FIXED = 1.0 / np.finfo(float).eps
 """Precision of what is not fitted, over that of all rows."""
-NORMAL = (THRESHOLDS.freedom + 1.0) * (
-    1.0
-    - math.sqrt(0.5 * math.pi * THRESHOLDS.freedom)
-    * float(erfcx(math.sqrt(THRESHOLDS.freedom / 2)))
-)
-"""Mean of (nu + 1) u^2 / (nu + u^2) over normal residuals u."""
-ROUNDS = 20
-"""Rounds of a fit by Student's t, which converge by a half and more each."""
-FEW_ROWS = 64
-"""Rows among which a single one may draw a fit away from the others."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -466,24 +456,26 @@ def _student_fit(
     Of many rows no single one draws the fit: then it begins with all of them only.
     """
     problem, nu = regression.problem, THRESHOLDS.freedom
+    # of normal residuals u, the mean of (nu + 1) u^2 / (nu + u^2)
+    normal = (nu + 1.0) * (1.0 - math.sqrt(0.5 * math.pi * nu) * float(erfcx(math.sqrt(0.5 * nu))))
     a, penalty = regression.design(structure)
     a, y, count = a / deviation[:, None], problem.response / deviation, len(deviation)
     begun = np.ones((1, count))
-    if count <= FEW_ROWS:
+    if count <= TOGETHER:
         begun = np.vstack([begun, 1.0 - np.eye(count)[_between(problem.speeds(problem.rows))]])
     weights = begun + NOTHING
     scale = np.full((len(weights), 1), float(np.sqrt(np.mean(y**2))) + NOTHING)
-    for _ in range(ROUNDS):
+    for _ in range(THRESHOLDS.weighings):
         gram = (a.T * weights[:, None]) @ a
         ridge = np.diagonal(gram, axis1=1, axis2=2) * 1e-9 + penalty + NOTHING
         inverse = np.linalg.inv(gram + ridge[:, None] * np.eye(a.shape[1]))
         c = np.einsum("mij,mj->mi", inverse, (weights * y) @ a)
         leverage = weights * np.sum((a @ inverse) * a, axis=2)
         e = np.abs(y - c @ a.T) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
-        for _ in range(ROUNDS):
+        for _ in range(THRESHOLDS.weighings):
             z = (e / scale) ** 2
             mean = np.mean((nu + 1.0) * z / (nu + z), axis=1, keepdims=True)
-            scale *= np.sqrt(mean / NORMAL) + NOTHING
+            scale *= np.sqrt(mean / normal) + NOTHING
         weights = (nu + 1.0) / (nu + (e / scale) ** 2)
     cost = np.sum(0.5 * (nu + 1.0) * np.log1p((e / scale) ** 2 / nu), axis=1)
     best = int(np.argmin(np.round(cost + count * np.log(scale[:, 0]), DIGITS)))

@@ -58,17 +58,16 @@ class Thresholds:
     """Part of a column outside a span from which a design tells them apart."""
     no_law: float = 0.9
     """Share of the measured curve, before its least share, from which no law explains ..."""
-    no_law_gain: float = 2.0
+    errors: float = 2.0
     """... and paired standard errors by which it predicts better (of 160 tables: none that has a
-    law, 5 % of those with a dip that no law has)."""
+    law, 5 % of those with a dip that no law has), or by which a force goes straight between
+    samples."""
     no_law_ratio: float = 1.2
     """... and share by which its held-out error is smaller: on a record all is significant."""
     misfit: float = 5.0
     """Errors that travels show about every law, over those stated, from which no law explains."""
     differ_chance: float = 0.02
     """Part of the deals of stretches to records up to which records are said to differ."""
-    hold_errors: float = 2.0
-    """Standard errors over stretches by which a force is seen to go straight between samples."""
     second: float = 0.85
     """Share of readings of a second measurement in the 95 % band below which it differs."""
     pattern_chance: float = 0.05

@@ -107,7 +107,7 @@ def no_law(judgement: Judgement) -> bool:
     comparison = judgement.comparison
     return (
         comparison.curve_share > THRESHOLDS.no_law
-        and comparison.curve_gain > THRESHOLDS.no_law_gain
+        and comparison.curve_gain > THRESHOLDS.errors
         and comparison.curve_ratio > THRESHOLDS.no_law_ratio
     )
 

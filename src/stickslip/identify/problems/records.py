@@ -693,9 +693,9 @@ def with_hold(
     held, straight = np.concatenate([one / (np.mean(one) + 1e-300) for one in left]).T
     more, material = held - straight, THRESHOLDS.material * max(np.mean(held), np.mean(straight))
     errors = float(np.mean(more)) / (float(np.std(more)) / math.sqrt(len(more)) + 1e-300)
-    interpolated = errors > THRESHOLDS.hold_errors
+    interpolated = errors > THRESHOLDS.errors
     # what the choice gains counts in so far as it is seen, between half of the errors and all
-    seen = (errors if interpolated else -errors) / (0.5 * THRESHOLDS.hold_errors) - 1.0
+    seen = (errors if interpolated else -errors) / (0.5 * THRESHOLDS.errors) - 1.0
     gain = min(max(seen, 0.0), 1.0) * abs(float(np.mean(more)))
     doubt = HOLD_DOUBT * max(1.0 - gain / (float(material) + 1e-300), 0.0)
     return made(straight=interpolated, doubt=doubt) if interpolated or doubt else problems

@@ -481,7 +481,7 @@ class TravelJudgement:
         )
         return not (
             share > THRESHOLDS.no_law
-            and gain > THRESHOLDS.no_law_gain
+            and gain > THRESHOLDS.errors
             and ratio > THRESHOLDS.no_law_ratio
         )
 
