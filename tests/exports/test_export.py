@@ -173,14 +173,6 @@ def test_a_fit_is_exported_as_it_stands():
     assert found.files["stribeck.csv"].splitlines()[-1].startswith("1.0,")
 
 
-def test_a_program_says_at_which_load_its_law_was_fitted():
-    v = np.linspace(0.01, 1.0, 50)
-    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.26, stribeck_velocity=0.05)
-    table = Measurement(velocity=v, friction=[law.force(one, 50.0) for one in v], load=50.0)
-    found = export(fit(Axis(inertia=1.0), law, table), "c")
-    assert "speeds up to 1 m/s and a normal force of 50 N;" in found.files["stribeck.h"]
-
-
 def test_a_verdict_that_names_no_law_says_so_and_what_to_export():
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     verdict = select(block, [Coulomb], Measurement(travel=0.15, uncertainty=0.005))

@@ -207,3 +207,11 @@ def test_a_decay_has_a_figure_at_any_rate(rate):
     found = select(RIG, ["coulomb", "viscous"], swings(rate=rate))
     drawing = found.drawing()
     assert len(drawing.weights) == len(drawing.velocity)
+
+
+def test_a_row_of_a_swing_knows_the_largest_speed_of_that_swing():
+    both = [RecordsProblem(records_of(RIG, swings(start=one))).rows for one in (0.3, 0.15)]
+    for rows in both:
+        first = rows.swing[: len(rows.swing) // 4]
+        assert np.all(np.diff(first) <= 0.02 * first[0])
+    assert both[1].swing[0] / both[0].swing[0] == pytest.approx(0.5, abs=0.06)

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,6 +12,7 @@ import pytest
 from stickslip import (
     Axis,
     Coulomb,
+    CoulombViscous,
     Measurement,
     SpringBlock,
     Stribeck,
@@ -165,6 +167,67 @@ def test_an_outlier_is_said_and_hardly_counts():
     assert any(line.startswith("Reading 5 lies") for line in found.words.cannot_tell)
     band = found.band([0.1])
     assert band.low[0] < 2.3 < band.high[0]
+
+
+@pytest.mark.parametrize("row", [0, 6, 11])
+def test_an_outlier_anywhere_does_not_change_the_law_and_is_said(row):
+    v = np.linspace(0.05, 1.0, 12)
+    friction = 4.0 + 6.0 * v + 0.05 * np.random.default_rng(3).normal(size=12)
+    friction[row] += 3.0
+    verdict = select(AXIS, [Coulomb, CoulombViscous], Measurement(velocity=v, friction=friction))
+    assert verdict.family == ("level", "viscous")
+    assert [*verdict.judgement.outliers] == [row]
+    for one, true in zip(verdict.parameters, (4.0, 6.0), strict=True):
+        assert one.low <= true <= one.high
+
+
+def test_a_reading_alone_at_an_end_may_be_friction():
+    v = np.linspace(0.05, 1.0, 12)
+    friction = 4.0 + 6.0 * v + 0.05 * np.random.default_rng(3).normal(size=12)
+    friction[-1] += 3.0
+    band = select(AXIS, None, Measurement(velocity=v, friction=friction)).band(v[-1:])
+    assert band.low[0] < 10.0
+    assert band.high[0] > 11.5  # without it 10.1
+
+
+def test_noise_in_proportion_to_friction_is_seen_and_weighs_the_readings():
+    v = np.geomspace(0.01, 1.0, 24)
+    relative = 1.0 + 0.02 * np.random.default_rng(5).normal(size=24)
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=10.0 * v * relative))
+    spread = 1.0 / verdict.judgement.regression.weights
+    assert 30.0 < spread[-1] / spread[0] < 150.0
+    (slope,) = (one for one in verdict.parameters if one.path.endswith("viscous_coefficient"))
+    assert 9.8 < slope.low < slope.high < 10.2
+
+
+def test_five_parameters_of_nine_readings_make_no_outliers():
+    random = np.random.default_rng(88)
+    v = np.geomspace(3e-6, 0.03, 9)
+    law = 6.0 + 4.9 * np.exp(-((v / 0.0032) ** 2)) + 167.0 * v
+    for _ in range(6):
+        table = Measurement(velocity=v, friction=law + 0.39 * random.normal(size=9))
+        weights = select(AXIS, [Stribeck], table).judgement.regression.weights
+        assert weights.min() > 0.3 * weights.max()
+
+
+def test_a_table_of_few_speeds_is_refused():
+    loads = np.linspace(5.0, 60.0, 12)
+    table = Measurement(velocity=np.full(12, 0.1), friction=0.2 * loads, load=loads)
+    with pytest.raises(InputError, match=r"needs at least 3 speeds in one direction, and .* has 1"):
+        select(replace(AXIS, load=20.0), None, table)
+
+
+def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():
+    random, v = np.random.default_rng(1), np.tile(np.linspace(0.05, 1.0, 8), 6)
+    warm, pressed = np.repeat([20.0, 40.0, 60.0] * 2, 8), np.repeat([50.0, 60.0], 24)
+    friction = 10.0 * (1.0 - 0.005 * (warm - 40.0) + 0.02 * (pressed - 55.0)) + 2.0 * v
+    inputs = {"temperature": warm, "pressure": pressed}
+    friction += 0.02 * random.normal(size=len(v))
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction, inputs=inputs))
+    (said,) = (one for one in verdict.words.cannot_tell if "at inputs of 0" in one)
+    assert "40" in said
+    assert "55" in said
+    assert re.search(r"it is (9\.9|10)", said)
 
 
 def test_the_exponent_of_the_load_is_a_parameter():

@@ -25,7 +25,7 @@ from stickslip.errors import InputError, TracingError
 from stickslip.friction import FrictionLaw, bound
 from stickslip.identify.fits import inputs_text
 from stickslip.maths import Latches
-from stickslip.mechanisms import Mechanism, load_stated
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, shadow, turned
 from stickslip.show.documents import unwritable, write_files
 from stickslip.show.formatting import parameter_words, printable
@@ -600,9 +600,7 @@ class Subject:
             yield JOINT_TEXT[self.levels]
         if self.estimates is not None and self.estimates.largest_speed is not None:
             most = f"{self.estimates.largest_speed:.6g} {turned('m/s', self.rotary)}"
-            load = load_stated(self.mechanism, {}) if ratio else None
-            at = "" if load is None else f" and a normal force of {load:.6g} N"
-            yield f"Fitted at speeds up to {most}{at}; the law is extrapolated beyond."
+            yield f"Fitted at speeds up to {most}; the law is extrapolated beyond."
 
     @property
     def has_normal_force(self) -> bool:

@@ -120,8 +120,13 @@ class Ensemble:
         return np.resize(some, found.shape) if len(some) > found.shape[1] else found
 
     @cached_property
-    def _twins(self) -> "list[Prepared]":
-        return [Prepared(one) for one in self.problem.twins] if self.twinned else []
+    def _twins(self) -> "list[Prepared | Believed]":
+        twins: list[Prepared | Believed] = []
+        if self.twinned:
+            twins += [Prepared(one) for one in self.problem.twins]
+        if self.regression.believed is not None:
+            twins.append(Believed(self.regression, self.regression.believed))
+        return twins
 
     def predicted(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
         """Return what a structure with coefficients (p,) predicts at rows (n,)."""
@@ -184,6 +189,23 @@ class Ensemble:
                 at = sum(self.regression.columns.of(column).shape[1] for column in before)
                 found.append(self.sampled(one, n, further=2)[:, at])
         return np.concatenate(found)
+
+
+@dataclass(eq=False)
+class Believed:
+    """A measurement whose first or last reading is friction, where it may be an outlier."""
+
+    regression: BlockRegression
+    weights: Array
+
+    @property
+    def problem(self) -> Problem:
+        """The measurement."""
+        return self.regression.problem
+
+    def fit(self, structure: Structure) -> Fitted:
+        """Return a structure fitted to all rows."""
+        return self.regression.fit(structure, self.weights)
 
 
 @dataclass(eq=False)

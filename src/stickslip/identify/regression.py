@@ -83,6 +83,8 @@ class BlockRegression:
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
         self._lost = 0.0
+        self.believed: Array | None = None
+        """Weights by which readings alone at an end are none of the outliers, if they are else."""
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
 
     def add(self, columns: Iterable[Column]) -> None:
@@ -119,6 +121,11 @@ class BlockRegression:
         if z is not None:
             counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
             self._lost = float(np.sum(1.0 - counted))
+            self.believed = None
+            ends = np.setdiff1d(np.flatnonzero(counted < 1.0), _between(self.problem))
+            if len(ends):
+                self.believed = weights.copy()
+                self.believed[ends] /= counted[ends] ** (0.5 * self.problem.softness)
         self.weights, self.losses_of, self._weighed = weights, {}, True
         self._marginals.clear()
         y = self.problem.response * weights
@@ -391,7 +398,7 @@ def noise_weights(
 
     The scatter grows with each power of what it may grow with as far as that is likely; of `even`
     rows it is constant. Rows beyond `Thresholds.outlier` standard deviations lose weight, single
-    ones between others where rows are independent. The mean square of weighted residuals is 1.
+    ones where rows are independent. The mean square of weighted residuals is about 1.
     """
     problem = regression.problem
     fitted = regression.fit(structure).fitted
@@ -410,9 +417,8 @@ def noise_weights(
         typical = 1.4826 * float(np.median(u))
     typical += 1e-12 * float(np.max(np.abs(problem.response)))
     z = u / (typical + NOTHING)
-    if (
-        problem.independent
-    ):  # what lies off together, or at an end, is friction: it keeps its weight
+    if problem.independent:
+        # what lies off together is friction, and keeps its weight
         side = np.sign((problem.response - fitted) * problem.response)
         kept = _as_friction(side * (z > THRESHOLDS.outlier), problem.speeds(problem.rows))
         z[kept] = np.minimum(z[kept], THRESHOLDS.outlier)
@@ -462,7 +468,7 @@ def _student_fit(
     a, y, count = a / deviation[:, None], problem.response / deviation, len(deviation)
     begun = np.ones((1, count))
     if count <= TOGETHER:
-        begun = np.vstack([begun, 1.0 - np.eye(count)[_between(problem.speeds(problem.rows))]])
+        begun = np.vstack([begun, 1.0 - np.eye(count)])
     weights = begun + NOTHING
     scale = np.full((len(weights), 1), float(np.sqrt(np.mean(y**2))) + NOTHING)
     for _ in range(THRESHOLDS.weighings):
@@ -482,8 +488,11 @@ def _student_fit(
     return e[best], float(scale[best, 0])
 
 
-def _between(speeds: Array) -> NDArray[np.intp]:
-    """Return the rows that are not alone at an end of the speeds (n,)."""
+def _between(problem: Problem) -> NDArray[np.intp]:
+    """Return the rows that are not alone at an end of the speeds; all, where rows are dense."""
+    speeds = problem.speeds(problem.rows)
+    if not problem.independent:
+        return np.arange(len(speeds))
     ends = [np.flatnonzero(speeds == end) for end in (speeds.min(), speeds.max())]
     alone = [one[0] for one in ends if len(one) == 1]
     return np.setdiff1d(np.arange(len(speeds)), alone)
@@ -492,18 +501,14 @@ def _between(speeds: Array) -> NDArray[np.intp]:
 def _as_friction(side: Array, speeds: Array) -> NDArray[np.intp]:
     """Return the outliers that are friction: their neighbour in speed is off to the same side.
 
-    So may be what stands alone at an end.
-
     Examples
     --------
-    >>> _as_friction(np.array([1.0, 0, 1.0, -1, 0]), np.array([1.0, 2, 1.1, 3, 4])).tolist()
+    >>> _as_friction(np.array([1.0, 0.0, 1.0, -1.0]), np.array([1.0, 2.0, 1.1, 3.0])).tolist()
     [0, 2]
     """
     order = np.argsort(speeds, kind="stable")
     alike = np.flatnonzero((side[order][1:] == side[order][:-1]) & (side[order][1:] != 0.0))
-    off = np.flatnonzero(side)
-    ends = np.setdiff1d(off, _between(speeds))
-    return np.unique(np.concatenate([order[alike], order[alike + 1], ends]))
+    return np.unique(np.concatenate([order[alike], order[alike + 1]]))
 
 
 def noise_at(regression: BlockRegression, rows: Any) -> Array:

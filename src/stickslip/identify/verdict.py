@@ -625,15 +625,16 @@ def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
     spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
     covariance = fit.correlation * np.outer(spread, spread)
     for part, name in (("level", "kinetic_coefficient"), ("viscous", "viscous_coefficient")):
-        for of, size in usual.items():
-            if {name, f"{part}_{of}_slope"} <= {*names}:
-                i, k = names.index(name), names.index(f"{part}_{of}_slope")
-                base, slope = fit.estimates[i].value, fit.estimates[k].value
-                change = np.array([1.0 + slope * size, base * size])
-                variance = change @ covariance[np.ix_([i, k], [i, k])] @ change
-                at = inputs_text({of: size}, turning=fit.measurement.turning)
-                half = 1.96 * float(np.sqrt(max(variance, 0.0)))
-                yield usual_sentence(fit.estimates[i], base * change[0], half, at)
+        sizes = {of: x for of, x in usual.items() if f"{part}_{of}_slope" in names}
+        if not sizes or name not in names:
+            continue
+        places = [names.index(one) for one in (name, *(f"{part}_{of}_slope" for of in sizes))]
+        base, *slopes = (fit.estimates[k].value for k in places)
+        times = 1.0 + float(np.array(slopes) @ [*sizes.values()])
+        change = np.array([times, *(base * x for x in sizes.values())])
+        half = 1.96 * math.sqrt(max(float(change @ covariance[np.ix_(places, places)] @ change), 0))
+        at = inputs_text(sizes, turning=fit.measurement.turning)
+        yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
 
 
 def _told_apart(

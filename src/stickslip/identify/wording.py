@@ -381,11 +381,13 @@ def third_load_sentence(loads: Array) -> str:
 
 
 def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> str:
-    """Return what a parameter is at the usual value of an input, within half, and not at 0."""
+    """Return what a parameter is at the usual values of inputs, within half, and not at 0."""
     value = with_unit(within(level, level - half, level + half), estimate.quantity.unit)
     own = interval(level - half, level + half)
     symbol = estimate.quantity.symbol
-    return f"In the law ${symbol}$ is that at 0; at {at}, the median, it is {value} ({own})."
+    return (
+        f"In the law ${symbol}$ is that at inputs of 0; at {at}, the median, it is {value} ({own})."
+    )
 
 
 def load_sentence(load: float) -> str:

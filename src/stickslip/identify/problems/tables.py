@@ -395,6 +395,12 @@ class TableProblem(Problem):
                 f"a table of friction needs at least {FEWEST} readings that slide, and this has"
                 f" {len(rows.velocity)}: measure friction at more speeds."
             )
+        most = max(len(np.unique(rows.velocity[rows.direction == way])) for way in (-1.0, 1.0))
+        if most < FEW_SPEEDS:
+            raise InputError(
+                f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
+                f" and this table has {most}: measure friction at more speeds."
+            )
         return cls(rows, np.concatenate(frictions))
 
 
