@@ -667,19 +667,22 @@ def replaced(root: Any, prefix: str, path: str, value: float) -> Any:
     """
     if path == prefix:
         return value
-    name = path.removeprefix(f"{prefix}.").partition(".")[0]
+    name = path[len(prefix) + 1 :].partition(".")[0]
     inner = f"{prefix}.{name}"
     if isinstance(root, tuple):
         place = int(name)
         return (*root[:place], replaced(root[place], inner, path, value), *root[place + 1 :])
-    values = {own: getattr(root, own) for own in _names(type(root))}
+    made: Any = object.__new__(type(root))
+    values = vars(made)
+    for own in _names(type(root)):
+        values[own] = getattr(root, own)
     if name in values:
         values[name] = replaced(values[name], inner, path, value)
     else:  # of a group
         members = dict(root.members)
         members[name] = replaced(members[name], inner, path, value)
         values["members"] = tuple(members.items())
-    return unchecked(type(root), **values)
+    return made
 
 
 def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:

@@ -109,21 +109,10 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
     dense = whole[layout.DENSE]
     n = whole[layout.N_STATES]
     terms = int(w[dense])
-    if terms > 0 and n == 2:
-        values_of_two(w, x, dense + 1, terms, to)
-        return
     if terms > 0:
-        # even and odd powers by themselves, of which neither waits for the other
-        square = x * x
-        half = terms // 2
-        for i in range(n):
-            at = dense + 1 + i
-            even = w[at + 2 * half * n]
-            odd = w[at + terms * n] if terms > 2 * half else 0.0
-            for k in range(half - 1, -1, -1):
-                even = even * square + w[at + 2 * k * n]
-                odd = odd * square + w[at + (2 * k + 1) * n]
-            w[to + i] = even + x * odd
+        for i in range(0, n, 2):
+            first = i if i < n - 1 else i - 1  # the last of an odd number once more with its own
+            values_of_two(w, x, n, terms, dense + 1 + first, to + first)
         return
     rest_of_step = 1.0 - x
     if terms < 0:
@@ -145,20 +134,22 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
         w[to + i] = value * x + w[at]
 
 
-def values_of_two(w: Vector, x: float, at: int, terms: int, to: int) -> None:
-    """Evaluate the series of two states, whose terms stand side by side from `at` on."""
+def values_of_two(w: Vector, x: float, n: int, terms: int, at: int, to: int) -> None:
+    """Evaluate the series of two of `n` states, whose terms stand side by side from `at` on.
+
+    Even and odd powers are summed by themselves: none of the four sums waits for another.
+    """
     square = x * x
-    last = at + 2 * terms
-    even_x, even_v, odd_x, odd_v = w[last], w[last + 1], 0.0, 0.0
+    k = at + n * (terms - terms % 2)
+    even_x, even_v, odd_x, odd_v = w[k], w[k + 1], 0.0, 0.0
     if terms % 2 == 1:
-        odd_x, odd_v = even_x, even_v
-        last -= 2
-        even_x, even_v = w[last], w[last + 1]
-    for k in range(last - 4, at - 1, -4):
+        odd_x, odd_v = w[k + n], w[k + n + 1]
+    while k > at:
+        k -= 2 * n
         even_x = even_x * square + w[k]
         even_v = even_v * square + w[k + 1]
-        odd_x = odd_x * square + w[k + 2]
-        odd_v = odd_v * square + w[k + 3]
+        odd_x = odd_x * square + w[k + n]
+        odd_v = odd_v * square + w[k + n + 1]
     for i in range(2):
         w[to + i] = even_x + x * odd_x if i == 0 else even_v + x * odd_v
 

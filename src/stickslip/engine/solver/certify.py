@@ -510,10 +510,9 @@ class Sensing:
 
 def working(runner: Runner, w: Any, along: Directions) -> Any:
     """Return the vector of a run, made long enough, with the sensitivities at the start."""
-    whole = runner.whole()
-    longer = runner.zeros(sense_size(along.quantities, len(along.own), whole))
+    sizes = along.quantities, len(along.own), [*runner.header]
+    longer = runner.zeros(sense_size(*sizes))
     longer[: len(w)] = w
-    first = columns_at(0, along.quantities, len(along.own), whole)
-    for i, value in enumerate(along.start.ravel().tolist(), first):
-        longer[i] = value
+    first = columns_at(0, *sizes)
+    longer[first : first + along.start.size] = along.start.ravel().tolist()
     return longer

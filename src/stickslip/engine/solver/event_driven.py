@@ -581,7 +581,7 @@ class BareRun:
         names = model.contacts or tuple(contact.name for contact in contacts)
         return _events(reasons(model), names, sensing.record)
 
-    def counts(self) -> Counter[tuple[str, str, bool]]:
+    def counts(self) -> dict[tuple[str, str, bool], int]:
         """Return how often each contact does what: contact, what, whether its mode changes."""
         sensing = self.differentiate
         model, contacts = self.playback.model, sensing.mechanism.contacts()
@@ -610,16 +610,17 @@ def bare_run(
 
 def _counts(
     names: Sequence[str | None], contacts: Sequence[str], record: Record
-) -> Counter[tuple[str, str, bool]]:
+) -> dict[tuple[str, str, bool], int]:
     """Count what `_events` translates: what happened follows from the numbers but t and margin."""
     whole = record.whole
     rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
     alike = Counter(zip(*(rows[i :: layout.EVENT_COLUMNS] for i in (1, 2, 3, 4, 6)), strict=True))
-    found = Counter[tuple[str, str, bool]]()
+    found: dict[tuple[str, str, bool], int] = {}
     for (before, after, guard, flags, contact), count in alike.items():
         reason = names[happened([0.0, before, after, guard, flags, 0.0, contact], 0, whole)]
         if reason is not None:
-            found[contacts[int(contact)], reason, before != after] += count
+            key = contacts[int(contact)], reason, before != after
+            found[key] = found.get(key, 0) + count
     return found
 
 

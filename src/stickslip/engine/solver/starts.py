@@ -294,7 +294,7 @@ def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
     if not _has_pieces(drives, t_end):
         row = [BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)]
         return Schedule(
-            table=np.full((count, len(row)), row),
+            table=np.array([row] * count),
             bounds=_smooth_bounds(drives, count).reshape(count, -1),
             time_scale=_time_scale(drives, count),
         )
@@ -502,5 +502,5 @@ def _time_scale(drives: Sequence[Drive], count: int) -> Array:
     scale = np.full(count, math.inf)
     for drive in drives:
         for part in parts_of(drive):
-            scale = np.minimum(scale, np.asarray(part.time_scale(), dtype=np.float64))
+            scale = np.minimum(scale, part.time_scale())
     return scale

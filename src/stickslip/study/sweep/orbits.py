@@ -22,7 +22,7 @@ Sources: Aprille and Trick 1972 (shooting); Leine and Nijmeijer 2004, chapters 4
 matrices, shooting with friction); Nordmark 1991 (grazing).
 """
 
-from collections import Counter
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -246,17 +246,15 @@ class Shot:
     @cached_property
     def error(self) -> float:
         """Largest residual over the size of its state."""
-        return float(np.max(np.abs(self.residual) / self.scale, initial=0.0))
+        return float((np.abs(self.residual) / self.scale).max(initial=0.0))
 
     @cached_property
     def lost(self) -> NDArray[np.bool_]:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
         # How the end changes as each start changes by its size.
-        size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * np.append(
-            self.scale, abs(self.value) if np.isfinite(self.value) else 0.0
-        )
-        found: NDArray[np.bool_] = size.max(axis=1) <= LOST * self.scale
-        return found
+        value = abs(self.value) if math.isfinite(self.value) else 0.0
+        size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * [*self.scale, value]
+        return np.asarray(size.max(axis=1) <= LOST * self.scale)
 
     def moved(self, y: Array) -> Array:
         """Return a start, with what is lost exactly where it ends."""
@@ -265,7 +263,7 @@ class Shot:
     @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
-        return np.column_stack([self.monodromy - np.eye(len(self.y)), self.slope])
+        return np.concatenate((self.monodromy - np.eye(len(self.y)), self.slope[:, None]), axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -340,29 +338,28 @@ class ReturnMap:
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
         # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        largest = np.abs(y).max(initial=0.0)
-        if not np.isfinite(largest):
+        least = _EPSILON * max(map(abs, y.tolist()), default=0.0)
+        if not all(map(math.isfinite, y.tolist())):
             raise SimulationError("a step has left all finite states.")
-        y = np.where(np.abs(y) <= _EPSILON * largest, 0.0, y)
-        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        y = np.array([0.0 if abs(x) <= least else x for x in y.tolist()])
+        begins = mechanism.start()
+        begin = {**begins, **dict(zip(self.names, y.tolist(), strict=True))}
         start = [float(begin.get(name, 0.0)) for name in self.states]
         form = self.form if self.form is None else self.form.at(str(self.path), value)
         run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=form)
         if not run.status.complete:
             raise SimulationError(run.status.value)
-        states = run.at(period * _SHARES)
-        end = states[SAMPLES - 1]
-        free, n = list(self.free), len(self.free)
-        residual = end[free] - y
+        states, n = run.at(period * _SHARES), len(self.free)
+        kept = [*self.free, *self.moving]
+        ends = states[SAMPLES - 1 :, kept]  # right before the end, too
+        residual = ends[0, :n] - y
         if (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
         # States that the mechanism begins with change with its parameters.
-        told = tuple(name for name in mechanism.start() if name not in self.names)
+        told = tuple(name for name in begins if name not in self.names)
         sense = replace(run.differentiate, told=told) if told else run.differentiate
-        paths = [f"initial.{name}" for name in self.names]
-        ends = np.array([period])
-        kept = [*self.free, *self.moving]
-        found = sense(ends, paths if self.path is None else [*paths, self.path])[0][kept]
+        paths = [*map("initial.{}".format, self.names), *([self.path] if self.path else [])]
+        found = sense(np.array([period]), paths)[0][kept]
         if not np.isfinite(found).all():
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
@@ -371,10 +368,10 @@ class ReturnMap:
         slope = np.zeros(len(kept))
         if self.path is not None:
             # One-sided differences of second order: behind the end there is no run.
-            rate = (1.5 * end - 2.0 * states[SAMPLES] + 0.5 * states[SAMPLES + 1])[kept]
+            rate = 1.5 * ends[0] - 2.0 * ends[1] + 0.5 * ends[2]
             slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
-        size = np.where(size > 0.0, size, np.maximum(size.max(), _TINY))
+        size[size == 0.0] = max(size.max(), _TINY)
         return Shot(
             y=y,
             value=value,
@@ -384,9 +381,9 @@ class ReturnMap:
             residual=residual,
             monodromy=found[:n, :n],
             slope=slope[:n],
-            rise=np.column_stack([found[n:, :n], slope[n:]]),
-            scale=size[free],
-            advance=end[list(self.moving)] - np.array(start)[list(self.moving)],
+            rise=np.concatenate((found[n:, :n], slope[n:, None]), axis=1),
+            scale=size[kept[:n]],
+            advance=ends[0, n:] - [start[i] for i in self.moving],
             run=run,
         )
 
@@ -574,10 +571,10 @@ def signature_of(shot: Shot) -> Signature:
 
     It does not depend on where in the cycle the orbit is cut.
     """
-    counts, changing = Counter[tuple[str, str]](), set[str]()
-    for (contact, what, changes), count in shot.run.counts().items():
-        counts[contact, what] += count
-        changing |= {contact} if changes else set()
+    told, counts = shot.run.counts(), dict[tuple[str, str], int]()
+    for (contact, what, _), count in told.items():
+        counts[contact, what] = counts.get((contact, what), 0) + count
+    changing = {contact for contact, _, changes in told if changes}
     if not {contact.name for contact in shot.mechanism.contacts()} <= changing:
         modes = first_modes(shot, shot.run.events())
         counts.update({(n, f"mode {mode}"): 1 for n, mode in modes.items() if n not in changing})
