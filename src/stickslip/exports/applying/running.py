@@ -279,7 +279,7 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
     try:
         mujoco = require_library("mujoco", "mujoco")
     except InputError as error:
-        return None, f"The file was not run in MuJoCo: {error}"
+        return None, not_run(error)
     if isinstance(model, Mjcf) and model.markup.root.name == "mujocoinclude":
         return None, "The file is a part of a model, so it was not run in MuJoCo."
     try:
