@@ -111,6 +111,11 @@ def door(package: str) -> lazy.Door:
         else:
             continue
         found.public = sorted({*found.public, *own})
+    rooms = tuple(f"{PACKAGES[0]}.{room}" for room in REGISTERED)
+    for name, home in [*found.homes.items()]:  # the stub may have what is registered no more
+        if home.startswith(rooms) and not hasattr(importlib.import_module(home), name):
+            del found.homes[name]
+            found.public = [one for one in found.public if one != name]
     return found
 
 

@@ -26,6 +26,7 @@ import stickslip.show.plots
 from stickslip.friction import LAWS
 from stickslip.identify.fits.records.fitting import OwnRouteName
 from stickslip.identify.kinds.registry import OWN
+from stickslip.lazy import Door
 from stickslip.mechanisms import MECHANISMS
 from stickslip.study.optimisation.parametrisation import KINDS, TYPES, KindName
 from stickslip.study.optimisation.problem import GOALS, GoalName
@@ -403,9 +404,21 @@ def test_the_examples_of_public_names_pass_the_type_checker(reported: Reported) 
 
 
 @for_all(stubs.PACKAGES)
-def test_the_stub_of_a_package_is_what_its_table_of_names_makes(package: str) -> None:
+def test_the_stub_of_a_package_is_in_order_and_has_what_is_registered(package: str) -> None:
     path = stubs.folder(package) / "__init__.pyi"
     assert path.read_text(encoding="utf-8") == stubs.stub(package), "run `make stubs`"
+
+
+def test_a_law_that_is_registered_no_more_leaves_the_stub(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = Door("stickslip.friction")
+    known.homes["Gone"], known.public = "stickslip.friction.named", [*known.public, "Gone"]
+    monkeypatch.setattr("stickslip.lazy.Door", lambda _: known)
+    found = stubs.door("stickslip.friction")
+    assert "Gone" not in found.homes
+    assert "Gone" not in found.public
+    assert "Stribeck" in found.homes
 
 
 def test_every_package_that_loads_lazily_has_a_stub() -> None:
