@@ -1055,6 +1055,27 @@ def test_steady_readings_with_times_are_a_table_over_the_speed(tmp_path, head, n
     assert read_data([file], given.reading).kind == "series"
 
 
+def test_a_temperature_that_rises_is_no_time(tmp_path):
+    file = tmp_path / "a.csv"
+    speeds, warm = np.tile(np.linspace(0.05, 0.5, 6), 4), np.linspace(20.0, 60.0, 24)
+    file.write_text(
+        "speed_m_s,temperature_C,friction_N\n" + rows((speeds, warm, 4.0 + speeds), ",", points)
+    )
+    guess = guess_data(file)
+    assert guess.columns["temperature"] == "temperature_C"
+    assert "time" not in guess.columns
+    assert not any("times" in text for text in guess.reasons.values())
+
+
+def test_the_inertia_of_a_body_that_slows_down_is_left_open(tmp_path):
+    file, t = tmp_path / "a.csv", np.linspace(0.0, 5.0, 200)
+    speed = np.maximum(20.0 - 4.0 * t, 0.0)
+    file.write_text("time_s,omega_rad_s\n" + rows((t, speed), ",", points))
+    text = guessed_rig(guess_data(file), "a.csv")
+    assert 'inertia = "? kg m^2"' in text
+    assert "friction is in proportion to it" in text
+
+
 @pytest.mark.parametrize(
     ("header", "scale", "geared"),
     [

@@ -682,7 +682,8 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
         unit = since
         why = f"{why}, as its numbers count from 1970".removeprefix(", ")
         score = score or BY_UNIT
-    if unit is None and not score and quantity == "time" and _increases(column):
+    rises = quantity == "time" and not _is_named(name, CONDITIONS) and _increases(column)
+    if unit is None and not score and rises:
         score, why = BY_VALUES, "because it increases"
     if score:
         stamps = "" if numeric else "time stamps, "

@@ -113,6 +113,9 @@ def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
         if guess.motor_constant and not _is_stated(guess):
             yield "# With a motor constant of 1 it is this: multiply it by the constant below."
         yield f'inertia = {{ value = "{inertia:.2g} {unit}", vary = true }}'
+    elif "time" in guess.columns and "friction" not in guess.columns:
+        yield f"# The file cannot tell the {what}, and friction is in proportion to it: give it."
+        yield f'inertia = "? {unit}"'
     else:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
