@@ -426,6 +426,8 @@ def test_a_level_that_no_load_changes_is_stated_and_part_of_the_law():
     assert "with a level that no load changes" in verdict.words.verdict
     mean = verdict.judgement.problem.frame.load
     assert found["friction.kinetic_coefficient"].value == pytest.approx(2.0 / mean + 0.1, rel=0.01)
+    # what is simulated with the law has the load at which it holds
+    assert verdict.closest.fit.mechanism.load == pytest.approx(mean)
 
 
 def test_a_drift_is_what_friction_changes_by_over_a_table_in_newtons():

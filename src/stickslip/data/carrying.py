@@ -229,7 +229,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
             origin = "was fitted at" if known is not None else "is from a contact with"
             said.append(
                 f"The law {origin} a normal force of {quantity(load, 'N')}; in this run it is"
-                f" {span(low, high, 'N')}. Proportionality to the normal force was not tested."
+                f" {span(low, high, 'N')}, and friction is taken to be in proportion to it."
             )
     return tuple(said)
 

@@ -729,7 +729,10 @@ def fit_of(
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
     if {"load_exponent", "adhesion"} & composed.rig.keys():
-        remarks.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
+        load = abs(judgement.problem.curve_rows()[2])
+        remarks.append(load_sentence(load))
+        if "load" in rig.__dataclass_fields__:
+            rig = vary(rig, "mechanism", {"load": load})
     if composed.law() is None:
         remarks.append(
             f"The law goes through levels of {title_of(judgement, structure)}, which is no"
