@@ -497,8 +497,9 @@ class Parametrised(metaclass=Described):
         owner = type(self).__name__
         for name, kinds in _members(type(self)).items():
             value = getattr(self, name)
-            moves = isinstance(value, Parametrised) and value.instead(value)
-            if moves or not isinstance(value, kinds):
+            kind, given = kinds[0], value is not None
+            cure = kind.instead(value) if given and issubclass(kind, Parametrised) else ""
+            if cure or not isinstance(value, kinds):
                 raise ParameterError(_refusal(f"{owner}.{name}", kinds, value))
         for name, quantity in fields_of(type(self)).items():
             value = getattr(self, name)

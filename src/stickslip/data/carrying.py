@@ -185,6 +185,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     Examples
     --------
     >>> from stickslip import Axis, Coulomb, SpringBlock, simulate
+    >>> from stickslip.data import LawEstimates
     >>> block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> known = LawEstimates(law="coulomb", largest_speed=0.5)
     >>> rig = Rig(
@@ -196,7 +197,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     >>> for sentence in extrapolations(law, block, simulate(block, law.law, t_end=1.0)):
     ...     print(sentence)
     The run reaches 0.755 m/s; the law was fitted up to 0.5 m/s and is ...
-    The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
+    The law was fitted at a normal force of 20 N; in this run it is 9.81 N, ...
     """
     known = law.estimates
     # Stated uncertainties without a range of speeds are no fit.

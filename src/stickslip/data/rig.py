@@ -669,7 +669,7 @@ def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str
     Examples
     --------
     >>> from stickslip import Axis
-    >>> from stickslip.mechanisms import DCMotor
+    >>> from stickslip.mechanisms import DCMotor, SampledLoop
     >>> loop = SampledLoop(gain=10.0, period=0.1)
     >>> servo = Axis(inertia=1.0, drive=DCMotor(resistance=2.0, torque_constant=0.5, loop=loop))
     >>> record = Measurement(time=[0, 0.1, 0.2], position=[0, 0.1, 0.2], reference=[0.3] * 3)

@@ -360,6 +360,7 @@ def same(one: measurement.Measurement, other: measurement.Measurement) -> bool:
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
     >>> same(Measurement(**run), Measurement(**run, force=[1.0, 2.0]))
     True
@@ -478,6 +479,7 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> def read(compression):
     ...     return Measurement(travel=0.2, overrides={"mechanism.compression": compression})
     >>> settings_in_order([read(0.05), read(0.10), read(0.15)])
@@ -528,6 +530,7 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
 
     Examples
     --------
+    >>> from stickslip import Measurement
     >>> table = Measurement(velocity=[0.1, 0.2, 0.4], friction=[2.0, 2.1, 2.3])
     >>> [one[:23] for one in with_order(["Measure at 1 m/s.", "Warm it up."], [*speeds(table)], 2)]
     ['Measure at 1 m/s.', 'Measure in random order']

@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from typing_extensions import TypeVar
 
 from stickslip.data import Measurement, as_turning
+from stickslip.engine.executors import threads
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.fits import (
@@ -162,6 +163,7 @@ def fit(
     refuse_foreign(kind, given)
     refuse_uninformed(kind, given, mechanism, measurement)
     law, vary = kind.law_and_parameters(law, vary, fixed or ())
+    threads()  # refuses what the environment says before the work begins
     with _one_thread():
         found: Fit[Any] = kind.fit(_chosen(kind, replace(request, law=law, vary=vary)))
     return found

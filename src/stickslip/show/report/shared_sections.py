@@ -274,7 +274,7 @@ def reproduce(
     Examples
     --------
     >>> section = reproduce(
-    ...     Origin(title="Block", data="one travel", commands=("stickslip select",))
+    ...     page.Origin(title="Block", data="one travel", commands=("stickslip select",))
     ... )
     >>> section.blocks[0].text
     '$ stickslip select'
