@@ -920,7 +920,9 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
         rows = blocks == block
         own = columns[rows]
         hat = own @ covariance @ own.T
-        inverse = np.linalg.inv(np.eye(len(hat)) * (1.0 + 1e-9) - hat)
+        # rounding must not make a leverage more than 1
+        values, vectors = np.linalg.eigh(0.5 * (hat + hat.T))
+        inverse = (vectors / (1.0 + 1e-9 - np.minimum(values, 1.0))) @ vectors.T
         held_out[rows] = alone = inverse @ left[rows]
         growth[rows] = np.sqrt(np.diag(inverse))
         losses.append(float(np.mean(alone**2)))
