@@ -224,7 +224,7 @@ def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():
     inputs = {"temperature": warm, "pressure": pressed}
     friction += 0.02 * random.normal(size=len(v))
     verdict = select(AXIS, None, Measurement(velocity=v, friction=friction, inputs=inputs))
-    (said,) = (one for one in verdict.words.cannot_tell if "at inputs of 0" in one)
+    (said,) = (one for one in verdict.words.cannot_tell if "for inputs of 0" in one)
     assert "40" in said
     assert "55" in said
     assert re.search(r"it is (9\.9|10)", said)

@@ -54,7 +54,8 @@ def run(options: InitOptions) -> None:
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))
         return
-    typed, left = shlex.quote(str(target)), " Replace each question mark in it." * ('"? ' in text)
+    typed = shlex.quote(str(target))
+    left = " Replace each question mark in it." if '"? ' in text else ""
     say(
         f"\nThe rig file is {target}.{left} Next: stickslip check {typed}; stickslip select {typed}"
     )

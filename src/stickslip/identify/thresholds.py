@@ -46,7 +46,7 @@ class Thresholds:
     all_along: float = 1.3
     """Widening of bands that hold all along: a feature between two speeds is in no draw."""
     growth: float = 3.0
-    """Evidence that noise which grows by a power costs beside one that does not (study: noise)."""
+    """Evidence that noise which grows by a power costs beside one that does not (0155: 3 and 2)."""
     odds: float = 100.0
     """Odds against a family up to which it is not told apart from the named one."""
     material: float = 0.06

@@ -385,9 +385,7 @@ def usual_sentence(estimate: Estimate, level: float, half: float, at: str) -> st
     value = with_unit(within(level, level - half, level + half), estimate.quantity.unit)
     own = interval(level - half, level + half)
     symbol = estimate.quantity.symbol
-    return (
-        f"In the law ${symbol}$ is that at inputs of 0; at {at}, the median, it is {value} ({own})."
-    )
+    return f"The law states ${symbol}$ for inputs of 0; at {at}, the median, it is {value} ({own})."
 
 
 def load_sentence(load: float) -> str:
