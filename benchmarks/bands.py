@@ -7,11 +7,11 @@ adds the measured numbers by kind of truth and every false statement. Rigs are t
 `benchmarks.band_truths`, which share no code with the judge.
 
 Measured of a rig: whether the band holds the true steady friction point by point, all along, and
-beyond the measured speeds; its half-width over the noise; how many new readings lie in the bands of
-readings; whether the named law is the true one, or predicts as well (root mean square error at most
-1.25 times that of the true structure fitted by least squares, or half the noise); whether the set
-holds the true family; intervals whichever law; and after the advised readings, drawn from the
-truth, whether the mean width has halved or one family is left.
+beyond the measured speeds; its half-width over the noise; the probability of a new reading to lie
+in the bands of readings; whether the named law is the true one, or predicts as well (root mean
+square error at most 1.25 times that of the true structure fitted by least squares, or half the
+noise); whether the set holds the true family; intervals whichever law; and after the advised
+readings, drawn from the truth, whether the mean width has halved or one family is left.
 
 *False statements*: a bounded interval "whichever law" that misses its true value by more than half
 its width; a fault, and on records any property of the rig, that is named without doubt and is not
@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr
 from tools.budget import BUDGET, counted
 
 from benchmarks.band_truths import decays, maps, records, tables, travels
@@ -46,8 +47,6 @@ KINDS: Mapping[str, Callable[[int, int], Rig]] = {
     "travels": travels.drawn,
 }
 LEVELS = (0.95, 0.80, 0.50)
-NEW = 20
-"""New readings of each rig."""
 SECONDS = {"tables": 0.5, "maps": 8.0, "records": 8.0, "decays": 5.0, "travels": 3.0}
 """Processor time that a verdict of each kind may take [s]."""
 FAULTS = {"drift"}
@@ -75,7 +74,7 @@ def rated(rig: Rig, seed: int) -> dict[str, Any]:
         return row | {"false": [said], "seconds": time.process_time() - began}
     row |= {"named": "+".join(verdict.family), "set": len(verdict.set), "gain": verdict.gain}
     if rig.curves and rig.asked is not None:
-        row |= _covered(rig, rig.asked, verdict, seed)
+        row |= _covered(rig, rig.asked, verdict)
     if rig.family is not None:
         named = _named(verdict.family)
         row["right"] = named == rig.family
@@ -102,18 +101,14 @@ def _named(family: Sequence[str]) -> frozenset[str]:
     return frozenset(family) - FAULTS
 
 
-def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, Any]:
+def _covered(rig: Rig, asked: Points, verdict: Judged) -> dict[str, Any]:
     """Return how the band compares with the true curve, and new readings with theirs."""
     assert rig.noise is not None
     noise = np.maximum(rig.noise(asked), 1e-300)
     true = [curve(asked) for curve in rig.curves]
     point, whole = verdict.band(asked), verdict.band(asked, all_along=True)
     out = [np.maximum(point.low - one, one - point.high) / noise for one in true]
-    random = np.random.default_rng([61, seed])
-    pick = random.choice(len(asked), min(NEW, len(asked)), replace=False)
-    some, of = asked[np.sort(pick)], random.integers(len(rig.curves))
-    scatter = rig.noise if rig.shown is None else rig.shown
-    new = rig.curves[of](some) + scatter(some) * random.normal(size=len(some))
+    scatter = (rig.noise if rig.shown is None else rig.shown)(asked)
     found: dict[str, Any] = {
         "point": float(np.mean([one <= 1e-9 for one in out])),
         "all": float(np.mean([np.all((whole.low <= one) & (one <= whole.high)) for one in true])),
@@ -124,7 +119,7 @@ def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, A
     found["new"] = (
         verdict.shown(rig.second, LEVELS)
         if rig.kind == "decays" and rig.second is not None
-        else [_share(verdict.readings(some, level), new) for level in LEVELS]
+        else [_share(verdict.readings(asked, level), true, scatter) for level in LEVELS]
     )
     if rig.beyond is not None:
         far = verdict.band(rig.beyond)
@@ -144,8 +139,11 @@ def _covered(rig: Rig, asked: Points, verdict: Judged, seed: int) -> dict[str, A
     return found
 
 
-def _share(band: Any, values: Array) -> float:
-    return float(np.mean((band.low <= values) & (values <= band.high)))
+def _share(band: Any, true: Sequence[Array], scatter: Array) -> float:
+    """Return the probability of new readings in a band: true curves (n,) and normal noise (n,)."""
+    noise = np.maximum(scatter, 1e-300)
+    each = [ndtr((band.high - one) / noise) - ndtr((band.low - one) / noise) for one in true]
+    return float(np.mean(each))
 
 
 def _intervals(rig: Rig, verdict: Judged) -> list[dict[str, Any]]:

@@ -169,6 +169,20 @@ def test_an_outlier_is_said_and_hardly_counts():
     assert band.low[0] < 2.3 < band.high[0]
 
 
+@pytest.mark.parametrize("value", [1e6, -1e4, 4e3])
+def test_a_reading_in_another_unit_changes_no_law_and_no_error(value):
+    v = np.geomspace(0.002, 0.4, 9)
+    friction = 4.0 + 3.0 * v + 0.05 * np.random.default_rng(3).normal(size=9)
+    friction[4] = value
+    verdict = select(AXIS, None, Measurement(velocity=v, friction=friction))
+    assert verdict.family == ("level", "viscous")
+    assert [*verdict.judgement.outliers] == [4]
+    # the noise of the others, of which a far one adds three at most
+    assert verdict.judgement.held_out_error(verdict.judgement.named) < 0.3
+    for one, true in zip(verdict.parameters, (4.0, 3.0), strict=True):
+        assert one.low_any <= true <= one.high_any
+
+
 @pytest.mark.parametrize("row", [0, 6, 11])
 def test_an_outlier_anywhere_does_not_change_the_law_and_is_said(row):
     v = np.linspace(0.05, 1.0, 12)

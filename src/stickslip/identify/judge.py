@@ -185,9 +185,9 @@ class Judgement:
         return np.asarray(centred @ centred.T / table.shape[1])
 
     def held_out_error(self, structure: Structure) -> float:
-        """Return the root mean square of the held-out residuals of a structure."""
+        """Return the root mean square of the held-out residuals, outliers as far as they count."""
         left = self.regression.held_out(structure)
-        return float(np.sqrt(np.mean(left**2)))
+        return float(np.sqrt(np.average(left**2, weights=self.regression.counted)))
 
     @cached_property
     def causes(self) -> tuple[Cause, ...]:

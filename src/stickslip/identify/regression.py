@@ -82,7 +82,8 @@ class BlockRegression:
         self._doubt = np.zeros(0)
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
-        self._lost = 0.0
+        self.counted = np.ones(len(problem.response))
+        """Share (n,) of each row that counts: less than 1 of outliers, where rows are independent."""
         self.believed: Array | None = None
         """Weights by which readings alone at an end are none of the outliers, if they are else."""
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
@@ -116,11 +117,10 @@ class BlockRegression:
     def weigh(self, weights: Array, z: Array | None = None) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices.
 
-        With standardised residuals `z` (n,), rows that are outliers by these count less.
+        With standardised residuals `z` (n,), independent rows that are outliers by these count less.
         """
-        if z is not None:
-            counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
-            self._lost = float(np.sum(1.0 - counted))
+        if z is not None and self.problem.independent:
+            self.counted = counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
             self.believed = None
             ends = np.setdiff1d(np.flatnonzero(counted < 1.0), _between(self.problem))
             if len(ends):
@@ -213,7 +213,7 @@ class BlockRegression:
         problem = self.problem
         count, worth = problem.worth * len(problem.response), problem.worth
         weighted = self.weights * problem.response
-        spread = float(np.sqrt(np.mean(problem.response**2))) + NOTHING
+        spread = float(np.sqrt(np.mean(self.counted * problem.response**2))) + NOTHING
         penalty = self._penalty[columns]
         t = np.where(penalty > 0.0, 1.0 / np.sqrt(penalty + NOTHING), spread)
         gram = self._total[columns[:, :, None], columns[:, None, :]]
@@ -338,7 +338,7 @@ class BlockRegression:
         )
         root, scatter = None, 1.0
         if problem.independent:
-            spare = len(y) - self._lost - float(np.trace(inverse @ gram)) - shaped
+            spare = float(np.sum(self.counted)) - float(np.trace(inverse @ gram)) - shaped
             freedom = max(spare, FEW)
             variance = max(float(e @ e) / freedom, THRESHOLDS.least_variance)
             scatter = math.sqrt(variance)
@@ -426,9 +426,9 @@ def noise_weights(
     weights = robust / deviation
     e = weights * (problem.response - regression.fit(structure, weights).fitted)
     rank = min(problem.parameters(structure), len(e) - 2)
-    count = max(int((weights > 0.3 * np.median(weights)).sum()) - rank, 1)
+    count = max(int((robust > 0.3).sum()) - rank, 1)
     # a fit without residuals still has the rounding of its numbers, and of filters
-    size = float(np.median(weights)) * float(np.max(np.abs(problem.response)))
+    size = float(np.max(np.abs(weights * problem.response)))
     least = (THRESHOLDS.rounding * size) ** 2
     variance = float(e @ e) / count
     spare = len(e) - problem.parameters(structure)
@@ -469,15 +469,18 @@ def _student_fit(
     begun = np.ones((1, count))
     if count <= TOGETHER:
         begun = np.vstack([begun, 1.0 - np.eye(count)])
-    weights = begun + NOTHING
-    scale = np.full((len(weights), 1), float(np.sqrt(np.mean(y**2))) + NOTHING)
-    for _ in range(THRESHOLDS.weighings):
+    weights, scale = begun + NOTHING, np.zeros((len(begun), 1))
+    least = 1e-12 * float(np.sqrt(np.mean(y**2))) + NOTHING
+    for k in range(THRESHOLDS.weighings):
         gram = (a.T * weights[:, None]) @ a
         ridge = np.diagonal(gram, axis1=1, axis2=2) * 1e-9 + penalty + NOTHING
         inverse = np.linalg.inv(gram + ridge[:, None] * np.eye(a.shape[1]))
         c = np.einsum("mij,mj->mi", inverse, (weights * y) @ a)
         leverage = weights * np.sum((a @ inverse) * a, axis=2)
         e = np.abs(y - c @ a.T) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
+        if k == 0:  # the scale of the rows begun with: one left out may be of any size
+            squares = np.sum(begun * e**2, axis=1, keepdims=True)
+            scale = np.sqrt(squares / begun.sum(axis=1, keepdims=True)) + least
         for _ in range(THRESHOLDS.weighings):
             z = (e / scale) ** 2
             mean = np.mean((nu + 1.0) * z / (nu + z), axis=1, keepdims=True)

@@ -11,9 +11,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import legendre
 from scipy import fft
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 from scipy.signal import lfilter
 
 from stickslip.data import Measurement, as_recorded, between_gaps, with_voltage
@@ -33,6 +34,8 @@ ROWS = 6.0
 """Rows for each 1/fc."""
 MOST_ROWS = 5000
 """Rows of all records; beyond it fewer for each 1/fc, three at least."""
+SMOOTHEST = 14
+"""Degree of the polynomial that a motion which goes on follows, at most."""
 STILL = 8.0
 """Range of positions within 1/fc that is rest, over their noise."""
 SAMPLES = 40.0
@@ -567,7 +570,10 @@ class Along:
         White noise e of places x = A sin(w t) gives an energy the noise J w^2 (2 x e) and the
         slope of J v e: its power grows as 4 + (f / f_0)^2, from twice the frequency f_0 on.
         """
-        if self.free == "momentum" or not self.moves:
+        if self.free == "momentum":  # means over as many samples of what has white noise
+            each = zip(parts, self.filters, strict=True)
+            return [uniform_filter1d(x, f.every, axis=0)[:: f.every] for x, f in each]
+        if not self.moves:
             return [x[:: f.every] for x, f in zip(parts, self.filters, strict=True)]
         found = []
         for x, q, filt in zip(parts, self.ways, self.filters, strict=True):
@@ -613,14 +619,16 @@ class Along:
     @cached_property
     def _has(self) -> list[Array]:
         """Energy, momentum or what moved of an inertia of 1 kg, every few samples."""
+        if self.free == "momentum":
+            own = [one.position if self.moves else one.velocity for one in self.records]
+            return self._whitened([x / self.frame.unit for x in own if x is not None])
         found = []
-        for one, filt, q in zip(self.records, self.filters, self.ways, strict=True):
+        for one, filt in zip(self.records, self.filters, strict=True):
             v = filt(one.position, bent=True, slope=1, full=True) if self.moves else None
             if one.velocity is not None:
                 v = filt(one.velocity, full=True)
             assert v is not None
-            has = 0.5 * v * v if self.free == "work" else q if self.moves else v
-            found.append(has / self.frame.unit)
+            found.append(0.5 * v * v / self.frame.unit)
         return self._whitened(found)
 
     @cached_property
@@ -693,7 +701,8 @@ class Along:
         # where a record is continued shows, and the energy of few swings knows it for long
         parts = STRETCHES // 2 if self.free else STRETCHES
         ends = min(math.ceil(2.0 / filt.band / filt.step), len(still) // parts)
-        still[:ends] = still[len(still) - ends :] = True
+        if self.free != "momentum":
+            still[:ends] = still[len(still) - ends :] = True
         kept: Mask = ~still[:: filt.every]
         return kept
 
@@ -735,6 +744,8 @@ class Along:
         def made(one: Record, filt: Filter) -> Array:
             if one.velocity is not None:
                 return filt(one.velocity, wider=2.0, full=True)
+            if self.free == "momentum":
+                return smooth_slope(one.position, filt.step, round(one.rarer))
             return filt(one.position, bent=True, slope=1, wider=2.0, full=True)
 
         return self._full(made)
@@ -1006,6 +1017,28 @@ def _summed(x: Array, step: Array | float) -> Array:
     step = np.reshape(step, (-1, *(1,) * (x.ndim - 1)))
     done = np.cumsum(0.5 * (x[1:] + x[:-1]) * step, axis=0)
     return np.concatenate([np.zeros_like(done[:1]), done])
+
+
+def smooth_slope(x: Array, step: float, every: int = 1) -> Array:
+    """Return the slope (n,) of the polynomial that predicts values best, each from all others.
+
+    Of values (n,) between which others are interpolated, only `every` few are measured.
+
+    Examples
+    --------
+    >>> t = 0.1 * np.arange(50.0)
+    >>> bool(np.allclose(smooth_slope(t**3 - t, 0.1), 3.0 * t**2 - 1.0))
+    True
+    """
+    at = np.linspace(-1.0, 1.0, len(x))
+    y = x[::every]
+    q, r = np.linalg.qr(legendre.legvander(at[::every], min(SMOOTHEST, len(y) - 2)))
+    left = y[:, None] - np.cumsum(q * (q.T @ y), axis=1)
+    errors = np.sum((left / (1.0 - np.cumsum(q**2, axis=1))) ** 2, axis=0)
+    best = int(np.argmin(errors)) + 1
+    c = np.linalg.solve(r[:best, :best], q[:, :best].T @ y)
+    slope = legendre.legval(at, legendre.legder(c))
+    return np.asarray(slope * 2.0 / (step * (len(x) - 1)))
 
 
 def _finer(record: Record, band: float) -> Record:

@@ -92,8 +92,8 @@ from stickslip.identify.problems.record_terms import DEAD_ZONE, EXPONENTS, GRID,
 from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
-WHITE = {"work": 0.65, "momentum": 0.9}
-"""Width of the noise of free motions over their band, as white noise would have (study: decays)."""
+WHITE = 0.65
+"""Width of the noise of the work of free motions over their band, as white noise would have (study: decays)."""
 FREE_SPREAD = 3.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
@@ -191,8 +191,10 @@ class RecordsProblem(Problem):
         self.stretches, self.blocks, self.excluded = _blocks(self.rows)
         filt = self.rows.filters[0]
         # the noise of what is integrated is white up to here, that of forces is not
-        width = WHITE.get(self.free, 0.0) * self.rows.band
+        width = WHITE * self.rows.band if self.free == "work" else 0.0
         self.worth = min(2.0 * width * filt.every * filt.step, 1.0)
+        if self.free == "momentum":
+            self.worth = min(filt.every / self.rows.records[0].rarer, 1.0)
         doubts = {path: one.doubt for path, one in first.unknown.items() if one.doubt}
         if first.hold_doubt and not self.free:
             doubts[HOLD] = first.hold_doubt
