@@ -169,6 +169,16 @@ def test_an_outlier_is_said_and_hardly_counts():
     assert band.low[0] < 2.3 < band.high[0]
 
 
+def test_noise_alone_is_no_friction_and_as_much_friction_as_noise_is_some():
+    names = []
+    for seed in range(8):
+        v, noise = np.geomspace(0.002, 0.4, 15), 0.05 * np.random.default_rng(seed).normal(size=15)
+        each = [Measurement(velocity=v, friction=noise + level) for level in (0.0, 0.05)]
+        names.append([select(AXIS, None, one).family for one in each])
+    assert sum(none == () for none, _ in names) >= 6
+    assert sum(some != () for _, some in names) >= 6
+
+
 @pytest.mark.parametrize("value", [1e6, -1e4, 4e3])
 def test_a_reading_in_another_unit_changes_no_law_and_no_error(value):
     v = np.geomspace(0.002, 0.4, 9)

@@ -285,9 +285,9 @@ class Problem(ABC):
         return sum(self.terms[name].rank for name, _ in structure)
 
     def is_usual(self, structure: Structure) -> bool:
-        """Return whether the field uses a law, whatever runs and faults stand beside it."""
+        """Return whether the field uses a law, or it is none, whatever runs and faults there are."""
         parts = {name for name, _ in structure if self.terms[name].role not in ("run", "fault")}
-        return parts in [set(family) for family in self.usual]
+        return not parts or parts in [set(family) for family in self.usual]
 
     def beside_curve(self, structure: Structure) -> Structure:
         """Return the columns of a structure that the measured curve does not stand for."""

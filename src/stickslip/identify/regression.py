@@ -83,7 +83,7 @@ class BlockRegression:
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
         self.counted = np.ones(len(problem.response))
-        """Share (n,) of each row that counts: less than 1 of outliers, where rows are independent."""
+        """Share (n,) of each row that counts: of outliers less than 1, if rows are independent."""
         self.believed: Array | None = None
         """Weights by which readings alone at an end are none of the outliers, if they are else."""
         self._count = np.array([block.sum() for block in problem.blocks], dtype=float)
@@ -117,7 +117,7 @@ class BlockRegression:
     def weigh(self, weights: Array, z: Array | None = None) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices.
 
-        With standardised residuals `z` (n,), independent rows that are outliers by these count less.
+        With standardised residuals `z` (n,), independent rows that are outliers count less.
         """
         if z is not None and self.problem.independent:
             self.counted = counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2

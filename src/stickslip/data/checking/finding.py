@@ -12,7 +12,10 @@ OTHER_SPEEDS: Final = "Measure at further velocities"
 OTHER_WAY: Final = "Measure in the other direction, too"
 """What answers a motion in one direction."""
 Severity = Literal["info", "warning", "error"]
-TURN: Final = "set its gain to −1, or reverse the sign of its present gain"
+TURN: Final = (
+    "set its gain to −1 (`gain` under [data] of a rig file), or reverse the sign of its present"
+    " gain"
+)
 """Cure of a force that counts the other way; a gain that is given takes the place of another."""
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 

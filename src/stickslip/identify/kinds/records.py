@@ -144,6 +144,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
         error = score_text(scale, curve).value
         rows.append([capital(TITLES["curve"]), NO_VALUE, error, percent(verdict.curve_share), ""])
         assert closest.fit is not None
+        values = sorted(closest.fit.estimates, key=importance)
         return Comparison(
             heads=[
                 "law", "parameters", f"held-out error, {scale.unit or verdict.score_unit}",
@@ -151,7 +152,7 @@ class BandKind(Kind[RecordFit, BandVerdict]):
             ],
             rows=rows,
             checks=verdict.checks,
-            fitted=(f"{closest.title}, if it holds", sorted(closest.fit.estimates, key=importance)),
+            fitted=(f"{closest.title}, if it holds", values) if values else None,
         )  # fmt: skip
 
     def summary(

@@ -93,7 +93,8 @@ from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = 0.65
-"""Width of the noise of the work of free motions over their band, as white noise would have (study: decays)."""
+"""Width of the noise of their work over the band of free motions, if it were white noise (study:
+decays)."""
 FREE_SPREAD = 3.0
 """The same of free motions, whose work has noise that is nearly white (study: decays)."""
 SPREAD = 20.0
