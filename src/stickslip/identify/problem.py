@@ -285,7 +285,7 @@ class Problem(ABC):
         return sum(self.terms[name].rank for name, _ in structure)
 
     def is_usual(self, structure: Structure) -> bool:
-        """Return whether the field uses a law, or it is none, whatever runs and faults there are."""
+        """Return whether a law is none, or one of the field, whatever runs and faults there are."""
         parts = {name for name, _ in structure if self.terms[name].role not in ("run", "fault")}
         return not parts or parts in [set(family) for family in self.usual]
 
