@@ -262,12 +262,18 @@ def root_of(covariance: Array) -> Array:
     return np.asarray(root.T * size)
 
 
-def band_of(curves: Array, level: float = 0.95, *, all_along: bool = False) -> PredictionBand:
+def band_of(
+    curves: Array,
+    level: float = 0.95,
+    *,
+    all_along: bool = False,
+    rarer: float = THRESHOLDS.rarer,
+) -> PredictionBand:
     """Return quantiles of curves (d, n): point by point, or so that they hold all along.
 
-    They are wider than `level` by `Thresholds.rarer`: what no draw holds is the more, the rarer.
+    They are wider than `level` by the power `rarer`: what no draw holds is the more, the rarer.
     """
-    level = 1.0 - (1.0 - level) ** THRESHOLDS.rarer
+    level = 1.0 - (1.0 - level) ** rarer
     low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
     if all_along:
         above = (curves - median) / (high - median + 1e-300)

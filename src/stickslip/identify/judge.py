@@ -265,8 +265,8 @@ class Judgement:
         return [self.regression.left_between(one, self.problem.parts()) for one in pair]
 
     def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
-        """Return the band of new readings at rows (n,)."""
-        return band_of(self.readings(rows), level)
+        """Return the band of new readings at rows (n,), whose noise has tails of its own."""
+        return band_of(self.readings(rows), level, rarer=1.0)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.

@@ -60,7 +60,7 @@ SLOPES = (0.5, 1.0)
 FEW = 2.0
 """Degrees of freedom from which residuals of independent rows tell the noise."""
 FIXED = 1.0 / np.finfo(float).eps
-"""Precision of what is not fitted, over that of all rows."""
+"""Precision of what is not fitted over that of all rows, and of what is exact over its noise."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
 
@@ -470,7 +470,7 @@ def _student_fit(
     if count <= TOGETHER:
         begun = np.vstack([begun, 1.0 - np.eye(count)])
     weights, scale = begun + NOTHING, np.zeros((len(begun), 1))
-    least = 1e-12 * float(np.sqrt(np.mean(y**2))) + NOTHING
+    least = float(np.sqrt(np.mean(y**2))) / FIXED + NOTHING
     for k in range(THRESHOLDS.weighings):
         gram = (a.T * weights[:, None]) @ a
         ridge = np.diagonal(gram, axis1=1, axis2=2) * 1e-9 + penalty + NOTHING

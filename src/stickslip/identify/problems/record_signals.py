@@ -34,8 +34,6 @@ ROWS = 6.0
 """Rows for each 1/fc."""
 MOST_ROWS = 5000
 """Rows of all records; beyond it fewer for each 1/fc, three at least."""
-SMOOTHEST = 14
-"""Degree of the polynomial that a motion which goes on follows, at most."""
 STILL = 8.0
 """Range of positions within 1/fc that is rest, over their noise."""
 SAMPLES = 40.0
@@ -1022,7 +1020,8 @@ def _summed(x: Array, step: Array | float) -> Array:
 def smooth_slope(x: Array, step: float, every: int = 1) -> Array:
     """Return the slope (n,) of the polynomial that predicts values best, each from all others.
 
-    Of values (n,) between which others are interpolated, only `every` few are measured.
+    Its degree is at most the number of stretches of a record. Of values (n,) between which others
+    are interpolated, only `every` few are measured.
 
     Examples
     --------
@@ -1032,7 +1031,7 @@ def smooth_slope(x: Array, step: float, every: int = 1) -> Array:
     """
     at = np.linspace(-1.0, 1.0, len(x))
     y = x[::every]
-    q, r = np.linalg.qr(legendre.legvander(at[::every], min(SMOOTHEST, len(y) - 2)))
+    q, r = np.linalg.qr(legendre.legvander(at[::every], min(STRETCHES, len(y) - 2)))
     left = y[:, None] - np.cumsum(q * (q.T @ y), axis=1)
     errors = np.sum((left / (1.0 - np.cumsum(q**2, axis=1))) ** 2, axis=0)
     best = int(np.argmin(errors)) + 1
