@@ -570,6 +570,24 @@ def test_a_search_that_finds_no_orbit_says_how_far_it_is_and_what_to_do():
         periodic_orbit(pulled, Coulomb(kinetic_coefficient=0.5), settle=3)  # faster and faster
 
 
+def test_two_sines_have_orbits_where_a_cycle_holds_both():
+    two = Sine(amplitude=0.15, frequency=8.0) + Sine(amplitude=0.1, frequency=12.0)
+    robot = replace(CAPSULE, drive=Torque(drive=two))
+    with pytest.raises(InputError, match="no common period"):
+        periodic_orbit(robot, ROUGH)
+    orbit = periodic_orbit(robot, ROUGH, period=0.25)
+    later = orbit.run(9).at(np.array([2.0, 2.25]))  # eight cycles and nine
+    np.testing.assert_allclose(later["xi"], orbit.start["xi"], atol=1e-9)
+    path = "mechanism.drive.drive.parts.1"
+    branch = continue_orbit(orbit, f"{path}.amplitude", (0.098, 0.102), period=0.25)
+    assert branch.values.min() == pytest.approx(0.098)
+    for period in (0.2, 0.375):
+        with pytest.raises(InputError, match="no whole multiple"):
+            periodic_orbit(robot, ROUGH, period=period)
+    with pytest.raises(InputError, match="no whole multiple"):  # although 12 and 16 Hz both fit
+        continue_orbit(orbit, f"{path}.frequency", (12.0, 16.0), period=0.25)
+
+
 def test_starts_of_an_orbit_diagram_do_not_grow_with_what_has_not_settled():
     robot = capsule_at(18.0)
     path = "mechanism.drive.drive.frequency"

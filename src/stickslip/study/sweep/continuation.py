@@ -59,6 +59,7 @@ from stickslip.study.sweep.orbits import (
     ReturnMap,
     Shot,
     Signature,
+    refuse_cut,
     return_map,
     solved,
 )
@@ -120,6 +121,8 @@ ROUGH = 1e-3
 """Residual over the width of a part between whose ends a side is asked for."""
 SLOW = 0.1
 """Share of the residual left by a step from which its derivative is taken anew."""
+INSIDE = 0.618
+"""Place in a range at which drives must fit a given cycle, too."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
@@ -377,8 +380,12 @@ def between_of(owner: str, between: Any) -> tuple[float, float]:
 
 def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
     """Return a map in a range, which is refused if the parameter cannot have values of it."""
-    for value in between:
-        map_.duration(map_.pair(value)[0])
+    low, high = between
+    for value in (low, high, low + INSIDE * (high - low)):
+        mechanism, _ = map_.pair(value)
+        map_.duration(mechanism)
+        if map_.period is not None:  # which may fit at both ends by chance
+            refuse_cut(mechanism, map_.period)
     return replace(map_, between=between)
 
 

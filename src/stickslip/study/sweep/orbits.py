@@ -38,6 +38,8 @@ from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
+from stickslip.mechanisms.base import WHOLE
+from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
@@ -205,6 +207,7 @@ def periodic_orbit(
         whole_run("periodic_orbit", mechanism, cycles + settle)
     else:
         PERIOD.check("periodic_orbit", "period", period)
+        refuse_cut(mechanism, period)
     map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
     if settle:
         cycle = map_.duration(mechanism) / cycles
@@ -512,6 +515,20 @@ class ReturnMap:
 
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+
+
+def refuse_cut(mechanism: Mechanism, period: float) -> None:
+    """Refuse the length of a cycle after which a drive does not repeat itself."""
+    for name, drive in mechanism.drives().items():
+        for own in filter(None, (part.repeats() for part in parts_of(drive))):
+            ratio = period / own
+            if not abs(ratio - round(ratio)) <= WHOLE * ratio:
+                raise InputError(
+                    f"{type(mechanism).__name__}: the drive {name!r} repeats itself after"
+                    f" {number(own, 6)} s, of which {number(period, 6)} s is no whole multiple, so"
+                    " that no orbit closes then; give a period after which all drives repeat"
+                    " themselves."
+                )
 
 
 def return_map(
