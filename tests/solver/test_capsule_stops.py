@@ -30,7 +30,7 @@ class Setting:
     frequency: float
 
     def force(self, t: float) -> float:
-        return self.capsule.drive.drive.amplitude * math.sin(2.0 * math.pi * self.frequency * t)
+        return float(self.capsule.drive.drive.value(t))
 
 
 def setting(seed: int) -> Setting:
@@ -185,8 +185,7 @@ def apart(times: list[float], least: float) -> list[float]:
     return [b for a, b in zip([-1.0, *times], times, strict=False) if b - a > least]
 
 
-def compare(seed: int, cycles: int) -> None:
-    one = setting(seed)
+def compare(one: Setting, cycles: int) -> None:
     period = 1.0 / one.frequency
     run = simulate(one.capsule, one.law, t_end=cycles * period)
     assert run.certificate.certified
@@ -205,13 +204,21 @@ def compare(seed: int, cycles: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_capsule_moves_as_scipy_says(seed):
-    compare(seed, 2)
+    compare(setting(seed), 2)
+
+
+@pytest.mark.parametrize("ratio", [1.5, math.sqrt(2.0)])
+def test_a_capsule_that_two_sines_drive_moves_as_scipy_says(ratio):
+    one = setting(1)
+    sine = one.capsule.drive.drive
+    both = sine + Sine(amplitude=0.6 * sine.amplitude, frequency=ratio * sine.frequency, phase=0.3)
+    compare(replace(one, capsule=replace(one.capsule, drive=Torque(drive=both))), 4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_sixty_capsules_move_as_scipy_says(seed):
-    compare(seed, 5)
+    compare(setting(seed), 5)
 
 
 def robot(frequency, restitution=0.6, lower=None):

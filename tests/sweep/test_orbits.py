@@ -460,14 +460,15 @@ def test_branches_are_tables_and_pickles(diagram):
     assert diagram.branch_cycles < diagram.brute_cycles
 
 
-def test_counts_of_events_are_those_of_the_events(diagram):
+def test_what_happens_in_an_orbit_is_counted_by_its_events(diagram):
     seen = 0
     for branch in diagram.branches:
         for index in range(0, len(branch.values), 23):
-            run = branch.map.shoot(branch.starts[index], float(branch.values[index])).run
-            events = [(e.contact, e.reason, e.from_mode != e.to_mode) for e in run.events()]
-            assert run.counts() == Counter(events)
-            seen += len(set(events))
+            shot = branch.map.shoot(branch.starts[index], float(branch.values[index]))
+            events = Counter((e.contact, e.reason) for e in shot.run.events())
+            told = {(c, what): n for c, what, n in shot.signature if not what.startswith("mode ")}
+            assert told == events
+            seen += len(events)
     assert seen > 10
 
 
@@ -567,3 +568,28 @@ def test_a_search_that_finds_no_orbit_says_how_far_it_is_and_what_to_do():
     pulled = Axis(inertia=1.0, offset=-5.0, drive=Sine(amplitude=1.0, frequency=1.0))
     with pytest.raises(SimulationError, match=r"no periodic orbit of 1 cycle.* Settle longer"):
         periodic_orbit(pulled, Coulomb(kinetic_coefficient=0.5), settle=3)  # faster and faster
+
+
+def test_two_sines_have_orbits_where_a_cycle_holds_both():
+    two = Sine(amplitude=0.15, frequency=8.0) + Sine(amplitude=0.1, frequency=12.0)
+    robot = replace(CAPSULE, drive=Torque(drive=two))
+    with pytest.raises(InputError, match="no common period"):
+        periodic_orbit(robot, ROUGH)
+    orbit = periodic_orbit(robot, ROUGH, period=0.25)
+    later = orbit.run(9).at(np.array([2.0, 2.25]))  # eight cycles and nine
+    np.testing.assert_allclose(later["xi"], orbit.start["xi"], atol=1e-9)
+    path = "mechanism.drive.drive.parts.1"
+    branch = continue_orbit(orbit, f"{path}.amplitude", (0.098, 0.102), period=0.25)
+    assert branch.values.min() == pytest.approx(0.098)
+    for period in (0.2, 0.375):
+        with pytest.raises(InputError, match="no whole multiple"):
+            periodic_orbit(robot, ROUGH, period=period)
+    with pytest.raises(InputError, match="no whole multiple"):  # although 12 and 16 Hz both fit
+        continue_orbit(orbit, f"{path}.frequency", (12.0, 16.0), period=0.25)
+
+
+def test_starts_of_an_orbit_diagram_do_not_grow_with_what_has_not_settled():
+    robot = capsule_at(18.0)
+    path = "mechanism.drive.drive.frequency"
+    found = orbit_diagram(robot, ROUGH, path, (17.0, 19.0), cycles=1, values=20, settle=1)
+    assert np.nanmax(np.abs(found.samples)) < 1e3  # twice as large each time is 1e17

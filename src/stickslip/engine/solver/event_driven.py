@@ -21,7 +21,6 @@ and the parameters with the largest powers are named.
 """
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Self
@@ -581,12 +580,12 @@ class BareRun:
         names = model.contacts or tuple(contact.name for contact in contacts)
         return _events(reasons(model), names, sensing.record)
 
-    def counts(self) -> dict[tuple[str, str, bool], int]:
-        """Return how often each contact does what: contact, what, whether its mode changes."""
-        sensing = self.differentiate
-        model, contacts = self.playback.model, sensing.mechanism.contacts()
-        names = model.contacts or tuple(contact.name for contact in contacts)
-        return _counts(reasons(model), names, sensing.record)
+    def happened(self) -> bytes:
+        """Return what happened, without its times: alike where the same came in the same order."""
+        record = self.differentiate.record
+        rows = np.array(record.events[: layout.EVENT_COLUMNS * record.whole[layout.EVENTS]])
+        rows[0 :: layout.EVENT_COLUMNS] = rows[5 :: layout.EVENT_COLUMNS] = 0.0  # time and margin
+        return rows.tobytes()
 
 
 def bare_run(
@@ -606,22 +605,6 @@ def bare_run(
         playback=Playback.from_log(model, record.runner, inputs, record.log, whole[layout.STEPS]),
         differentiate=Sensing(mechanism, law, inputs, record, t_end, (), sloped),
     )
-
-
-def _counts(
-    names: Sequence[str | None], contacts: Sequence[str], record: Record
-) -> dict[tuple[str, str, bool], int]:
-    """Count what `_events` translates: what happened follows from the numbers but t and margin."""
-    whole = record.whole
-    rows = np.asarray(record.events[: layout.EVENT_COLUMNS * whole[layout.EVENTS]]).tolist()
-    alike = Counter(zip(*(rows[i :: layout.EVENT_COLUMNS] for i in (1, 2, 3, 4, 6)), strict=True))
-    found: dict[tuple[str, str, bool], int] = {}
-    for (before, after, guard, flags, contact), count in alike.items():
-        reason = names[happened([0.0, before, after, guard, flags, 0.0, contact], 0, whole)]
-        if reason is not None:
-            key = contacts[int(contact)], reason, before != after
-            found[key] = found.get(key, 0) + count
-    return found
 
 
 def _difference(run: Trajectory, other: Trajectory) -> float:

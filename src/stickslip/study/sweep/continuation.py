@@ -5,11 +5,13 @@ Along a branch F(u) = 0, where stability plays no part:
 
 1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by the cubic
    through the last two points and their tangents where the same happens in both.
-2. Corrector: Newton's steps with the further equation t (u - u0) = ds. The last needs no run where
-   the two before show what it leaves. The step grows where few of them are needed, up to where the
-   tangent turns by a given angle, is halved where they fail and quartered where they fail again.
-   It must not lead across a gap to what is another part of the branch, or another one. Scales
-   follow the states.
+2. Corrector: Newton's steps with the further equation t (u - u0) = ds; a derivative costs more
+   than its run and is taken where it is used, else mended by Broyden's rule. The last step needs no
+   run where the two before show what it leaves, or how the derivative changes from a point nearby.
+   The step grows where few of them are needed, up to where the tangent turns by a given angle, and
+   is halved where they fail. Short steps are halved until a run on the predictor shows what
+   happened before. A step must not lead across a gap to what is another part of the branch, or
+   another one: it ends in front of it. Scales follow the states.
 3. Events between two points, each located on the arc: by false position where the test function is
    smooth, else by bisection.
      fold             the tangent's component along p changes its sign
@@ -39,6 +41,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
@@ -56,8 +59,8 @@ from stickslip.study.sweep.orbits import (
     ReturnMap,
     Shot,
     Signature,
+    refuse_cut,
     return_map,
-    signature_of,
     solved,
 )
 from stickslip.study.sweep.parameter_grid import (
@@ -112,6 +115,14 @@ BEND = 0.8
 BESIDE, ALIKE = 0.05, 1e-3
 """Distance, over the chord of two neighbours, within which a point may be between them, and within
 which it is."""
+TRUSTED = 1e-5
+"""Residual from which a step with a derivative of its own may be the last."""
+ROUGH = 1e-3
+"""Residual over the width of a part between whose ends a side is asked for."""
+SLOW = 0.1
+"""Share of the residual left by a step from which its derivative is taken anew."""
+INSIDE = 0.618
+"""Place in a range at which drives must fit a given cycle, too."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
 OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
@@ -369,8 +380,12 @@ def between_of(owner: str, between: Any) -> tuple[float, float]:
 
 def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
     """Return a map in a range, which is refused if the parameter cannot have values of it."""
-    for value in between:
-        map_.duration(map_.pair(value)[0])
+    low, high = between
+    for value in (low, high, low + INSIDE * (high - low)):
+        mechanism, _ = map_.pair(value)
+        map_.duration(mechanism)
+        if map_.period is not None:  # which may fit at both ends by chance
+            refuse_cut(mechanism, map_.period)
     return replace(map_, between=between)
 
 
@@ -381,17 +396,53 @@ def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
 
 @dataclass(frozen=True)
 class _Point:
-    """An orbit on the branch."""
+    """An orbit on the branch; of what needs derivatives nothing is worked out before it is used."""
 
     shot: Shot
-    tangent: Array
-    """In scaled unknowns (k + 1,), along the branch."""
-    signature: Signature
-    multipliers: NDArray[np.complex128]
-    crossing: float
-    """det[dF/du; t]."""
-    half: Array
-    """States after half the cycles less those at the start, scaled; 0 of an odd number."""
+    along: Array | None
+    """Direction in which the tangent goes on; up in p if none is given."""
+    scale: Array
+    """Sizes of the states and of the range."""
+
+    @property
+    def signature(self) -> Signature:
+        """What happens in a period."""
+        return self.shot.signature
+
+    @cached_property
+    def unknowns(self) -> Array:
+        """Scaled states and parameter (k + 1,)."""
+        return np.array([*self.shot.y.tolist(), self.shot.value]) / self.scale
+
+    @cached_property
+    def slopes(self) -> Array:
+        """dF/du (k, k + 1)."""
+        found: Array = self.shot.jacobian * self.scale / self.scale[:-1, None]
+        return found
+
+    @cached_property
+    def tangent(self) -> Array:
+        """Null vector of dF/du (k + 1,); its part along what is lost to sticking is exactly 0."""
+        found = np.asarray(np.linalg.svd(self.slopes)[2][-1], dtype=np.float64)
+        found[:-1][self.shot.lost] = 0.0
+        up = float(found[-1] if self.along is None else found @ self.along)
+        return found / (_length(found) if up >= 0.0 else -_length(found))
+
+    @cached_property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Floquet multipliers (k,)."""
+        return np.linalg.eigvals(self.shot.monodromy).astype(np.complex128)
+
+    @cached_property
+    def crossing(self) -> float:
+        """det[dF/du; t]."""
+        return float(np.linalg.det(np.concatenate((self.slopes, self.tangent[None]))))
+
+    @cached_property
+    def half(self) -> Array:
+        """States after half the period less those at the start (k,)."""
+        found: Array = self.shot.half / self.scale[:-1]
+        return found
 
 
 @dataclass(frozen=True)
@@ -406,6 +457,22 @@ class _Part:
     """The orbit at its beginning."""
     b: _Point
     """The orbit at its end."""
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A step of a walk."""
+
+    there: _Point
+    """Where it leads."""
+    length: float
+    """Its arc."""
+    count: int
+    """How many of Newton's steps it took."""
+    border: _Part
+    """Where what happens changes in it; the step itself if nothing does."""
+    free: float
+    """Arc behind it in which something stops a step."""
 
 
 class _Curve:
@@ -433,17 +500,7 @@ class _Curve:
         """
         if self.scale.size == 1:
             self.scale = np.append(shot.scale, self.high - self.low)
-        tangent = self.null(shot)
-        up = tangent[-1] if along is None else float(tangent @ along)
-        tangent = tangent if up >= 0.0 else -tangent
-        return _Point(
-            shot,
-            tangent,
-            signature_of(shot),
-            np.linalg.eigvals(shot.monodromy).astype(np.complex128),
-            float(np.linalg.det(np.concatenate((self.scaled(shot), tangent[None])))),
-            self.half(shot),
-        )
+        return _Point(shot, along, self.scale)
 
     def fit(self, *points: _Point) -> tuple[_Point, ...]:
         """Return points in the scales of the last one, which are taken where its states outgrow."""
@@ -453,28 +510,6 @@ class _Curve:
             return points
         self.scale = size
         return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
-
-    def scaled(self, shot: Shot) -> Array:
-        """Return dF/du in scaled unknowns (k, k + 1)."""
-        found: Array = shot.jacobian * self.scale / self.scale[:-1, None]
-        return found
-
-    def null(self, shot: Shot) -> Array:
-        """Return the null vector of dF/du; its part along what is lost to sticking is exactly 0."""
-        found = np.asarray(np.linalg.svd(self.scaled(shot))[2][-1], dtype=np.float64)
-        found[:-1][shot.lost] = 0.0
-        found /= _length(found)
-        return found
-
-    def half(self, shot: Shot) -> Array:
-        if self.map.cycles % 2:
-            return np.zeros(len(shot.y))
-        middle = shot.run.at(np.array([0.5 * shot.period]))[0][list(self.map.free)]
-        found: Array = (middle - shot.y) / self.scale[:-1]
-        return found
-
-    def unknowns(self, shot: Shot) -> Array:
-        return self.unscaled(shot) / self.scale
 
     def unscaled(self, shot: Shot) -> Array:
         return np.array([*shot.y.tolist(), shot.value])
@@ -492,33 +527,82 @@ class _Curve:
         distance: float,
         start: Array | None = None,
         reach: float = np.inf,
+        known: tuple[_Point, ...] = (),
+        trusted: float = 0.0,
     ) -> tuple[Shot, int] | None:
         """Return the orbit with normal (u - u0) = distance near there, and the steps it took.
 
-        None if there is none, or if Newton's steps lead farther than within reach.
+        None if there is none, or if it has no derivative.
         """
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
+        try:
+            found = self.newton(u0, normal, distance, u, reach, known, trusted)
+            return found and (found[0].sensed(), found[1])
+        except (SimulationError, InputError, np.linalg.LinAlgError):
+            return None
+
+    def rough(self, u0: Array, normal: Array, arc: float, u: Array, ends: _Part) -> Shot | None:
+        """Return what closes at an arc between two ends well enough to tell on which side it is.
+
+        Its derivatives are not asked for.
+        """
+        least, reach = ROUGH * (ends.high - ends.low), _length(ends.b.unknowns - ends.a.unknowns)
+        try:
+            found = self.newton(u0, normal, arc, u, reach, (ends.a, ends.b), 0.0, least)
+            return found and found[0]
+        except (SimulationError, InputError, np.linalg.LinAlgError):
+            return None
+
+    def newton(
+        self,
+        u0: Array,
+        normal: Array,
+        distance: float,
+        u: Array,
+        reach: float,
+        known: tuple[_Point, ...],
+        trusted: float,
+        rough: float = 0.0,
+    ) -> tuple[Shot, int] | None:
+        """Return the orbit near a start, and how many steps that took.
+
+        None if Newton's steps do not converge, or lead farther than within reach. While they leave
+        little, Broyden's rule mends the derivative. From a residual that is trusted on it is taken
+        anew, as the next point needs it: how it differs from that of a known point tells what the
+        step from there leaves. Where the orbit may be rough, the first derivative is that of a
+        known point, too.
+        """
         begun, before, last = u, np.inf, np.inf
-        tried = [u]
+        tried, matrix, lost, kind = [u], np.empty(0), np.empty(0, bool), None
         for count in range(MOST_NEWTON + 1):
-            try:
-                shot = self.shoot(u, WORSE * before)
-            except (SimulationError, InputError):
-                return None
+            shot = self.shoot(u, WORSE * before)
             # what is left is judged by the size of the states in this orbit, as by `solved`
-            if shot.error <= self.map.tolerance:
+            if shot.error <= max(rough, self.map.tolerance):
                 return shot, count
             if count == MOST_NEWTON:
                 return None
             residual = shot.residual / self.scale[:-1]
             lack = np.array([*residual.tolist(), float(normal @ (u - u0)) - distance])
-            matrix = np.concatenate((self.scaled(shot), normal[None]))
-            try:
-                u = u - np.linalg.solve(matrix, lack)
-            except np.linalg.LinAlgError:
-                return None
-            y = shot.moved(u[:-1] * self.scale[:-1])
+            near = next((p for p in known if p.signature == shot.signature), None)
+            point = near if rough > 0.0 and shot.signature != kind else None
+            if point is None and (shot.signature != kind or shot.error > SLOW * last):
+                point = self.point(shot)
+                known = (point, *known)
+            if point is None:
+                step = u - tried[-2]
+                matrix = matrix + np.outer(lack, step) / float(step @ step)
+            else:
+                matrix, lost = np.concatenate((point.slopes, normal[None])), point.shot.lost
+                kind = shot.signature
+            u = u - np.linalg.solve(matrix, lack)
+            y = np.where(lost, shot.y + shot.residual, u[:-1] * self.scale[:-1])
             u[:-1] = y / self.scale[:-1]
+            if point is not None and near is not None and shot.error <= trusted:
+                bend = _length((point.slopes - near.slopes).ravel())
+                bend /= _length(point.unknowns - near.unknowns)
+                left = 0.5 * bend * _length(u - tried[-1]) ** 2
+                if left <= SLOW * self.map.tolerance:  # as it is an estimate
+                    return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             # the next step leaves no larger a share than the last, what its run would show is known
             follows = shot.error * shot.error / last if count else np.inf
             if shot.error <= NEARBY and follows <= self.map.tolerance:
@@ -537,7 +621,7 @@ class _Curve:
     def branch(self, first: _Point) -> Branch:
         """Follow a branch to both sides of a point."""
         self.backward = True  # events are told in the order of the points
-        turned = replace(first, tangent=-first.tangent, crossing=-first.crossing)
+        turned = replace(first, along=-first.tangent)
         scale = self.scale  # that of the tangent; a walk goes on to others
         back, begun, before = self.walk(turned)
         self.backward, self.scale = False, scale
@@ -577,10 +661,10 @@ class _Curve:
         self.trails.append(trail)
         while len(points) <= self.most:
             here = points[-1]
-            u0 = self.unknowns(here.shot)
+            u0 = here.unknowns
             step = self.stepped(points, u0, ds)
-            if step is None:
-                ds, held = (0.25 if held else 0.5) * ds, True
+            if isinstance(step, float):
+                ds, held = step, True
                 if ds > LEAST_STEP:
                     continue
                 there = self.over(here)
@@ -590,15 +674,17 @@ class _Curve:
                         sentence = "the branch ends there"
                         events.append(self.event(kind, here, len(points) - 1, sentence))
                     return points, reason, events
-                ds = 0.1 * _length(self.unknowns(there.shot) - u0)
+                ds = 0.1 * _length(there.unknowns - u0)
             else:
-                there = step[0]
-            if _halves_meet(here, there):
-                return self.halves(points, there, u0, 0.0 if step is None else ds, events)
-            if step is None:
+                there = step.there
+            if self.map.cycles % 2 == 0 and _halves_meet(here, there):
+                return self.halves(
+                    points, there, u0, 0.0 if isinstance(step, float) else step.length, events
+                )
+            if isinstance(step, float):
                 events.append(self.turned(here, there, len(points) - 1))
             else:
-                events += self.between(here, there, u0, ds, len(points) - 1, step[2])
+                events += self.between(here, there, u0, step.length, len(points) - 1, step.border)
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
@@ -607,31 +693,48 @@ class _Curve:
             if ended:
                 return points, ended, events
             trail.append(self.unscaled(there.shot))
-            if step is not None and step[1] <= EASY and not held:
-                ds = min(GROWTH * ds, self.step)
+            if not isinstance(step, float):
+                grown = GROWTH * ds if step.count <= EASY and not held else ds
+                ds = min(grown, self.step, step.free)
             ds, held = min(ds, self.straight(points)), False
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
-    def stepped(
-        self, points: list[_Point], u0: Array, ds: float
-    ) -> tuple[_Point, int, _Part] | None:
-        """Return the point after a step, how many of Newton's steps it took, and the border.
+    def stepped(self, points: list[_Point], u0: Array, ds: float) -> _Step | float:
+        """Return a step, or how long a shorter one may be.
 
-        None if the step must be shorter. What lies behind a gap is noted, as it may be a branch.
+        In front of a gap it ends. What lies behind is noted, as it may be a branch.
         """
         here = points[-1]
-        found = self.correct(u0, here.tangent, ds, self.ahead(points, u0, ds), ds)
+        start = self.ahead(points, u0, ds)
+        found = self.correct(u0, here.tangent, ds, start, ds, (here,), TRUSTED)
         if found is None:
-            return None
+            return 0.5 * ds if ds > CLEAN else self.clear(points, u0, ds)
         there = self.point(found[0], here.tangent)
         if not self.is_next(here, there, u0, ds):
-            return None
-        border = self.border(here, there, u0, ds)
-        if border is None:
-            self.beyond.append(there.shot)
-            return None
-        return there, found[1], border
+            return 0.5 * ds
+        border, crossed = self.border(here, there, u0, ds)
+        if crossed:
+            return _Step(there, ds, found[1], border, np.inf)
+        self.beyond.append(there.shot)
+        there, low = border.a, border.low
+        rough = there.shot.error > self.map.tolerance
+        if low == 0.0 or rough or not self.is_next(here, there, u0, low):
+            return 0.5 * border.high
+        return _Step(there, low, found[1], _Part(0.0, low, here, there), border.high - low)
+
+    def clear(self, points: list[_Point], u0: Array, ds: float) -> float:
+        """Return half a step that failed, or how far what happened at the last point happens still.
+
+        Runs along the predictor show that, without derivatives, which steps that fail need.
+        """
+        ds *= 0.5
+        while ds > LEAST_STEP and (start := self.ahead(points, u0, ds)) is not None:
+            with suppress(SimulationError, InputError):
+                if self.shoot(start).signature == points[-1].signature:
+                    break
+            ds *= 0.5
+        return ds
 
     def ended(self, first: _Point, points: list[_Point]) -> str:
         """Return why a branch need not be followed beyond its last point; else nothing."""
@@ -646,36 +749,37 @@ class _Curve:
 
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
         """Whether a corrected point lies on the same branch, near enough."""
-        off = self.unknowns(there.shot) - u0 - ds * here.tangent
+        off = there.unknowns - u0 - ds * here.tangent
         if _length(off) > ON_CURVE * ds:
             return False
         same = here.signature == there.signature
         return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
 
-    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> _Part | None:
-        """Return the part of a step in which what happens changes; the step itself if nothing does.
+    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> tuple[_Part, bool]:
+        """Return the part of a step in which what happens changes, and whether the step is one.
 
-        None if there is no orbit somewhere between, or a gap: then the branch turns to and fro
-        between the points, or another one comes near, and the step must be shorter.
+        The part is the step itself if nothing changes. It is none if there is no orbit somewhere
+        between, or a gap: then the branch turns to and fro between the points, or another one comes
+        near.
         """
         step = _Part(0.0, ds, here, there)
         if here.signature == there.signature:
-            return step
+            return step, True
 
         def side(point: _Point) -> float:
             return 1.0 if point.signature == here.signature else -1.0
 
         def gap(part: _Part) -> float:
-            return _length(self.unknowns(part.b.shot) - self.unknowns(part.a.shot))
+            return _length(part.b.unknowns - part.a.unknowns)
 
         near = self.located(step, u0, here.tangent, side, most=FIRST_SECTIONS)
         if ds >= CLEAN and gap(near) > NARROWED * gap(step):
-            return None
+            return near, False
         near = self.located(near, u0, here.tangent, side)
         if ds < CLEAN:
-            return near
+            return near, True
         located = near.high - near.low <= LEAST_STEP
-        return near if located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5) else None
+        return near, located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5)
 
     def halves(
         self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
@@ -696,7 +800,7 @@ class _Curve:
                 near, u0, here.tangent, lambda p: float(p.half @ along) - HALVED, NEAR_HALVED
             )
         if near.a is not here:
-            border = self.border(here, near.a, u0, near.low) or _Part(0.0, near.low, here, near.a)
+            border, _ = self.border(here, near.a, u0, near.low)
             events += self.between(here, near.a, u0, near.low, len(points) - 1, border)
             end = self.limit(here, near.a)
             if end is not None:
@@ -727,8 +831,8 @@ class _Curve:
 
     def closes(self, first: _Point, here: _Point, there: _Point) -> bool:
         """Whether a step passes the first point: the branch is a closed curve."""
-        a, b = self.unknowns(here.shot), self.unknowns(there.shot)
-        start, chord = self.unknowns(first.shot), b - a
+        a, b = here.unknowns, there.unknowns
+        start, chord = first.unknowns, b - a
         share = float((start - a) @ chord) / float(chord @ chord)
         gap = _length(start - a - share * chord)
         along = float(first.tangent @ there.tangent) > TURN
@@ -740,7 +844,7 @@ class _Curve:
         So it does where a branch that was stepped over at grazing comes back on another way. What
         is near is solved for in the plane of the point: another part of the branch differs there.
         """
-        u = self.unknowns(there.shot)
+        u = there.unknowns
         for trail in self.trails:
             ends = np.concatenate(trail).reshape(len(trail), -1) / self.scale
             begins, chords = ends[:-1], np.diff(ends, axis=0)
@@ -753,7 +857,7 @@ class _Curve:
             for i in np.flatnonzero(near):
                 found = self.correct(u, there.tangent, 0.0, places[i])
                 if found is not None:
-                    off = _length(self.unknowns(found[0]) - u)
+                    off = _length(self.point(found[0]).unknowns - u)
                     if off <= ALIKE * sizes[i]:
                         return True
         return False
@@ -763,7 +867,7 @@ class _Curve:
         if len(points) < 2 or points[-2].signature != points[-1].signature:
             return None
         before, here = points[-2:]
-        back = self.unknowns(before.shot) - u0
+        back = before.unknowns - u0
         h = _length(back)
         if ds > FAR * h:
             return None
@@ -779,7 +883,7 @@ class _Curve:
         Else along the tangent from the end at which less happens, beyond which the other part of
         the branch begins: what is more there may bend it without bound, as grazing does.
         """
-        a, b = self.unknowns(part.a.shot), self.unknowns(part.b.shot)
+        a, b = part.a.unknowns, part.b.unknowns
         found: Array = a + share * (b - a)
         if part.a.signature == part.b.signature:
             h, rest = _length(b - a), 1.0 - share
@@ -799,7 +903,7 @@ class _Curve:
         if before.signature != here.signature:
             return self.step
         angle = float(np.arccos(np.clip(before.tangent @ here.tangent, -1.0, 1.0)))
-        length = _length(self.unknowns(here.shot) - self.unknowns(before.shot))
+        length = _length(here.unknowns - before.unknowns)
         return BEND * float(np.arccos(TURN)) / max(angle, LEAST_STEP) * length
 
     def over(self, here: _Point) -> _Point | None:
@@ -807,22 +911,22 @@ class _Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
-        u0 = self.unknowns(here.shot)
+        u0 = here.unknowns
         for ds in OVER:
             start = u0 + ds * here.tangent
             try:
-                guess = self.shoot(start)
+                guess = self.shoot(start).sensed()
             except (SimulationError, InputError):
                 continue
-            if signature_of(guess) == here.signature:
+            if guess.signature == here.signature:
                 continue
-            null = self.null(guess)
+            null = self.point(guess).tangent
             alike = abs(float(null @ here.tangent)) > TURN
             for normal in (null,) if alike else (null, here.tangent):
                 found = self.correct(u0, normal, float(normal @ (start - u0)), start, MOST_STEP)
                 if found is None:
                     continue
-                off = self.unknowns(found[0]) - u0
+                off = self.point(found[0]).unknowns - u0
                 point = self.point(found[0], off)
                 if point.signature != here.signature and _length(off) < MOST_STEP:
                     return point
@@ -840,17 +944,17 @@ class _Curve:
 
         What happens in a run right behind the last point is what stops it.
         """
-        u0 = self.unknowns(here.shot)
+        u0 = here.unknowns
         at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
         for ds in OVER:
             try:
-                ahead = self.shoot(u0 + ds * here.tangent)
+                ahead = self.shoot(u0 + ds * here.tangent).sensed()
             except (SimulationError, InputError) as error:
                 return "", (
                     f"{at}: behind, a run ends early or has no derivative:"
                     f" {str(error).rstrip('.')}."
                 )
-            after = signature_of(ahead)
+            after = ahead.signature
             if after == here.signature:
                 continue
             kind, sentence = _change(here.signature, after)
@@ -868,9 +972,9 @@ class _Curve:
     def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
         shot = point.shot
         with suppress(SimulationError, InputError):  # beside a border the run may be another
-            again = self.map.shoot(shot.y, shot.value)
+            again = self.map.shoot(shot.y, shot.value).sensed()
             self.runs += 1
-            if signature_of(again) == point.signature:
+            if again.signature == point.signature:
                 shot = again
         return BranchEvent(
             kind=kind, value=shot.value, index=index, sentence=sentence, orbit=self.map.orbit(shot)
@@ -953,12 +1057,22 @@ class _Curve:
                 break
             share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
             middle = low + share * (high - low)
-            start = self.amid(_Part(low, high, a, b), share, normal)
-            found = self.correct(u0, normal, middle, start) or self.correct(u0, normal, middle)
-            if found is None:
+            try:
+                start = self.amid(_Part(low, high, a, b), share, normal)
+                if least is None:
+                    ends = _Part(low, high, a, b)
+                    shot = self.rough(u0, normal, middle, start, ends)
+                    shot = shot or self.rough(u0, normal, middle, u0 + middle * normal, ends)
+                else:
+                    found = self.correct(u0, normal, middle, start)
+                    found = found or self.correct(u0, normal, middle)
+                    shot = found and found[0]
+                if shot is None:
+                    break
+                point = self.point(shot, normal)
+                value = test(point)
+            except SimulationError:  # of a rough one without derivatives
                 break
-            point = self.point(found[0], normal)
-            value = test(point)
             if value * first > 0.0:
                 low, a, first, last = middle, point, value, last * (0.5 if side < 0 else 1.0)
                 side = -1
@@ -967,7 +1081,27 @@ class _Curve:
                 side = 1
             if least is not None and abs(value) <= least and a.signature == b.signature:
                 return _Part(middle, middle, point, point)
-        return _Part(low, high, a, b)
+        first_end, last_end = (self.polished(u0, normal, *end) for end in ((low, a), (high, b)))
+        return _Part(
+            low if first_end else part.low,
+            high if last_end else part.high,
+            first_end or part.a,
+            last_end or part.b,
+        )
+
+    def polished(self, u0: Array, normal: Array, arc: float, point: _Point) -> _Point | None:
+        """Return the orbit at a point that may be rough; None if it has no derivative.
+
+        That is the point itself where it closes, or where something else happens in its orbit.
+        """
+        with suppress(SimulationError, InputError):
+            if point.shot.error > self.map.tolerance:
+                found = self.correct(u0, normal, arc, point.unknowns)
+                if found is not None and found[0].signature == point.signature:
+                    return self.point(found[0], normal)
+            _ = point.shot.sensed()
+            return point
+        return None
 
     # -- doubled branches
 
@@ -984,11 +1118,11 @@ class _Curve:
         base = replace(self.map, cycles=orbit.cycles)
         shot = base.shoot(y, value)
         self.scale = np.append(shot.scale, self.high - self.low)
-        old = self.null(shot)
+        old = self.point(shot).tangent
         v = np.append(vectors[:, nearest].real / shot.scale, 0.0)
         v -= float(v @ old) * old
         v /= _length(v)
-        u0 = self.unknowns(shot)
+        u0 = self.point(shot).unknowns
         for off in OFF:
             found = self.correct(u0, v, off, reach=10.0 * off)
             if found is None:

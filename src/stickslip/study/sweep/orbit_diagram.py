@@ -459,9 +459,12 @@ class _Search:
             self.brute_cycles += len(rows) * (max(settle, 0) + keep)
             whole = np.isfinite(points).all(axis=(1, 2))
             # The size of all samples so far: a single run may rest.
-            self.sizes = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
-            scale = np.where(self.sizes > 0.0, self.sizes, np.finfo(float).tiny)
+            scale = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
+            scale = np.where(scale > 0.0, scale, np.finfo(float).tiny)
             closed[rows] = [period_of(one, scale, tolerance) for one in points]
+            # of those that have settled: starts twice as large as transients would grow for ever
+            at_rest = points[closed[rows] > 0]
+            self.sizes = np.maximum(self.sizes, np.abs(at_rest).max(axis=(0, 1), initial=0.0))
             going = whole & (closed[rows] == 0)
             rows, ends = rows[going], points[going, -1]
             if not len(rows):

@@ -23,6 +23,7 @@ matrices, shooting with friction); Nordmark 1991 (grazing).
 """
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,6 +38,8 @@ from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, cycle_of, stops_of
+from stickslip.mechanisms.base import WHOLE
+from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
 from stickslip.show.formatting import number
@@ -204,6 +207,7 @@ def periodic_orbit(
         whole_run("periodic_orbit", mechanism, cycles + settle)
     else:
         PERIOD.check("periodic_orbit", "period", period)
+        refuse_cut(mechanism, period)
     map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
     if settle:
         cycle = map_.duration(mechanism) / cycles
@@ -212,6 +216,45 @@ def periodic_orbit(
             raise SimulationError(f"periodic_orbit, settling: {before.status.value}")
         begin = before.at(np.array([settle * cycle]))[0].tolist()
     return map_.orbit(solved(map_, np.array(begin)[list(map_.free)]))
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Derivatives of the states at the end of a run, which cost more than the run."""
+
+    map: "ReturnMap"
+    """Whose run it was."""
+    mechanism: Mechanism
+    """What moved."""
+    value: float
+    """The parameter."""
+    run: BareRun
+    """The run."""
+    rate: Array
+    """Velocity of all states that are kept, at the end."""
+
+    @cached_property
+    def all(self) -> Array:
+        """With respect to y and p (free states and coordinates that advance, n + 1).
+
+        A run that has none is a `SimulationError`.
+        """
+        map_, n = self.map, len(self.map.free)
+        # States that the mechanism begins with change with its parameters.
+        told = tuple(name for name in self.mechanism.start() if name not in map_.names)
+        sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
+        paths = [*map("initial.{}".format, map_.names), *([map_.path] if map_.path else [])]
+        taken = sense(np.array([sense.t_end]), paths)[0][[*map_.free, *map_.moving]]
+        if not np.isfinite(taken).all():
+            raise SimulationError(
+                "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
+                " or two events coincide."
+            )
+        found = np.zeros((len(taken), n + 1))
+        found[:, : taken.shape[1]] = taken
+        if map_.path is not None:
+            found[:, n] += self.rate * map_.stretch(self.mechanism, self.value)
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,23 +273,69 @@ class Shot:
     """Length of the run [s]."""
     residual: Array
     """F (n,)."""
-    monodromy: Array
-    """M (n, n)."""
-    slope: Array
-    """dF/dp (n,); 0 if no parameter varies."""
     scale: Array
     """Size of each free state in the run (n,)."""
-    advance: Array
-    """How far each coordinate on which nothing depends has come."""
-    rise: Array
-    """Derivatives of that with respect to y and p (coordinates, n + 1)."""
+    came: Array
+    """How far each coordinate on which nothing depends has come in the run."""
+    off: Array
+    """What y and p are beyond those of the run (n + 1,)."""
+    half: Array
+    """Free states after half the period less those at the start (n,)."""
+    derivatives: "Derivatives"
+    """Derivatives of the run, taken when they are asked for."""
     run: BareRun
     """The run."""
+
+    @property
+    def monodromy(self) -> Array:
+        """M (n, n)."""
+        return self.derivatives.all[: len(self.y), : len(self.y)]
+
+    @property
+    def slope(self) -> Array:
+        """dF/dp (n,); 0 if no parameter varies."""
+        return self.derivatives.all[: len(self.y), -1]
+
+    @property
+    def rise(self) -> Array:
+        """Derivatives of the advance with respect to y and p (coordinates, n + 1)."""
+        return self.derivatives.all[len(self.y) :]
+
+    def sensed(self) -> "Shot":
+        """Return the shot if it has derivatives, without which it is a `SimulationError`."""
+        _ = self.derivatives.all
+        return self
+
+    @cached_property
+    def signature(self) -> Signature:
+        """How often each contact does what, and the mode of those that do nothing.
+
+        It does not depend on where in the cycle the orbit is cut.
+        """
+        kept, what_came = self.derivatives.map.signatures, self.run.happened()
+        if what_came in kept:
+            return kept[what_came]
+        events = self.run.events()
+        counts = Counter((event.contact, event.reason) for event in events)
+        changing = {event.contact for event in events if event.from_mode != event.to_mode}
+        idle = [c.name for c in self.mechanism.contacts() if c.name not in changing]
+        if idle:
+            modes = first_modes(self, events)
+            counts.update({(name, f"mode {modes[name]}"): 1 for name in idle})
+        found = tuple(sorted((*key, count) for key, count in counts.items()))
+        if not idle:
+            kept[what_came] = found
+        return found
 
     @cached_property
     def error(self) -> float:
         """Largest residual over the size of its state."""
         return float((np.abs(self.residual) / self.scale).max(initial=0.0))
+
+    @cached_property
+    def advance(self) -> Array:
+        """How far each coordinate on which nothing depends comes."""
+        return self.came + self.rise @ self.off if self.off.any() else self.came
 
     @cached_property
     def lost(self) -> NDArray[np.bool_]:
@@ -302,6 +391,11 @@ class ReturnMap:
         return tuple(self.states[i] for i in self.free)
 
     @cached_property
+    def signatures(self) -> dict[bytes, Signature]:
+        """Those of runs so far, by what happened in them."""
+        return {}
+
+    @cached_property
     def form(self) -> Form | None:
         """The equations of all runs; None if some values of the parameter shape them."""
         for root, prefix in ((self.mechanism, "mechanism"), (self.law, "friction")):
@@ -330,10 +424,10 @@ class ReturnMap:
         return self.cycles * (cycle_of(mechanism) if self.period is None else self.period)
 
     def shoot(self, y: Array, value: float = np.nan, most: Array | float = np.inf) -> Shot:
-        """Run over the period from free states, and take all derivatives.
+        """Run over the period from free states; derivatives are taken when they are asked for.
 
-        A run that ends early or has no derivative is a `SimulationError`, as is one that leaves a
-        residual of more than is told.
+        A run that ends early is a `SimulationError`, as is one that leaves a residual of more than
+        is told.
         """
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
@@ -342,8 +436,7 @@ class ReturnMap:
         if not all(map(math.isfinite, y.tolist())):
             raise SimulationError("a step has left all finite states.")
         y = np.array([0.0 if abs(x) <= least else x for x in y.tolist()])
-        begins = mechanism.start()
-        begin = {**begins, **dict(zip(self.names, y.tolist(), strict=True))}
+        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
         start = [float(begin.get(name, 0.0)) for name in self.states]
         form = self.form if self.form is None else self.form.at(str(self.path), value)
         run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=form)
@@ -355,23 +448,10 @@ class ReturnMap:
         residual = ends[0, :n] - y
         if (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
-        # States that the mechanism begins with change with its parameters.
-        told = tuple(name for name in begins if name not in self.names)
-        sense = replace(run.differentiate, told=told) if told else run.differentiate
-        paths = [*map("initial.{}".format, self.names), *([self.path] if self.path else [])]
-        found = sense(np.array([period]), paths)[0][kept]
-        if not np.isfinite(found).all():
-            raise SimulationError(
-                "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
-                " or two events coincide."
-            )
-        slope = np.zeros(len(kept))
-        if self.path is not None:
-            # One-sided differences of second order: behind the end there is no run.
-            rate = 1.5 * ends[0] - 2.0 * ends[1] + 0.5 * ends[2]
-            slope = found[:, n] + rate / (END_STEP * period) * self._stretch(mechanism, value)
         size = np.abs(states).max(axis=0)
         size[size == 0.0] = max(size.max(), _TINY)
+        # One-sided differences of second order: behind the end there is no run.
+        rate = (1.5 * ends[0] - 2.0 * ends[1] + 0.5 * ends[2]) / (END_STEP * period)
         return Shot(
             y=y,
             value=value,
@@ -379,18 +459,17 @@ class ReturnMap:
             law=law,
             period=period,
             residual=residual,
-            monodromy=found[:n, :n],
-            slope=slope[:n],
-            rise=np.concatenate((found[n:, :n], slope[n:, None]), axis=1),
             scale=size[kept[:n]],
-            advance=ends[0, n:] - [start[i] for i in self.moving],
+            came=ends[0, n:] - [start[i] for i in self.moving],
+            off=np.zeros(n + 1),
+            half=states[SAMPLES // 2, kept[:n]] - y,
+            derivatives=Derivatives(self, mechanism, value, run, rate),
             run=run,
         )
 
     def nearby(self, shot: Shot, y: Array, value: float) -> Shot:
         """Return what closes so near a shot that derivatives and events are those of its run."""
         mechanism, law = self.pair(value)
-        step = np.append(y - shot.y, value - shot.value)
         return replace(
             shot,
             y=y,
@@ -399,10 +478,10 @@ class ReturnMap:
             law=law,
             period=self.duration(mechanism),
             residual=np.zeros_like(shot.residual),
-            advance=shot.advance + shot.rise @ step,
+            off=np.append(y - shot.y, value - shot.value),
         )
 
-    def _stretch(self, mechanism: Mechanism, value: float) -> float:
+    def stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
         # Friction stands in no drive, so that the cycle stays.
         if self.period is not None or str(self.path).startswith("friction."):
@@ -436,6 +515,20 @@ class ReturnMap:
 
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
+
+
+def refuse_cut(mechanism: Mechanism, period: float) -> None:
+    """Refuse the length of a cycle after which a drive does not repeat itself."""
+    for name, drive in mechanism.drives().items():
+        for own in filter(None, (part.repeats() for part in parts_of(drive))):
+            ratio = period / own
+            if not abs(ratio - round(ratio)) <= WHOLE * ratio:
+                raise InputError(
+                    f"{type(mechanism).__name__}: the drive {name!r} repeats itself after"
+                    f" {number(own, 6)} s, of which {number(period, 6)} s is no whole multiple, so"
+                    " that no orbit closes then; give a period after which all drives repeat"
+                    " themselves."
+                )
 
 
 def return_map(
@@ -504,7 +597,7 @@ def solved(map_: ReturnMap, y: Array, value: float = np.nan) -> Shot:
 
     Steps that do not converge, and runs as `ReturnMap.shoot` refuses, are a `SimulationError`.
     """
-    shot = map_.shoot(y, value)
+    shot = map_.shoot(y, value).sensed()
     for _ in range(MOST_STEPS):
         if shot.error <= map_.tolerance:
             return shot
@@ -532,11 +625,12 @@ def _halved(map_: ReturnMap, shot: Shot, step: Array) -> Shot | None:
     """
     for half in range(MOST_HALVINGS):
         try:
-            other = map_.shoot(shot.moved(shot.y + 0.5**half * step), shot.value)
+            other = map_.shoot(shot.moved(shot.y + 0.5**half * step), shot.value).sensed()
         except (SimulationError, InputError):
             continue  # a shorter step may not leave where runs are made
-        near = half == 0 and other.error < NEAR
-        if other.error < shot.error or near:
+        # by the size of the states before: in a run that has left them any residual is small
+        error = float((np.abs(other.residual) / shot.scale).max(initial=0.0))
+        if error < shot.error or (half == 0 and error < NEAR):
             return other
     return None
 
@@ -564,18 +658,3 @@ def _stuck(events: Sequence[Event], contact: str, mode: int, period: float) -> f
             total += (event.t - since) * (mode == 0)
             since, mode = event.t, event.to_mode
     return total + (period - since) * (mode == 0)
-
-
-def signature_of(shot: Shot) -> Signature:
-    """Return how often each contact does what in a period, and the mode of those that do nothing.
-
-    It does not depend on where in the cycle the orbit is cut.
-    """
-    told, counts = shot.run.counts(), dict[tuple[str, str], int]()
-    for (contact, what, _), count in told.items():
-        counts[contact, what] = counts.get((contact, what), 0) + count
-    changing = {contact for contact, _, changes in told if changes}
-    if not {contact.name for contact in shot.mechanism.contacts()} <= changing:
-        modes = first_modes(shot, shot.run.events())
-        counts.update({(n, f"mode {mode}"): 1 for n, mode in modes.items() if n not in changing})
-    return tuple(sorted((*key, count) for key, count in counts.items()))
