@@ -157,7 +157,7 @@ def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_mo
         ("stickslip.engine.simulation", "simulate"),
         ("stickslip.friction.base", "FrictionLaw.break_away"),
         ("stickslip.friction.base", "FrictionLaw"),
-        ("stickslip.study.sweep.bifurcation", "basins"),
+        ("stickslip.study.sweep.attractors", "basins"),
     }
     assert ("stickslip.engine.kernels.driver", "run") not in docstrings.shown()
 

@@ -32,7 +32,7 @@ from stickslip.study.sweep import (
     cycle_of,
     velocity_band,
 )
-from stickslip.study.sweep.bifurcation import cycles_in, period_of
+from stickslip.study.sweep.attractors import cycles_in, period_of
 from stickslip.study.sweep.parameter_grid import early_ends
 
 PLAIN = EventDriven(tier="python")
@@ -479,7 +479,7 @@ def test_a_thrown_pendulum_comes_to_hang_after_whole_turns():
 
 
 def test_a_motion_is_the_same_whatever_cycle_a_run_falls_into_it():
-    from stickslip.study.sweep.bifurcation import Attractor, _same
+    from stickslip.study.sweep.attractors import Attractor, _same
 
     points = np.array([[1.0], [2.0], [1.0], [2.0]])
     one = Attractor(points=points, period=2, velocity=0.0, share=1.0)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
 from stickslip.paper.sections.common import (
     BACK_SLIP,

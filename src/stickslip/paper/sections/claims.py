@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import LuGre
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Literal, TypeVar
 
 from stickslip.friction import FrictionLaw, PrintedForm
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import quantity, significant

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from stickslip.friction import PRINTED_EQUATIONS, LuGre, PrintedForm, RightEquation
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import (
     BACKWARD,
     BRISTLE_STEP,

@@ -34,7 +34,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.study.sweep.bifurcation import CLOSED, period_of
+from stickslip.study.sweep.attractors import CLOSED, period_of
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
