@@ -99,7 +99,16 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
             )
         turns = found.reversals().tolist() if len(found.axes) == 1 else []
         content = _map_content(found, turns)
-    _write_map(found, measured, output, figure)
+    from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
+
+    if isinstance(found, VelocityBand):
+        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
+        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
+    else:
+        drawing = draw_velocity_map(found)
+        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
         files = [str(output), str(figure)]
         terminal.print_json(
@@ -156,24 +165,6 @@ def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
         "early_ends": list(found.early_ends()),
         "reversals": list(turns),
     }
-
-
-def _write_map(
-    found: VelocityMap | VelocityBand,
-    measured: Sequence[tuple[float, float]],
-    output: Path,
-    figure: Path,
-) -> None:
-    from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
-
-    if isinstance(found, VelocityBand):
-        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
-        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
-    else:
-        drawing = draw_velocity_map(found)
-        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
-    svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:

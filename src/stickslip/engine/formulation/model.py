@@ -499,7 +499,22 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     # Drives, their values from outside, and a place for the time come before parameters.
     first = 4 * len(symbols.drives) + 1 + len(index)
     text, constants = program(functions, index.values(), first)
-    sizes = _mode_sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    sizes = layout.ModeSizes(
+        coordinates=len(symbols.coordinates),
+        bristles=len(symbols.bristles),
+        slip=len(symbols.coordinates) + mechanics.slip,
+        switches=len(switches),
+        limits=len(_limits(modes)),
+        channels=len(mechanics.efforts),
+        drives=len(symbols.drives),
+        parameters=len(index),
+        constants=constants,
+        waves=0,
+        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
+        can_stick=mode_text.Mode.STICK in modes,
+        can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
+        rest_is_final=_rest_is_final(symbols, modes),
+    )
     # In series one place a state and a guard holds what harmonics add.
     if "waves" in functions:
         sizes = replace(sizes, waves=sizes.states + sizes.guards)
@@ -688,32 +703,6 @@ def _quantities(symbols: trace.Symbols, parameters: Iterable[int]) -> list[se.Sy
 def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Case:
     """Return the derivatives of each expression with respect to each symbol."""
     return [e.diff(symbol) for e in expressions for symbol in symbols]
-
-
-def _mode_sizes(
-    symbols: trace.Symbols,
-    mechanics: dynamics.Mechanics,
-    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
-    switches: int,
-    parameters: int,
-    constants: int,
-) -> layout.ModeSizes:
-    return layout.ModeSizes(
-        coordinates=len(symbols.coordinates),
-        bristles=len(symbols.bristles),
-        slip=len(symbols.coordinates) + mechanics.slip,
-        switches=switches,
-        limits=len(_limits(modes)),
-        channels=len(mechanics.efforts),
-        drives=len(symbols.drives),
-        parameters=parameters,
-        constants=constants,
-        waves=0,
-        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
-        can_stick=mode_text.Mode.STICK in modes,
-        can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
-        rest_is_final=_rest_is_final(symbols, modes),
-    )
 
 
 def _diagram(

@@ -688,8 +688,21 @@ def draw_friction_map(
             seen = (velocity >= first) & (velocity <= last)
             _points(axes, factor * velocity[seen], friction[seen], turn[seen])
             lines = _inside(curves, first, last, factor)
-            _lines(axes, lines, look, chosen)
-            _frame(axes, (factor * first, factor * last), friction[seen], lines, spread)
+            for name, (v, force) in lines.items():
+                colour, _, width, order = look[name]
+                dashes = "-" if name == chosen else (0, (5, 2))
+                axes.plot(v, force, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+            # Set the limits: a few points far out are cut off rather than flatten the rest.
+            low, high = np.percentile(friction[seen], [OUTER, 100 - OUTER])
+            forces = np.concatenate([[low, high, 0.0], *[force for _, force in lines.values()]])
+            margin = 0.06 * max(float(np.ptp(forces)), 1e-12)
+            axes.set_xscale("log" if spread else "linear")
+            axes.set_xlim(*(factor * first, factor * last))
+            axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
+            axes.axhline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
+            if not spread:
+                axes.locator_params(axis="x", nbins=7)
+                axes.axvline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         if low_speeds:
             grid.flat[0].set_title("all speeds", color=theme.MUTED)
@@ -781,38 +794,6 @@ def _say_trend(axes: Axes) -> None:
             textcoords="offset points", ha="right", va="bottom", color=colour,
             fontsize=theme.name_size(),
         )  # fmt: skip
-
-
-def _lines(
-    axes: Axes,
-    lines: Mapping[str, tuple[Array, Array]],
-    look: Mapping[str, LineStyle],
-    chosen: str,
-) -> None:
-    for name, (v, force) in lines.items():
-        colour, _, width, order = look[name]
-        dashes = "-" if name == chosen else (0, (5, 2))
-        axes.plot(v, force, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-
-
-def _frame(
-    axes: Axes,
-    span: tuple[float, float],
-    friction: Array,
-    lines: Mapping[str, tuple[Array, Array]],
-    spread: bool,
-) -> None:
-    """Set the limits: a few points far out are cut off rather than flatten the rest."""
-    low, high = np.percentile(friction, [OUTER, 100 - OUTER])
-    forces = np.concatenate([[low, high, 0.0], *[force for _, force in lines.values()]])
-    margin = 0.06 * max(float(np.ptp(forces)), 1e-12)
-    axes.set_xscale("log" if spread else "linear")
-    axes.set_xlim(*span)
-    axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
-    axes.axhline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
-    if not spread:
-        axes.locator_params(axis="x", nbins=7)
-        axes.axvline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
 
 
 def _names(

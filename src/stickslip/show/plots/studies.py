@@ -373,7 +373,31 @@ def draw_cycles(
         left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         left.margins(x=0, y=0.25 if narrow else 0.12)
         _progress(left, {name: drawing.dense(run) for name, run in runs.items()}, slip, look)
-        _near_zero(right, runs, chosen, cycle, rate, look)
+        first, last = cycle
+        # Fixed steps are shown where they stand, so that one sees them.
+        times = {
+            name: [first, *run.t[(run.t > first) & (run.t < last)], last]
+            for name, run in runs.items()
+        }
+        times[chosen] = list(np.union1d(np.linspace(first, last, CYCLE_SAMPLES), times[chosen]))
+        inside = {name: run.at(times[name]) for name, run in runs.items()}
+        reach = -CYCLE_ROOM * min(float(run[rate].min()) for run in inside.values())
+        factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
+        for name, run in inside.items():
+            colour, _, width, order = look[name]
+            right.plot(
+                run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
+                linewidth=width, markersize=2.5, zorder=order,
+            )  # fmt: skip
+        spans = [
+            (max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first
+        ]
+        shade(right, drawing.within(spans, last))
+        right.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+        right.set_xlim(first, last)
+        if reach > 0.0:
+            right.set_ylim(-factor * reach, factor * reach)
+        right.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
         for axes in (left, right):
             axes.set_xlabel("time, s")
 
@@ -394,38 +418,6 @@ def _progress(
     axes.set_ylabel(f"displacement, {unit}")
     axes.grid(axis="y")
     drawing.label_curves(axes, curves)
-
-
-def _near_zero(
-    axes: Axes,
-    runs: Mapping[str, Trajectory],
-    chosen: str,
-    cycle: tuple[float, float],
-    rate: str,
-    look: Mapping[str, drawing.LineStyle],
-) -> None:
-    first, last = cycle
-    # Fixed steps are shown where they stand, so that one sees them.
-    times = {
-        name: [first, *run.t[(run.t > first) & (run.t < last)], last] for name, run in runs.items()
-    }
-    times[chosen] = list(np.union1d(np.linspace(first, last, CYCLE_SAMPLES), times[chosen]))
-    inside = {name: run.at(times[name]) for name, run in runs.items()}
-    reach = -CYCLE_ROOM * min(float(run[rate].min()) for run in inside.values())
-    factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
-    for name, run in inside.items():
-        colour, _, width, order = look[name]
-        axes.plot(
-            run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
-            linewidth=width, markersize=2.5, zorder=order,
-        )  # fmt: skip
-    spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
-    shade(axes, drawing.within(spans, last))
-    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
-    axes.set_xlim(first, last)
-    if reach > 0.0:
-        axes.set_ylim(-factor * reach, factor * reach)
-    axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
 
 
 def plot_limit_cycle(

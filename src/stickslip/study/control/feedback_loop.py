@@ -381,7 +381,26 @@ def closed_loop(
     driven = mechanism
     for name, place in places.items():
         driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
-    return _result(onward, driven, book, timing, names, tuple(places) if several else (), throw)
+    drives = tuple(places) if several else ()
+    run = onward.finished(driven)
+    if book.cancelled:
+        run = replace(run, status=Status.CANCELLED)
+    if throw:
+        refuse(run)
+    asked = np.array(book.asked)
+    asked = asked if drives else asked[:, 0]
+    limited = np.array([timing.within(value) for value in asked.flat]).reshape(asked.shape)
+    return ClosedLoop(
+        run=run,
+        mechanism=driven,
+        t=np.array(book.t),
+        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
+        requested=asked,
+        commands=limited,
+        period=timing.period,
+        delay=timing.delay,
+        drives=drives,
+    )
 
 
 def _check(
@@ -493,36 +512,6 @@ def _number(command: Any, t: float) -> float:
             f"the controller must return a finite number, got {command!r} at t = {number(t, 6)} s."
         )
     return value
-
-
-def _result(
-    onward: IncrementalRun,
-    driven: Mechanism,
-    book: _Book,
-    timing: Timing,
-    names: Sequence[str],
-    drives: tuple[str, ...],
-    throw: bool,
-) -> ClosedLoop:
-    run = onward.finished(driven)
-    if book.cancelled:
-        run = replace(run, status=Status.CANCELLED)
-    if throw:
-        refuse(run)
-    asked = np.array(book.asked)
-    asked = asked if drives else asked[:, 0]
-    commands = np.array([timing.within(value) for value in asked.flat]).reshape(asked.shape)
-    return ClosedLoop(
-        run=run,
-        mechanism=driven,
-        t=np.array(book.t),
-        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
-        requested=asked,
-        commands=commands,
-        period=timing.period,
-        delay=timing.delay,
-        drives=drives,
-    )
 
 
 # Limit cycles: whether a run repeats itself, how far it swings and how often.

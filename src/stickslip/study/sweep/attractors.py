@@ -781,16 +781,6 @@ def basins(
     sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in told])
     samples = _samples(runs, told, keep * cycle)
     index, found = _sorted(*_clusters(runs, *samples, sizes, tolerance))
-    return _gridded(begun, told, index, found, runs)
-
-
-def _gridded(
-    begun: Mapping[str, Array],
-    told: tuple[str, ...],
-    index: NDArray[np.int64],
-    found: tuple[Attractor, ...],
-    runs: Ensemble,
-) -> Basins:
     shape = tuple(map(len, begun.values()))
     return Basins(
         starts=begun,
