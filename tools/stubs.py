@@ -31,6 +31,7 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
     "stickslip.data",
+    "stickslip.data.catalogue",
     "stickslip.engine",
     "stickslip.engine.formulation",
     "stickslip.engine.solver",
