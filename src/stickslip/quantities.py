@@ -692,7 +692,7 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     This is how equations written for numbers are traced: the same methods run on symbols.
     """
     if isinstance(root, Group):
-        members = tuple((n, shadow(one, f"{prefix}.{n}", symbol)) for n, one in root.members)
+        members = tuple((n, shadow(member, f"{prefix}.{n}", symbol)) for n, member in root.members)
         return unchecked(type(root), members=members)
     values = {}
     quantities = fields_of(type(root))
@@ -869,8 +869,8 @@ def beginning(
                 changes[path.partition(".")[0]][path] = _first(values)
     # where one is new, all begin with their first value, as they may have to be in some order
     return {
-        prefix: root if changes[prefix].keys() <= given.keys() else vary(root, prefix, one)
-        for (prefix, root), one in zip(roots.items(), changes.values(), strict=True)
+        prefix: root if changes[prefix].keys() <= given.keys() else vary(root, prefix, entry)
+        for (prefix, root), entry in zip(roots.items(), changes.values(), strict=True)
     }
 
 
@@ -919,14 +919,14 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
         return path
     symbols = {}
     if isinstance(known, Mapping):
-        symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
+        symbols = {f: item.symbol for f, item in known.items() if isinstance(item, Quantity)}
     # Names before symbols: a name that is also the symbol of another one means itself.
     same = [full for full in known if full.endswith(f".{path}")]
     if len(same) > 1:
         raise UnknownNameError(kind, path, same)
     if not same:
         place, _, symbol = path.rpartition(".")
-        within = (full for full, one in symbols.items() if one == symbol)
+        within = (full for full, known_symbol in symbols.items() if known_symbol == symbol)
         same = [full for full in within if place in ("", full.rpartition(".")[0])]
     if len(same) == 1:
         return same[0]

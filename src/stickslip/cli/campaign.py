@@ -101,8 +101,8 @@ def run(options: SweepOptions) -> None:
             bar(done, total)
             return not interrupts.stopped
 
-        one = Inline() if count == 1 else None
-        found = asked.run(folder, executor=pool or one, progress=progress, replace=options.force)
+        inline = Inline() if count == 1 else None
+        found = asked.run(folder, executor=pool or inline, progress=progress, replace=options.force)
     took = time.perf_counter() - begun
     if not found.complete:
         note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
@@ -153,7 +153,7 @@ def _indices(
         table = pd.concat([index.to_dataframe().assign(output=index.output) for index in indices])
         size = (SIZE[0], SIZE[1] * len(indices))
         svg = standalone_svg(draw_sensitivity(indices), size=size, title="Sensitivity indices")
-        rows = table[["output", *(one for one in table if one != "output")]]
+        rows = table[["output", *(column for column in table if column != "output")]]
         files = {"sensitivity.csv": rows.to_csv(index=False), "sensitivity.svg": svg}
         write_files({found.folder / name: content for name, content in files.items()})
     return indices
@@ -258,8 +258,8 @@ def _named(raw: Mapping[str, Any], key: str, file: str) -> dict[str, str]:
     given = raw.get(key)
     if isinstance(given, str):
         given = [given]
-    if isinstance(given, list) and given and all(isinstance(one, str) for one in given):
-        given = {Path(one).stem if one.endswith(".toml") else one: one for one in given}
+    if isinstance(given, list) and given and all(isinstance(law, str) for law in given):
+        given = {Path(law).stem if law.endswith(".toml") else law: law for law in given}
         if len(given) < len(raw[key]) and not isinstance(raw[key], str):
             raise InputError(f'{file}: {key} have equal names: give them as a = "...", b = "...".')
     if not (given and isinstance(given, dict) and all(isinstance(x, str) for x in given.values())):
@@ -293,7 +293,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
             if key in own and not isinstance(own[key], kinds):
                 raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
-        needed = [one.name for one in dataclasses.fields(kind) if _needed(one)]
+        needed = [field.name for field in dataclasses.fields(kind) if _needed(field)]
         if lacking := [key for key in needed if key not in own]:
             raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
@@ -305,7 +305,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             if key in ("number", "log", "times"):
                 read[key] = value
             elif key == "values" and isinstance(value, list):
-                read[key] = [_number(one, wanted, f"{at}: {key}") for one in value]
+                read[key] = [_number(text, wanted, f"{at}: {key}") for text in value]
             else:
                 read[key] = _number(value, wanted, f"{at}: {key}")
         try:
@@ -318,7 +318,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
 def _varying(case: Case) -> dict[str, Quantity]:
     """Return what may vary, by full path; what was not given as well, as in `ensemble`."""
     roots = ((cast("Any", case.mechanism), "mechanism"), (cast("Any", case.law), "friction"))
-    declared = {path: one for root in roots for path, one in all_paths(*root).items()}
+    declared = {path: measured for root in roots for path, measured in all_paths(*root).items()}
     ranges = {path: known for root in roots for path, known, _ in parameters(*root)}
     units = path_units(case.mechanism, cast("Any", case.law))
     return declared | {
@@ -368,7 +368,7 @@ def _outputs(table: object, file: str) -> dict[str, Output] | None:
         if "times" in own and not isinstance(own["times"], list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
         read = {
-            key: [_number(one, TIME, f"{at}: {key}") for one in value]
+            key: [_number(text, TIME, f"{at}: {key}") for text in value]
             if isinstance(value, list)
             else _number(value, TIME, f"{at}: {key}")
             if key in TIMES

@@ -40,7 +40,7 @@ def _all(*, as_json: bool) -> None:
         print_json(document("models", found))
         return
     rows = [
-        [name, one.title, str(one.composition or "")] for name, one in friction.listed().items()
+        [name, law.title, str(law.composition or "")] for name, law in friction.listed().items()
     ]
     show_table("", ["law", "title", "composition"], rows)
     stdout().print()

@@ -160,7 +160,7 @@ def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
         "unit": found.unit,
         "velocity": found.velocity.tolist(),
         "status": np.reshape(
-            [one.name for one in found.status.ravel().tolist()], found.status.shape
+            [ending.name for ending in found.status.ravel().tolist()], found.status.shape
         ).tolist(),
         "early_ends": list(found.early_ends()),
         "reversals": list(turns),
@@ -611,7 +611,7 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
     for text in texts:
         name, equals, values = text.partition("=")
         try:
-            found[name.strip()] = [float(one) for one in values.split(",")]
+            found[name.strip()] = [float(text) for text in values.split(",")]
         except ValueError:
             equals = ""
         if not equals:
@@ -629,16 +629,16 @@ def _write(found: Characterization, report: Path) -> None:
 
 
 def _show(found: Characterization) -> None:
-    for i, one in enumerate(found.all):
+    for i, law in enumerate(found.all):
         if i:
             terminal.stdout().print()
-        terminal.stdout().print(one.title, style="bold")
-        terminal.stdout().print(f"{one.law}")
-        if one.matched:
-            terminal.stdout().print(one.matched)
-        names = [name for name in TESTS if name in one.results or name in one.failed]
+        terminal.stdout().print(law.title, style="bold")
+        terminal.stdout().print(f"{law.law}")
+        if law.matched:
+            terminal.stdout().print(law.matched)
+        names = [name for name in TESTS if name in law.results or name in law.failed]
         terminal.show_table(
-            "", ["test", "result"], [[name, terminal.plain(one.told(name))] for name in names]
+            "", ["test", "result"], [[name, terminal.plain(law.told(name))] for name in names]
         )
-        for name, why in one.failed.items():
+        for name, why in law.failed.items():
             terminal.stdout().print(f"{name}: {why}")

@@ -299,7 +299,7 @@ class Rig(metaclass=Described):
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
         uncertainties = {
-            mechanisms.canonical_path(self.mechanism, name): one for name, one in stated
+            mechanisms.canonical_path(self.mechanism, name): value for name, value in stated
         }
         object.__setattr__(self, "parameter_uncertainties", uncertainties)
         if self.measurement is not None and uncertainties:

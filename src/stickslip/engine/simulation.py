@@ -278,7 +278,9 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if isinstance(law, Mapping):
-        law = {contact: None if one is None else _with_values(one) for contact, one in law.items()}
+        law = {
+            contact: None if item is None else _with_values(item) for contact, item in law.items()
+        }
     elif not isinstance(law, PrintedForm | Laws):
         law = _with_values(law)
     names = tuple(contact.name for contact in checked_contacts(mechanism))
@@ -300,8 +302,8 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
         )
     found = assigned(names, law)
     own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
-    for contact, one in own.items():
-        _check_inputs(mechanism, contact, one)
+    for contact, member in own.items():
+        _check_inputs(mechanism, contact, member)
     return found
 
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
     {
-        one.name: one
-        for one in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
+        target.name: target
+        for target in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
     }
 )
 """What a law can be exported to."""
@@ -188,7 +188,7 @@ def evaluated(subject: Subject, title: str, given: Mapping[str, Given]) -> Subje
     for name in law.inputs:
         unit = data.unit_of_input(name, turning=subject.rotary)
         quantity = CONTACT_INPUTS[name].quantity(unit)
-        fields = [mechanisms.input_field(one, name) for one in (subject.contact, "")]
+        fields = [mechanisms.input_field(key, name) for key in (subject.contact, "")]
         own = next((getattr(told, field) for field in fields if hasattr(told, field)), None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
@@ -220,7 +220,7 @@ def law_or_rig(source: "Source") -> FrictionLaw | data.Rig:
         return source
     fitted: object = source.law
     if isinstance(fitted, Laws):
-        own: dict[str, Any] = {"contacts": {name: _known(one) for name, one in fitted.members}}
+        own: dict[str, Any] = {"contacts": {name: _known(law) for name, law in fitted.members}}
     elif isinstance(fitted, FrictionLaw):
         own = {"laws": {fitted.name: fitted}, "named": (fitted.name,)}
     else:
@@ -237,7 +237,7 @@ def _known(law: FrictionLaw) -> data.KnownLaws:
 
 def laws_by_contact(rig: data.Rig, law: str | None = None) -> dict[str, FrictionLaw]:
     """Return the laws of the contacts that have their own; `law` names one where there are more."""
-    return {name: one for name, one in rig.law_by_contact(law).items() if one is not None}
+    return {name: part for name, part in rig.law_by_contact(law).items() if part is not None}
 
 
 def _taken(given: "Source", asked: Asked, rig: data.Rig | None) -> Subject:
@@ -310,8 +310,8 @@ def _of_contact(
         )
     if contact not in laws:
         raise UnknownNameError("contact with a law", contact, laws)
-    (one,) = (one for one in mechanism.contacts() if one.name == contact)
-    rotary = mechanisms.slips_by_angle(mechanism, one)
+    (place,) = (one for one in mechanism.contacts() if one.name == contact)
+    rotary = mechanisms.slips_by_angle(mechanism, place)
     said = data.LawEstimates(law={contact: laws[contact].name}, levels=data.levels_at(mechanism))
     if known is not None and not isinstance(known.law, str) and contact in known.law:
         said = known

@@ -419,7 +419,7 @@ def motors_of(mechanism: Any) -> Mapping[str, DCMotor]:
             for index, part in enumerate(value):
                 if isinstance(part, Parametrised):
                     own = motors_of(part)
-                    found |= {f"{field.name}.{index}.{name}": one for name, one in own.items()}
+                    found |= {f"{field.name}.{index}.{name}": motor for name, motor in own.items()}
     return found
 
 
@@ -430,7 +430,7 @@ def driven_by_motor(mechanism: Any) -> str:
 
 def refuse_sampling(mechanism: object) -> None:
     """Refuse equations of a motor whose voltage between samples is none of its state."""
-    if any(isinstance(one.loop, SampledLoop) for one in motors_of(mechanism).values()):
+    if any(isinstance(motor.loop, SampledLoop) for motor in motors_of(mechanism).values()):
         raise InputError(
             "a SampledLoop has no equations between its samples: simulate it by"
             " control.closed_loop with a PID of its gains and a motor without a loop, or fit."

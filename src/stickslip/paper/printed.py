@@ -109,7 +109,7 @@ class Consequence:
 
     def outcome(self, test: str) -> Outcome | None:
         """Return what came of a test; None if it says nothing about the equation."""
-        return next((one for one in self.outcomes if one.test == test), None)
+        return next((outcome for outcome in self.outcomes if outcome.test == test), None)
 
     def differs(self, test: str) -> bool:
         """Whether the misprint acts in a test."""

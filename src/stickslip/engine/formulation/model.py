@@ -50,10 +50,10 @@ class _Own:
         """Return laws by contact whose parameters are symbols, of which each row begins before."""
         twins = []
         # Contacts that share a law share its numbers, and so its symbols.
-        for row, (prefix, one) in zip(rows, self.distinct, strict=False):
-            place = {p: row + i for i, (p, _, _) in enumerate(parameters(one, prefix), 1)}
+        for row, (prefix, law) in zip(rows, self.distinct, strict=False):
+            place = {p: row + i for i, (p, _, _) in enumerate(parameters(law, prefix), 1)}
             symbol = partial(_symbol, place, board)
-            twins.append(shadow(one, prefix, symbol))
+            twins.append(shadow(law, prefix, symbol))
         return {name: twins[index] for name, index in zip(self.contacts, self.shared, strict=True)}
 
 
@@ -63,15 +63,18 @@ def _symbol(place: Mapping[str, int], board: trace.Switchboard, path: str) -> tr
 
 def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
     if isinstance(law, Laws):
-        names, laws = tuple(name for name, _ in law.members), tuple(one for _, one in law.members)
+        names, laws = (
+            tuple(name for name, _ in law.members),
+            tuple(member for _, member in law.members),
+        )
         shared = tuple(range(len(laws)))
-        distinct = tuple((f"friction.{name}", one) for name, one in law.members)
+        distinct = tuple((f"friction.{name}", member) for name, member in law.members)
     else:
         names = tuple(contact.name for contact in mechanism.contacts())
         laws, shared = (law,) * len(names), (0,) * len(names)
         distinct = (("friction", law),)
-    keys = list(dict.fromkeys(structure(one) for one in laws))
-    kinds = tuple(keys.index(structure(one)) for one in laws)
+    keys = list(dict.fromkeys(structure(member) for member in laws))
+    kinds = tuple(keys.index(structure(member)) for member in laws)
     # Equations of a law are written once for each structure, whatever its values are.
     structures = tuple(laws[kinds.index(kind)] for kind in range(len(keys)))
     return _Own(names, laws, shared, distinct, kinds, structures)
@@ -88,13 +91,13 @@ def contact_model(
     first = 4 * len(mechanism.drives()) + 1
     index = {path: first + i for i, path in enumerate(paths)}
     twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
-    bristles = [len(one.states) for one in own.laws]
+    bristles = [len(friction.states) for friction in own.laws]
     constants = frozenset(f"p{i}" for i in index.values())
     symbols = trace.symbols_of(twin, sum(bristles), constants, board)
     rows = layout.law_rows(
         first + len(paths),
-        [len(list(parameters(one, prefix))) for prefix, one in own.distinct],
-        [len(one.inputs) for one in own.laws],
+        [len(list(parameters(friction, prefix))) for prefix, friction in own.distinct],
+        [len(friction.inputs) for friction in own.laws],
         bristles,
     )
     parts = mode_text.derive_parts(
@@ -107,11 +110,13 @@ def contact_model(
         _motion(symbols, len(own.contacts)),
         board,
     )
-    laws = [mode_text.law_parts(one, len(one.states)) for one in own.structures]
+    laws = [mode_text.law_parts(friction, len(friction.states)) for friction in own.structures]
     equations = _Equations(symbols, parts, board)
-    quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
+    quantities = len(paths) + sum(
+        len(list(parameters(friction, p))) for p, friction in own.distinct
+    )
     along: list[se.Symbol | None] = []
-    dampens = equations.dampens() or any(one.may_dampen for one in laws)
+    dampens = equations.dampens() or any(friction.may_dampen for friction in laws)
     # Motions that die away may be stiff; others need no slopes, which cost time to derive.
     if slopes or dampens:  # what is stiff is integrated with the Jacobian
         along = [*symbols.states, symbols.t]
@@ -128,8 +133,8 @@ def contact_model(
     )  # fmt: skip
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
-    for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
-        for i, (path, _, _) in enumerate(parameters(one, prefix), 1):
+    for (prefix, member), row in zip(own.distinct, sizes.law_places(), strict=True):
+        for i, (path, _, _) in enumerate(parameters(member, prefix), 1):
             law_paths.append(path)
             places.append(row + i)
     events = [switch.events for switch in board.switches.values()]
@@ -150,7 +155,7 @@ def contact_model(
             parts.walls, mechanism.coordinates, _only_slip(mechanism)
         ),
         limits=(*(mode_text.PAINLEVE,) * any(parts.reacts), *parts.limits),
-        latched=any(one.latched for one in laws),
+        latched=any(friction.latched for friction in laws),
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
         contacts=own.contacts,
@@ -359,7 +364,7 @@ def _contact_sizes(
         turned=bool(parts.directions.forward),
         kinds=own.kinds,
         shared=own.shared,
-        numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
+        numbers=tuple(len(list(parameters(law, prefix))) for prefix, law in own.distinct),
         inputs_of=tuple(len(law.inputs) for law in own.laws),
         bristles_of=tuple(bristles),
         holds=tuple(law.holds for law in own.laws),

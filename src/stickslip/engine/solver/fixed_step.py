@@ -293,13 +293,13 @@ def _refuse_break_away(solver: FixedStep, law: FrictionLaw | Laws | PrintedForm)
     """Refuse a friction out of rest where nothing asks for it."""
     if solver.break_away is None:
         return
-    laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
+    laws = [member for _, member in law.members] if isinstance(law, Laws) else [law]
     if solver.soft is not None:
         why = "a soft constraint has its own"
     elif isinstance(law, PrintedForm):
         why = f"{law.name}, an equation as printed, has its own"
-    elif all(one.states for one in laws):
-        names = joined([*dict.fromkeys(one.name for one in laws)])
+    elif all(form.states for form in laws):
+        names = joined([*dict.fromkeys(form.name for form in laws)])
         why = f"the bristles of {names} carry friction there"
     else:
         return

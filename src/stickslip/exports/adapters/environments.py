@@ -31,8 +31,8 @@ PICTURE = (880, 400)
 def _spaces(task: MotorTask) -> tuple[Any, Any]:
     """Return the spaces of observations and actions."""
     bounds = task.observation_bounds
-    one = np.ones(1)
-    return Box(-bounds, bounds, dtype=np.float64), Box(-one, one, dtype=np.float64)
+    array = np.ones(1)
+    return Box(-bounds, bounds, dtype=np.float64), Box(-array, array, dtype=np.float64)
 
 
 def _given(options: Mapping[str, Any] | None) -> Mapping[str, float] | None:
@@ -296,10 +296,10 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             raise InputError(
                 f"seed must be one number or {self.num_envs} of them, got {len(seed)}."
             )
-        made = [gymnasium.utils.seeding.np_random(one)[0] for one in seed]
+        made = [gymnasium.utils.seeding.np_random(index)[0] for index in seed]
         told = zip(seed, made, self._generators or made, strict=True)
         # Those without a seed of their own go on.
-        self._generators = [old if one is None else new for one, new, old in told]
+        self._generators = [old if index is None else new for index, new, old in told]
 
     def _begin(self, rows: NDArray[np.intp], given: Mapping[str, float] | None = None) -> None:
         if not rows.size:

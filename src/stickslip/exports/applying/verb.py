@@ -286,10 +286,10 @@ def apply(
     if run and not model.runs:
         why = f"The file was not run in {model.program}; errors are those of the friction."
     elif run:
-        compiled, why = in_mujoco(model, content, [one.name for one in tested])
+        compiled, why = in_mujoco(model, content, [made.name for made in tested])
     if compiled is not None:
         motions, why = motions_of(compiled, tested)
-        rows = {name: replace(one, motions=motions.get(name, ())) for name, one in rows.items()}
+        rows = {name: replace(row, motions=motions.get(name, ())) for name, row in rows.items()}
     remarks += [why] if why else []
     if record is not None:
         if not tested:
@@ -297,7 +297,7 @@ def apply(
         replay = replay or _replay_of(record, tested[0].subject.mechanism)
         with _of_record():
             replays, said = replay.judged(_laws(source, law, tested), tested, compiled)
-        rows = {name: replace(one, replay=replays.get(name)) for name, one in rows.items()}
+        rows = {name: replace(row, replay=replays.get(name)) for name, row in rows.items()}
         remarks += said
     return Applied(
         path=Path(file),
@@ -424,7 +424,7 @@ def _beside(mechanism: mechanisms.Mechanism | None, contact: str) -> Beside:
                 inertia = max(0.0, joint.armature + joint.added_armature)
                 return Beside(damping=joint.damping, armature=inertia or None)
     if isinstance(mechanism, mechanisms.SerialArm):
-        names = [one.name for one in mechanism.contacts()]
+        names = [place.name for place in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]
         inertia = link.rotor_inertia * link.gear_ratio**2
         return Beside(damping=link.damping, armature=inertia or None)

@@ -63,7 +63,7 @@ def _panel(axes: Axes, results: Mapping[str, characterization.Characteristic]) -
 def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     """Name the curves of all panels once, where there are several."""
     found = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
-    handles, labels = max(found, key=lambda one: len(one[1]), default=([], []))
+    handles, labels = max(found, key=lambda legend: len(legend[1]), default=([], []))
     if len(labels) < LEGEND:
         return
     if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels
@@ -164,9 +164,9 @@ def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
 
 def _hunting(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     _motion(axes, results, style)
-    one = next(iter(results.values()))
-    factor, _ = scale_of([float(np.abs(one.position).max())], "m")
-    axes.axhline(factor * one.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+    result = next(iter(results.values()))
+    factor, _ = scale_of([float(np.abs(result.position).max())], "m")
+    axes.axhline(factor * result.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
 
 
 def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
@@ -174,7 +174,7 @@ def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> No
     energies = [result.worst for result in results.values()]
     factor, unit = _energy_scale(energies)
     colours = [style[name].colour for name in names]
-    axes.barh(range(len(names)), [factor * one for one in energies], color=colours, height=0.5)
+    axes.barh(range(len(names)), [factor * item for item in energies], color=colours, height=0.5)
     for place, name in enumerate(names if len(names) > 1 else []):
         theme.label_at(axes, 0.0, place - 0.32, name, theme.INK, offset=(-6, 3), align="right")
     axes.set_yticks([])
@@ -747,12 +747,12 @@ def _sides(velocity: Array) -> tuple[bool, bool]:
     return (back, ahead) if back or ahead else (True, True)
 
 
-def _curve(one: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> tuple[Array, Array]:
+def _curve(law: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> tuple[Array, Array]:
     """Return a curve in the directions that were measured; at rest each ends at break-away."""
-    v, force = characteristic(one.law, load, v_max)
+    v, force = characteristic(law.law, load, v_max)
     middle = len(v) // 2  # of an even number: two are at rest, one for each direction
     kept = slice(0 if sides[0] else middle, len(v) if sides[1] else middle)
-    return v[kept], force[kept] + one.offset
+    return v[kept], force[kept] + law.offset
 
 
 def _is_spread(velocity: Array) -> bool:

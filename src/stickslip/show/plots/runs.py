@@ -601,7 +601,7 @@ def draw_motion(
             label_ends(
                 panels[0],
                 panels[0].get_xlim()[1],
-                [(float(one.y[-1]), [one.text], one.colour) for one in named],
+                [(float(curve.y[-1]), [curve.text], curve.colour) for curve in named],
             )
 
     return draw

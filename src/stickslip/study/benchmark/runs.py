@@ -171,9 +171,9 @@ class Results(Tabular):
         return {"seconds": "s"}
 
 
-def _text(one: Mapping[str, Any]) -> str:
-    ends = "" if one["low"] is None else f" ({one['low']:.4g} to {one['high']:.4g})"
-    return f"{one['path']} = {one['value']:.5g}{ends} {one['unit']}"
+def _text(row: Mapping[str, Any]) -> str:
+    ends = "" if row["low"] is None else f" ({row['low']:.4g} to {row['high']:.4g})"
+    return f"{row['path']} = {row['value']:.5g}{ends} {row['unit']}"
 
 
 def run(
@@ -224,7 +224,7 @@ def run(
     check_executor(executor)
     chosen = [task(name) for name in names]
     asked = (
-        [name for name, one in PEERS.items() if _version(one.package)] if peers is None else peers
+        [name for name, peer in PEERS.items() if _version(peer.package)] if peers is None else peers
     )
     for name in asked:
         if name not in PEERS:
@@ -265,7 +265,7 @@ def run(
     )
     if results.rows:
         write_file(folder / TABLE, results.to_dataframe().to_csv(index=False))
-        rows = [_plain(one) for one in results.rows]
+        rows = [_plain(row) for row in results.rows]
         content = {"versions": results.versions, "complete": complete, "rows": rows}
         write_file(folder / DOCUMENT, json_text(document("benchmark", content)))
     return results
@@ -318,31 +318,31 @@ def _ours(asked: Task) -> Iterator[Row]:
     seconds, verdict = _timed(
         lambda: select(asked.mechanism, asked.laws, fitted, **_options(asked))
     )
-    for one in verdict.candidates:
+    for item in verdict.candidates:
         # Of the laws, the one that the selection recommends and did not drop.
-        named = one is verdict.best and not one.dropped
+        named = item is verdict.best and not item.dropped
         own = replace(
-            row, law=one.name, title=one.title, seconds=seconds, named=named, outcome=one.outcome
+            row, law=item.name, title=item.title, seconds=seconds, named=named, outcome=item.outcome
         )
-        if one.fit is None:
-            yield replace(own, failed=one.dropped or "not fitted")
+        if item.fit is None:
+            yield replace(own, failed=item.dropped or "not fitted")
         else:
-            yield _judged(own, asked, one.fit, judging)
+            yield _judged(own, asked, item.fit, judging)
 
 
 def _judged(row: Row, asked: Task, found: Any, judging: Any) -> Row:
     error, doubt = asked.metric.of(found, judging)
     estimates = tuple(
         {
-            "path": one.path,
-            "symbol": one.quantity.symbol,
-            "unit": one.quantity.unit,
-            "value": one.value,
+            "path": item.path,
+            "symbol": item.quantity.symbol,
+            "unit": item.quantity.unit,
+            "value": item.value,
             # Without a finite interval both ends are left out.
-            "low": one.low if math.isfinite(one.high - one.low) and not one.reason else None,
-            "high": one.high if math.isfinite(one.high - one.low) and not one.reason else None,
+            "low": item.low if math.isfinite(item.high - item.low) and not item.reason else None,
+            "high": item.high if math.isfinite(item.high - item.low) and not item.reason else None,
         }
-        for one in found.estimates
+        for item in found.estimates
     )
     return replace(row, error=error, doubt=doubt, estimates=estimates)
 
@@ -432,7 +432,7 @@ def _digest(name: str, tool: str) -> str:
     """Return the hash of all that a result depends on: task, data, versions, code of both."""
     asked = task(name)
     own = [asked.dataset.file(file) for file in asked.files]
-    data = [(one.name, one.sha256 or one.source_sha256) for one in own]
+    data = [(file.name, file.sha256 or file.source_sha256) for file in own]
     code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
     packages = _versions([] if tool == OURS else [tool])
     text = repr((name, tool, data, code, packages))
@@ -460,8 +460,8 @@ def _plain(row: Row) -> dict[str, Any]:
 def _row(plain: Mapping[str, Any]) -> Row:
     """Return a row that JSON had."""
     values: dict[str, Any] = {
-        key: math.nan if one is None else tuple(one) if isinstance(one, list) else one
-        for key, one in plain.items()
+        key: math.nan if value is None else tuple(value) if isinstance(value, list) else value
+        for key, value in plain.items()
     }
     return Row(**values)
 
@@ -478,8 +478,8 @@ def _read(path: Path) -> dict[str, list[Row]]:
     # Each line by itself: one that was cut off does not cost the others.
     for line in lines:
         try:
-            one = json.loads(line)
-            found[one["digest"]] = [_row(row) for row in one["rows"]]
+            entry = json.loads(line)
+            found[entry["digest"]] = [_row(row) for row in entry["rows"]]
         except (KeyError, RecursionError, TypeError, ValueError):
             continue
     return found
@@ -520,13 +520,13 @@ def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
 def best_of(rows: Sequence[Row]) -> Row | None:
     """Return the row with the least error."""
     known = [row for row in rows if math.isfinite(row.error)]
-    return min(known, key=lambda one: one.error, default=None)
+    return min(known, key=lambda row: row.error, default=None)
 
 
 def of_ours(rows: Sequence[Row]) -> Row | None:
     """Return the law that is named; where none is, the best of those that were fitted."""
     own = [row for row in rows if row.tool == OURS]
-    named = [one for one in own if one.named]
+    named = [row for row in own if row.named]
     return named[0] if named else best_of(own)
 
 
@@ -553,9 +553,9 @@ def summary_rows(results: Results) -> list[list[str]]:
         rows, asked = results.of(name), task(name)
         scale, ours = scale_for(asked, rows), of_ours(rows)
         law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
-        by_tool = {one.tool: one for one in rows}
+        by_tool = {row.tool: row for row in rows}
         judged = (ours, *(by_tool.get(tool) for tool in PEERS))
-        found.append([name, law, *(_in_words(scale, one) for one in judged)])
+        found.append([name, law, *(_in_words(scale, row) for row in judged)])
     return found
 
 
@@ -577,7 +577,7 @@ def _overview(results: Results, names: Sequence[str]) -> Section:
         scale, ours = scale_for(asked, own), of_ours(own)
         law = Name(text=NONE) if ours is None else Name(text=ours.title, aside=_whether(ours))
         cells: list[Cell] = [Name(text=name, aside=asked.title), law, _number(scale, ours)]
-        by_tool = {one.tool: one for one in own}
+        by_tool = {row.tool: row for row in own}
         rows.append(
             TableRow(cells=(*cells, *(_number(scale, by_tool.get(tool)) for tool in PEERS)))
         )
@@ -615,20 +615,20 @@ def _section(asked: Task, rows: Sequence[Row]) -> Section:
         ("Fitted", asked.fitted),
         ("Judged", asked.judged),
         ("Metric", asked.metric.text),
-        *((one.what, f"{one.result} ({one.source})") for one in asked.published),
+        *((peer.what, f"{peer.result} ({peer.source})") for peer in asked.published),
     ]
     if asked.truth:
         told = joined([f"{name} {number(value)}" for name, value in asked.truth.items()])
         facts.append(("True values", told))
     blocks: list[Block] = [KeyValues(items=tuple(KeyValue(key=k, value=v) for k, v in facts))]
     shown = [row for row in rows if math.isfinite(row.error)]
-    ordered = sorted(shown, key=lambda one: one.error)
+    ordered = sorted(shown, key=lambda row: row.error)
     if ordered:
         marks = [
-            Interval(_called(one), one.error, one.doubt, one.named)
-            for one in ordered
+            Interval(_called(row), row.error, row.doubt, row.named)
+            for row in ordered
             # Errors far beyond would press all others to one end of the axis.
-            if best is not None and one.error < 50.0 * best.error
+            if best is not None and row.error < 50.0 * best.error
         ]
         height = max(INTERVAL_SIZE[1], 60 + 34 * len(marks))
         svg = inline_svg(
@@ -641,7 +641,7 @@ def _section(asked: Task, rows: Sequence[Row]) -> Section:
             Figure(svg=svg, caption=f"**{asked.title}.** Dot: error; bar: ± 1 standard error.")
         )
         blocks.append(_table(scale, ordered))
-    failed = [f"{_called(one)}: {one.failed}" for one in rows if one.failed]
+    failed = [f"{_called(row)}: {row.failed}" for row in rows if row.failed]
     blocks += [Caption(text=f"{text.rstrip('.')}.") for text in dict.fromkeys(failed)]
     heading = asked.title if best is None else f"{asked.title}: {_called(best)} errs least"
     return Section(id=f"task-{asked.name}", nav=asked.name, heading=heading, blocks=tuple(blocks))
@@ -687,10 +687,10 @@ def parameters_text(estimates: Sequence[Mapping[str, Any]]) -> str:
     '$mu_k$ = 0.25 (0.2 to 0.3)'
     """
     texts = []
-    for one in estimates[:SHOWN]:
-        low, high = one["low"], one["high"]
+    for row in estimates[:SHOWN]:
+        low, high = row["low"], row["high"]
         ends = "no interval" if low is None else f"{number(low, 3)} to {number(high, 3)}"
-        texts.append(f"${one['symbol']}$ = {quantity(one['value'], one['unit'], 3)} ({ends})")
+        texts.append(f"${row['symbol']}$ = {quantity(row['value'], row['unit'], 3)} ({ends})")
     more = len(estimates) - SHOWN
     return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
 

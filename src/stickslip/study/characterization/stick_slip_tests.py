@@ -164,7 +164,7 @@ def stick_slip_map(
         amplitude=amplitude,
         sticks=sticks,
         boundary=boundary,
-        linear=np.array([np.nan if bench.latched else _linear_limit(bench, one, v) for one in k]),
+        linear=np.array([np.nan if bench.latched else _linear_limit(bench, item, v) for item in k]),
         closed_form=_closed_form(bench, k),
         uncertified=bad,
         conditions=(
@@ -185,8 +185,8 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     bad = 0
     # Runs of one ensemble end together: those of about one duration are made in one.
     group = np.floor(np.log(needed) / np.log(RATIO)).astype(int)
-    for one in np.unique(group):
-        chosen = np.flatnonzero(group == one)
+    for label in np.unique(group):
+        chosen = np.flatnonzero(group == label)
         end = float(needed[chosen].max())
         varied = {
             "mechanism.speed": speed[chosen],
@@ -320,7 +320,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return np.asarray(found, dtype=float) / speed
 
     found = root(rates, np.full(len(law.states), 0.9))
-    return tuple(round(float(one) * length, 17) for one in found.x)
+    return tuple(round(float(bend) * length, 17) for bend in found.x)
 
 
 # An axis under PID control: whether it hunts about its target.

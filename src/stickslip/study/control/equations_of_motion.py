@@ -357,10 +357,10 @@ class DynamicsOfContacts:
             "mass": turn.T @ mass @ turn,
             "forces": turn.T @ h,
             "friction_direction": turn.T @ slips,
-            "command_direction": np.column_stack([turn.T @ (one - h) for one, _ in commands]),
+            "command_direction": np.column_stack([turn.T @ (item - h) for item, _ in commands]),
             "normal": loads,
             "normal_by_friction": np.column_stack(frictions),
-            "normal_by_command": np.column_stack([one - loads for _, one in commands]),
+            "normal_by_command": np.column_stack([normal - loads for _, normal in commands]),
             "contacts": self.model.contacts,
         }
 

@@ -556,8 +556,8 @@ def _best(
     cancelled: bool = False,
 ) -> _Best:
     """Return the best motion within the limits, the first of equals."""
-    good = [one for one in known if one[0].feasible]
-    judged, polished = max(good, key=lambda one: one[0].value, default=(None, False))
+    good = [pair for pair in known if pair[0].feasible]
+    judged, polished = max(good, key=lambda motion: motion[0].value, default=(None, False))
     return _Best(judged=judged, polished=polished, evaluations=evaluations, cancelled=cancelled)
 
 

@@ -105,9 +105,9 @@ def motor_of(mechanism: Mechanism) -> str:
     >>> motor_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
     'drive'
     """
-    for one in dataclasses.fields(mechanism):
-        if isinstance(getattr(mechanism, one.name), Prescribed) and mechanism.guided():
-            return one.name
+    for entry in dataclasses.fields(mechanism):
+        if isinstance(getattr(mechanism, entry.name), Prescribed) and mechanism.guided():
+            return entry.name
     raise InputError(
         f"mechanism must have a prescribed motion to be optimised, got {type(mechanism).__name__}"
         " without one: give it Prescribed(profile=...), as in PendulumCart(pendulum=...) or"
