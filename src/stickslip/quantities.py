@@ -353,8 +353,8 @@ class Quantity:
         if math.isfinite(value) and self._is_within(value):
             least = f"between {1.0 / LARGEST_COEFFICIENT:g} and" if self.above == 0.0 else "at most"
             return f"{self.range}, and {least} {LARGEST_COEFFICIENT:g}"
-        told = math.isfinite(value) or self.range.startswith("a finite")
-        return self.range if told else f"finite and {self.range}"
+        finite = math.isfinite(value) or self.range.startswith("a finite")
+        return self.range if finite else f"finite and {self.range}"
 
     def check(self, owner: str, name: str, value: object) -> float:
         """Return `value` as a float, or raise `ParameterError` that says how to mend it.

@@ -84,10 +84,10 @@ def run(options: SweepOptions) -> None:
     if options.rig is None:
         raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
     folder, count = options.output or Path("stickslip-campaign"), options.count
-    asked, cases = _read(options.rig, allow_import=options.allow_import)
+    plans, cases = _read(options.rig, allow_import=options.allow_import)
     if options.dry_run:
         shared = 1 if options.executor else count or os.cpu_count() or 1
-        _show_estimate(asked.estimate(), cases, shared, as_json=options.as_json)
+        _show_estimate(plans.estimate(), cases, shared, as_json=options.as_json)
         return
     begun = time.perf_counter()
     with (
@@ -102,12 +102,12 @@ def run(options: SweepOptions) -> None:
             return not interrupts.stopped
 
         inline = Inline() if count == 1 else None
-        found = asked.run(folder, executor=pool or inline, progress=progress, replace=options.force)
+        found = plans.run(folder, executor=pool or inline, progress=progress, replace=options.force)
     took = time.perf_counter() - begun
     if not found.complete:
-        note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
+        note(f"{len(found)} of {len(plans)} runs are there: the same command goes on.")
         raise typer.Exit(CANCELLED)
-    indices = _indices(asked, found, cases)
+    indices = _indices(plans, found, cases)
     if options.as_json:
         rows = {index.output: index.to_dataframe().to_dict("records") for index in indices}
         content = {
@@ -128,10 +128,10 @@ def run(options: SweepOptions) -> None:
 
 
 def _indices(
-    asked: Campaign, found: CampaignRuns, cases: Sequence[str]
+    plans: Campaign, found: CampaignRuns, cases: Sequence[str]
 ) -> list[SensitivityIndices]:
     """Return the indices of each output that is one number, and write them beside the runs."""
-    if asked.whole.block == 1:
+    if plans.whole.block == 1:
         return []
     if len(cases) > 1:
         note("Sensitivity indices are of one case: make a campaign of each.")
@@ -141,8 +141,8 @@ def _indices(
     from stickslip.show.plots import draw_sensitivity, standalone_svg
 
     indices = []
-    for name in asked.outputs or found.units:
-        several = f"{name}.0" in found.units or name in asked.factors or name not in found.columns
+    for name in plans.outputs or found.units:
+        several = f"{name}.0" in found.units or name in plans.factors or name not in found.columns
         if several:
             continue
         try:
@@ -219,7 +219,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
     _known(raw, KEYS, file)
     rigs = _named(raw, "rigs", file)
     laws = _named(raw, "laws", file) if "laws" in raw else {"": ""}
-    cases, told = [], []
+    cases, titles = [], []
     for rig_name, rig_text in rigs.items():
         for law_name, law_text in laws.items():
             source = None if rig_text == "demo" else path.parent / rig_text
@@ -234,14 +234,14 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
             cases.append(
                 Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
             )
-            told.append(f"{rig.heading}, {friction_title(chosen)} friction")
+            titles.append(f"{rig.heading}, {friction_title(chosen)} friction")
     campaign = Campaign(
         cases=tuple(cases),
         factors=_factors(raw.get("factors"), cases[0], file),
         outputs=_outputs(raw.get("outputs"), file),
         **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
     )
-    return campaign, told
+    return campaign, titles
 
 
 def _known(table: object, known: Collection[str], where: str) -> None:

@@ -98,13 +98,13 @@ def laws_of(
     """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
     if names is None:
         return rig.laws or None
-    asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
-    if "" in asked:
+    wanted = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
+    if "" in wanted:
         raise InputError(
             f"--laws takes names of laws with commas between them, such as coulomb,viscous, got"
             f" {names!r}."
         )
-    return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
+    return [rig.laws.get(name) or name for name in map(rig.name_of, wanted)]
 
 
 def _selected(

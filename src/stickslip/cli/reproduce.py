@@ -251,7 +251,7 @@ def run_benchmark(options: BenchmarkOptions) -> None:
         _list(chosen, as_json=options.as_json)
         return
     chosen = _with_data(chosen)
-    asked = None if peers is None else [text.strip() for text in peers.split(",") if text.strip()]
+    wanted = None if peers is None else [text.strip() for text in peers.split(",") if text.strip()]
     with (
         Interrupts() as interrupts,
         Drawing("Running", "fits") as bar,
@@ -264,7 +264,7 @@ def run_benchmark(options: BenchmarkOptions) -> None:
             return not interrupts.stopped
 
         found = run(
-            [task.name for task in chosen], folder, peers=asked, executor=pool, progress=progress
+            [task.name for task in chosen], folder, peers=wanted, executor=pool, progress=progress
         )
     if not found.rows:
         console.note("No fit is there yet: the same command begins again.")

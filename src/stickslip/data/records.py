@@ -615,8 +615,8 @@ class _Files:
         """Return the columns of quantities without those of channels that were off."""
         found = [name for name in wanted if name in frame.names]
         named = ("time", *self.reading.columns)
-        told = [name for name in found if name in named or not frame.is_empty(name)]
-        return told if {*told} - {"time"} else found
+        filled = [name for name in found if name in named or not frame.is_empty(name)]
+        return filled if {*filled} - {"time"} else found
 
     def _joint_columns(self, frame: "Frame") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.

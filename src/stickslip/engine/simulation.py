@@ -390,10 +390,10 @@ def initial_state(
         for name in y0:
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
-        told = {**mechanism.start(), **y0}
-        if not told:
+        begin = {**mechanism.start(), **y0}
+        if not begin:
             return [0.0] * len(names)
-        y0 = [told.get(name, 0.0) for name in names]
+        y0 = [begin.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
         raise InputError(f"y0 must be a mapping by state name or a sequence, got {y0!r}.")
     if len(y0) != len(names):

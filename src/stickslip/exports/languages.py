@@ -267,12 +267,12 @@ class Source:
     def functions(self) -> tuple[Function, ...]:
         """All functions that are called or may be, each after those that it calls."""
         every = functions_of(self.subject.equations, rotary=self.subject.rotary)
-        asked = {part.name for part in every if not part.inner} - set(self.left_out)
-        asked |= set(self.needed)
+        wanted = {part.name for part in every if not part.inner} - set(self.left_out)
+        wanted |= set(self.needed)
         for function in reversed(every):  # each stands after those that it calls
-            if function.name in asked:
-                asked |= set(called(function.body))
-        return tuple(part for part in every if part.name in asked)
+            if function.name in wanted:
+                wanted |= set(called(function.body))
+        return tuple(part for part in every if part.name in wanted)
 
     @cached_property
     def constants(self) -> tuple[Constant, ...]:

@@ -391,9 +391,9 @@ def _dispatching(
                 value = Written(f"p_{name}")
                 lines.append(f"    p_{name} = law.{name}\n")
             values[name] = value
-        told = {name: Written(f"x_{name}") for name in law.inputs}
+        inputs = {name: Written(f"x_{name}") for name in law.inputs}
         lines += [f"    x_{name} = law.contact({name!r})\n" for name in law.inputs]
-        twin: Any = laws.bound(unchecked(kind, **values), told)
+        twin: Any = laws.bound(unchecked(kind, **values), inputs)
         given = [
             tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
             if name == "states"
@@ -410,9 +410,9 @@ def _dispatching(
 
     # Whether the short text serves is asked of each argument: `float` itself, neither array nor
     # symbol.
-    asked = [name for name in arguments if name != "states"]
-    asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
-    floats = " and ".join(f"type({key}) is float" for key in asked)
+    scalars = [name for name in arguments if name != "states"]
+    scalars += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
+    floats = " and ".join(f"type({key}) is float" for key in scalars)
     # what shapes the equations: a whole exponent, a level that is not given
     shape = "".join(
         f"law.{name} if law.{name}.is_integer() else None, "

@@ -943,7 +943,7 @@ def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
     return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
 
 
-def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
+def of_contact(inputs: ContactInputs, contact: str) -> dict[str, Scalar]:
     """Return the inputs of one contact, of all that a mechanism tells.
 
     Examples
@@ -951,8 +951,8 @@ def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
     >>> of_contact({"temperature": 20.0, "elbow": {"gravity": 3.0}}, "elbow")
     {'temperature': 20.0, 'gravity': 3.0}
     """
-    own = told.get(contact, {})
-    whole = {name: value for name, value in told.items() if not isinstance(value, Mapping)}
+    own = inputs.get(contact, {})
+    whole = {name: value for name, value in inputs.items() if not isinstance(value, Mapping)}
     return {**whole, **(own if isinstance(own, Mapping) else {})}
 
 
@@ -989,22 +989,22 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
     """
     if not inputs:
         return mechanism
-    told = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
+    given = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
     known = [place.name for place in mechanism.contacts()]
     for contact in known:
-        if ("", contact) in told:
+        if ("", contact) in given:
             raise InputError(
                 f"inputs of the contact {contact!r} are given by name, such as"
-                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {told['', contact]!r}."
+                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {given['', contact]!r}."
             )
-    checked_inputs(name for _, name in told)
-    for contact, _ in told:
+    checked_inputs(name for _, name in given)
+    for contact, _ in given:
         if contact and contact not in known:
             raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)
-    key = tuple((*at, isinstance(value, Drive)) for at, value in told.items())
+    key = tuple((*at, isinstance(value, Drive)) for at, value in given.items())
     kind = _told(_bare(type(mechanism)), key)
     fields = {field.name: getattr(mechanism, field.name) for field in dataclasses.fields(mechanism)}
-    found: Any = kind(**{**fields, **{input_field(*at): value for at, value in told.items()}})
+    found: Any = kind(**{**fields, **{input_field(*at): value for at, value in given.items()}})
     return found  # type: ignore[no-any-return]
 
 
@@ -1019,11 +1019,11 @@ def without_given(mechanism: Mechanism) -> tuple[Mechanism, dict[str, Any]]:
     """
     kind = _bare(type(mechanism))
     own = {entry.name: getattr(mechanism, entry.name) for entry in dataclasses.fields(kind)}
-    told: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for field, (contact, name) in told_fields(mechanism).items():
-        part = told.setdefault(contact, {}) if contact else told
+        part = given.setdefault(contact, {}) if contact else given
         part[name] = getattr(mechanism, field)
-    return kind(**own), told
+    return kind(**own), given
 
 
 def _flat(inputs: GivenInputs) -> dict[tuple[str, str], Drive | float]:

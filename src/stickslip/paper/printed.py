@@ -302,8 +302,8 @@ class Requirement:
     def to_dict(self) -> dict[str, Any]:
         """Return all but law and run, ready for JSON."""
         names = [field.name for field in fields(self) if field.name not in {"solution", "run"}]
-        told = {name: getattr(self, name) for name in names}
-        return told | {"criteria": self.criteria and asdict(self.criteria)}
+        content = {name: getattr(self, name) for name in names}
+        return content | {"criteria": self.criteria and asdict(self.criteria)}
 
 
 def requirements(

@@ -581,9 +581,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
             if not same(record, other):
                 continue
             name = record.name or other.name
-            told = f" ({name!r})" if name else ""
+            label = f" ({name!r})" if name else ""
             raise InputError(
-                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                f"the second record is identical to the fitted one{label}, sample by sample, so its"
                 " error would not be a held-out error. Give another record, or none: held-out"
                 " blocks then compare the laws on one record."
             )

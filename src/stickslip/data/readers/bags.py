@@ -350,12 +350,12 @@ def _described(path: Path) -> _Described:
         data = file.read(LARGEST_METADATA + 1)
     if len(data) > LARGEST_METADATA:
         raise ValueError(f"{METADATA} has more than {number(LARGEST_METADATA / 1e6)} MB")
-    told = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
-    mode = str(told.get("compression_mode") or "none").casefold()
-    method = str(told.get("compression_format") or "").casefold()
+    information = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
+    mode = str(information.get("compression_mode") or "none").casefold()
+    method = str(information.get("compression_format") or "").casefold()
     if mode not in ("none", "file", "message") or (mode != "none" and method != "zstd"):
         raise ValueError(f"its compression is {mode!r} by {method!r}, and that by zstd is read")
-    files = tuple(path.parent / PurePath(name).name for name in told["relative_file_paths"])
+    files = tuple(path.parent / PurePath(name).name for name in information["relative_file_paths"])
     missing = [place for place in files if not place.is_file()]
     if missing or not files:
         raise InputError(
@@ -364,7 +364,7 @@ def _described(path: Path) -> _Described:
             else f"{path}: lists no files of messages."
         )
     counts: dict[str, int] = {}
-    for counted in told["topics_with_message_count"]:
+    for counted in information["topics_with_message_count"]:
         topic = str(counted["topic_metadata"]["name"])
         counts[topic] = counts.get(topic, 0) + int(counted["message_count"])
     return _Described(files=files, mode="" if mode == "none" else mode, counts=counts)

@@ -721,8 +721,8 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
-        told = any(part in PREFERRED for part in parts_of(bare))
-        return score + fits + 0.1 * told, why
+        preferred = any(part in PREFERRED for part in parts_of(bare))
+        return score + fits + 0.1 * preferred, why
     if counts and not bare:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit

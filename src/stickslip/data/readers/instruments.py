@@ -352,11 +352,11 @@ def _names(head: Mapping[str, Sequence[str]], width: int) -> tuple[Sequence[str]
         raise InputError(f"has {len(names)} names and {width} columns of {SCOPE}.")
     often = Counter(names)
     several = [often[name] > 1 and symbols[i : i + 1] != [""] for i, name in enumerate(names)]
-    told = [
+    headers = [
         symbols[i] if again and len(symbols) == width else name
         for i, (name, again) in enumerate(zip(names, several, strict=True))
     ]
-    return numbered_twice(told), remarks
+    return numbered_twice(headers), remarks
 
 
 def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[str]:

@@ -179,8 +179,8 @@ def _matched(
     pairs = {key: own[key] for key in logged if key in own}
     if not pairs and all(key.isdigit() for key in logged):
         pairs = _numbered(sorted(logged, key=int), [*own.values()])
-        told = joined([f"{key} is {name!r}" for key, name in pairs.items()])
-        doubts += [f"The log numbers its joints, so that it is assumed: {told}."] * bool(pairs)
+        pairing = joined([f"{key} is {name!r}" for key, name in pairs.items()])
+        doubts += [f"The log numbers its joints, so that it is assumed: {pairing}."] * bool(pairs)
     if not pairs:
         raise InputError(
             f"{frame.file}: has the joints {joined([*logged])}, and {urdf} has"

@@ -261,16 +261,16 @@ def _number(value: Any) -> float:
 
 def _servo_remarks(found: Mapping[str, Any], names: Collection[str]) -> tuple[str, ...]:
     """Return what the file states of the rig, and what its numbers are not."""
-    told = [
+    stated = [
         f"{name} {number(_number(found[name]), 4)} {unit}".rstrip()
         for name, unit in SETTINGS.items()
         if not isinstance(found.get(name), bool) and np.isfinite(_number(found.get(name)))
     ]
     words = [f"{name} {found[name]}" for name in ("motor", "trajectory") if name in found]
     said = []
-    if told or words:
+    if stated or words:
         said.append(
-            f"The file states {joined([*words, *told])}: an axis is assumed, and a pendulum with"
+            f"The file states {joined([*words, *stated])}: an axis is assumed, and a pendulum with"
             " such a mass at the end of its arm is a mechanism of type pendulum."
         )
     raw = [heading for heading in ("load", "torque", "current") if heading in names]

@@ -129,8 +129,8 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
     joints of which there are most samples; other signals are interpolated there.
     """
     states = [topic for topic in log.topics if topic.shape and topic.messages]
-    asked = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
-    used = {state.name: state for state in (*states, *asked.values())}
+    wanted = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
+    used = {state.name: state for state in (*states, *wanted.values())}
     if not used:
         raise InputError(f"{file}: {_nothing(log.topics)}")
     total = sum(topic.messages for topic in used.values())

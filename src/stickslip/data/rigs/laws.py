@@ -201,8 +201,8 @@ def laws_of(
     tables = [top, *(top[name] for name in contacts if isinstance(top.get(name), Mapping))]
     keys = {key for table in tables for key in table} - {*contacts}
     known = laws()
-    asked = [name for name, entry in listed().items() if not entry.on_request or name in keys]
-    found = {name: known[name] for name in asked} | {**more}
+    usual = [name for name, entry in listed().items() if not entry.on_request or name in keys]
+    found = {name: known[name] for name in usual} | {**more}
     lacking = keys - found.keys() - {field for kind in found.values() for field in _fields(kind)}
     if not lacking:
         return found

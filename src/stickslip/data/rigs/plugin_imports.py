@@ -147,11 +147,11 @@ def _class(path: str, where: str, beside: Path | None) -> Any:
 
 def _missing(kind: type, base: type) -> list[str]:
     """Return what a class has yet to define or to say of itself."""
-    told: tuple[str, ...] = ("name", "coordinates", "rates", "units")
+    required: tuple[str, ...] = ("name", "coordinates", "rates", "units")
     if base is FrictionLaw:
-        told = ("name", "title", "formula", "sources")
+        required = ("name", "title", "formula", "sources")
     abstract: Collection[str] = getattr(kind, "__abstractmethods__", ())
-    return [*sorted(abstract), *(name for name in told if not hasattr(kind, name))]
+    return [*sorted(abstract), *(name for name in required if not hasattr(kind, name))]
 
 
 def _module(name: str, where: str, beside: Path | None) -> ModuleType:

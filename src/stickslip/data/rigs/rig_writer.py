@@ -46,10 +46,10 @@ def rig_toml(
     import tomlkit
 
     document: dict[str, object] = {"title": title} if title else {}
-    bare, told = without_given(mechanism)
+    bare, inputs = without_given(mechanism)
     document["mechanism"] = _table(bare, _type(bare, mechanisms()))
-    if told:
-        document["contact"] = {name: _contact_input(value) for name, value in told.items()}
+    if inputs:
+        document["contact"] = {name: _contact_input(value) for name, value in inputs.items()}
     found = assigned(tuple(contact.name for contact in mechanism.contacts()), law)
     document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
     if t_end is not None:

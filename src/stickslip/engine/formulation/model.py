@@ -581,14 +581,14 @@ def _informed(
     def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, trace.Traced]:
         return {name: trace.Traced(value, board) for name, value in zip(names, values, strict=True)}
 
-    told = mechanism.contact_inputs(
+    inputs = mechanism.contact_inputs(
         trace.Traced(symbols.t, board),
         traced(mechanism.coordinates, symbols.coordinates),
         traced(mechanism.coordinates, symbols.rates),
         traced(symbols.drives, symbols.drives.values()),
     )
     (contact,) = mechanism.contacts()
-    return bound(law, of_contact(told, contact.name))
+    return bound(law, of_contact(inputs, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:

@@ -558,8 +558,8 @@ def _informed(
     """Return laws that see what the mechanism tells of their contacts."""
     if not any(law.inputs for law in rubbing.values()):
         return rubbing
-    told = mechanism.contact_inputs(t, *motion)
-    return {name: bound(law, of_contact(told, name)) for name, law in rubbing.items()}
+    inputs = mechanism.contact_inputs(t, *motion)
+    return {name: bound(law, of_contact(inputs, name)) for name, law in rubbing.items()}
 
 
 def _limits_of_laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> dict[str, Scalar]:

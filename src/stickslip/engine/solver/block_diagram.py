@@ -313,8 +313,8 @@ class Diagram(BlockDiagram):
             drives = {name: drive.shaped(linear, t) for (name, drive), linear in straight}
             q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
             (contact,) = self.mechanism.contacts()
-            told = self.mechanism.contact_inputs(t, q, q_dot, drives)
-            state.law = bound(law, of_contact(told, contact.name))
+            inputs = self.mechanism.contact_inputs(t, q, q_dot, drives)
+            state.law = bound(law, of_contact(inputs, contact.name))
             check_within({name: float(limit) for name, limit in state.law.limits().items()}, t)
         return state.law
 
@@ -608,10 +608,10 @@ class ContactDiagram(BlockDiagram):
         Of coordinates at rest that are not held, `pushed` has the directions.
         """
         w, whole = self.equations.w, self.equations.whole
-        asked: list[Any] = [t, held, dict(pushed or {})]
+        state: list[Any] = [t, held, dict(pushed or {})]
         # By identity and by what is held: within a step the same state is asked for with other
         # holds.
-        if self.asked and self.asked[0] is y and self.asked[1:] == asked:
+        if self.asked and self.asked[0] is y and self.asked[1:] == state:
             return w, whole
         self.equations.load_at(t)
         self._put(t, y)
@@ -625,7 +625,7 @@ class ContactDiagram(BlockDiagram):
         n, modes = whole[layout.N_COORDINATES], whole[layout.MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
-            rate, side = y[n + i], asked[2].get(n + i, 0)
+            rate, side = y[n + i], state[2].get(n + i, 0)
             whole[modes + i] = (
                 layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
             )
@@ -654,7 +654,7 @@ class ContactDiagram(BlockDiagram):
                 whole[layout.VALUES],
             )
             check_within(dict(zip(limits, w[whole[layout.VALUES] :], strict=False)), t)
-        self.asked[:] = [y, *asked]
+        self.asked[:] = [y, *state]
         return w, whole
 
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:

@@ -401,12 +401,12 @@ class Steps:
     def step(self, actions: Array) -> Stepped:
         """Hold an action for a period in each."""
         task = self.task
-        told = np.asarray(actions)
-        if told.dtype.kind not in "iuf":
+        chosen = np.asarray(actions)
+        if chosen.dtype.kind not in "iuf":
             raise InputError(
-                f"actions must be real numbers from -1 to 1, got an array of {told.dtype}."
+                f"actions must be real numbers from -1 to 1, got an array of {chosen.dtype}."
             )
-        efforts: Array = np.array(told, dtype=np.float64)
+        efforts: Array = np.array(chosen, dtype=np.float64)
         if efforts.shape != (self.count,):
             raise InputError(
                 f"actions must have the shape ({self.count}, 1), a share of the largest effort for"

@@ -232,12 +232,12 @@ def _commanded(mechanism: mechanisms.Mechanism, measurement: Measurement) -> Ite
         record = with_voltage(mechanism, given, HOLD)
         set_up, what = as_recorded(mechanism, record), command_of(record)
         for piece in between_gaps(record):
-            told = fits.applied_force(set_up, piece)
+            applied = fits.applied_force(set_up, piece)
             yield _Commanded(
                 mechanism=set_up,
                 record=piece,
                 what=what or "voltage",
-                values=np.zeros(len(np.asarray(piece.time))) if told is None else told,
+                values=np.zeros(len(np.asarray(piece.time))) if applied is None else applied,
                 straight=fits.goes_straight(piece, HOLD),
             )
 
@@ -274,9 +274,9 @@ class Replay:
     def typical_inputs(self, contact: str, names: Collection[str]) -> dict[str, float]:
         """Return the usual values of contact inputs of a joint along the record, by name."""
         i = self.mechanism.coordinates.index(self._coordinate(contact))
-        told = [piece.inputs[i][0] for piece in self.pieces]
-        known = [name for name in names if all(name in table for table in told)]
-        return fits.usual_values({name: [table[name] for table in told] for name in known})
+        inputs = [piece.inputs[i][0] for piece in self.pieces]
+        known = [name for name in names if all(name in table for table in inputs)]
+        return fits.usual_values({name: [table[name] for table in inputs] for name in known})
 
     def judged(
         self,
@@ -426,9 +426,9 @@ class Replay:
 
     def _simulated(self, part: "_Part", laws: Mapping[str, FrictionLaw], constants: Array) -> Array:
         names = self.mechanism.coordinates
-        time, forces, told = part.time, part.forces - constants, self._command_of(part)
-        if told is not None:
-            rig = fits.with_drive(self.commands[part.piece.record].mechanism, told[1])
+        time, forces, command = part.time, part.forces - constants, self._command_of(part)
+        if command is not None:
+            rig = fits.with_drive(self.commands[part.piece.record].mechanism, command[1])
         else:
             drives = {
                 name: Sampled(times=time, values=column, hold="first")
@@ -555,7 +555,7 @@ class _InMuJoCo:
         """
         model, damping = self.model, 0.0
         if command is not None:
-            motor, told = command
+            motor, drive = command
             damping = 0.5 * float(motor.force(0.0, 0.0, -SLOW) - motor.force(0.0, 0.0, SLOW)) / SLOW
             model = copy.copy(model)
             model.dof_damping[self.dofs] += damping
@@ -572,7 +572,7 @@ class _InMuJoCo:
             found[row] = data.qpos[self.places]
             if command is not None:
                 x, v = data.qpos[self.places], data.qvel[self.dofs]
-                told_now = told.value(float(times[row]) + 0.5 * step)
+                told_now = drive.value(float(times[row]) + 0.5 * step)
                 data.qfrc_applied[self.dofs] = motor.force(told_now, x, v) + damping * v
             else:
                 data.qfrc_applied[self.dofs] = force

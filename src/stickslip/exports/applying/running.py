@@ -363,8 +363,8 @@ def _held(subject: Subject, load: float) -> float:
         return min(float(law.towards(side).break_away(load)) for side in (1, -1))
 
     def level(force: float) -> float:
-        told = gear_inputs(force, 0.0, position=0.0)
-        return break_away(bound(replace(subject.law), {**subject.at, **told}))
+        inputs = gear_inputs(force, 0.0, position=0.0)
+        return break_away(bound(replace(subject.law), {**subject.at, **inputs}))
 
     if not {"motor", "external", "transmitted"}.intersection(subject.law.inputs):
         return break_away(subject.law)
@@ -390,8 +390,8 @@ def _motions(
     subject = tested.subject
     rotary, load, fastest = subject.rotary, subject.needed_load(), subject.needed_speed()
     axis = Axis(inertia=inertia, load=load, damping=tested.damping, rotary=rotary)
-    told = input_names(axis)  # such as the torque of a gear, which the motion decides
-    stated = {name: value for name, value in subject.at.items() if name not in told}
+    inputs = input_names(axis)  # such as the torque of a gear, which the motion decides
+    stated = {name: value for name, value in subject.at.items() if name not in inputs}
     rest = _held(subject, load)
     sliding = abs(steady_force(subject, np.array([-fastest, fastest]), load)).max()
     sliding += tested.damping * fastest

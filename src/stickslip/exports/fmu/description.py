@@ -69,12 +69,12 @@ def _from_outside(
         return  # refused where it is checked with what it is given for
     contacts = tuple(place.name for place in mechanism.contacts())
     laws = assigned(contacts, law)
-    asked: dict[str, list[str]] = {}
+    inputs: dict[str, list[str]] = {}
     for contact in contacts:
         friction = law_of(contact, laws)
         for name in () if friction is None else friction.inputs:
-            asked.setdefault(name, []).append(contact)
-    for name, those in asked.items():
+            inputs.setdefault(name, []).append(contact)
+    for name, those in inputs.items():
         untold = [key for key in those if name not in mechanisms.input_names(mechanism, key)]
         apart = [key for key in those if len(contacts) > 1 and label_of(key, name) in names]
         for contact in (*([""] if untold or name in names else []), *apart):

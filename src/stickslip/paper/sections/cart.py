@@ -343,9 +343,9 @@ def _return_text(found: PaperAudit) -> str:
     if back:
         ways = ", ".join(f"{_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
         return f"The cart slips back in a cycle: {ways}."
-    asked = max(largest_pull(run) for run in study.choices)
+    pull = max(largest_pull(run) for run in study.choices)
     return (
-        f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
+        f"The cart never slips back: at rest the swing pulls it back with up to {percent(pull)} of"
         " the normal force, less than friction can hold. At a lower level of"
         f" {KINETIC:g} it does slip back, as the tables above show."
     )

@@ -813,8 +813,8 @@ def _names(
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: name != chosen)
     for name, side in zip(ordered, (1, -1), strict=False):
-        told = name == chosen and len(curves) > 1
-        lines = wrapped((f"chosen: {name}" if told else name).split(), WIDTH)
+        marked = name == chosen and len(curves) > 1
+        lines = wrapped((f"chosen: {name}" if marked else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
         theme.label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,

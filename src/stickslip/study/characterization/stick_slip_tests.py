@@ -139,10 +139,10 @@ def stick_slip_map(
         if stiffnesses is None
         else np.array(stiffnesses, float)
     )
-    told = progress or (lambda _done, _all: None)
+    report = progress or (lambda _done, _all: None)
     speed, stiffness = (grid.ravel() for grid in np.meshgrid(v, k))
     amplitude, sticks, bad = _runs(bench, speed, stiffness)
-    told(1, HALVINGS + 1)
+    report(1, HALVINGS + 1)
     shape = len(k), len(v)
     sticks, amplitude = sticks.reshape(shape), amplitude.reshape(shape)
     # The highest speed of each row at which it sticks: the boundary lies behind it.
@@ -156,7 +156,7 @@ def stick_slip_map(
             stuck = np.zeros(len(k), dtype=bool)
             stuck[inner] = _runs(bench, middle[inner], k[inner])[1]
             low, high = np.where(stuck, middle, low), np.where(stuck, high, middle)
-        told(n + 2, HALVINGS + 1)
+        report(n + 2, HALVINGS + 1)
     boundary = np.where(inner, np.sqrt(low * high), np.where(last < 0, np.nan, np.inf))
     return StickSlipMap(
         speed=v,

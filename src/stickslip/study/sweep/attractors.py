@@ -547,9 +547,9 @@ class _Strobe(_Method):
         times = [cycle * (self.settle + 1 + i) for i in range(shared.keep - 1)] + [last]
         outputs: dict[str, Output] = {f"end {name}": Final(name) for name in names}
         outputs["samples"] = Samples(shared.state, times)
-        told = {**dict.fromkeys(names, 0.0), **shared.at(value)[0].start()}
+        usual = {**dict.fromkeys(names, 0.0), **shared.at(value)[0].start()}
         columns = {
-            f"initial.{name}": np.array([start.get(name, told[name]) for start in starts], float)
+            f"initial.{name}": np.array([start.get(name, usual[name]) for start in starts], float)
             for name in names
         }
         runs = simulation.ensemble(
@@ -767,7 +767,7 @@ def basins(
     axes = _axes(mechanism, law, starts, keep, settle)
     if period is None:
         whole_run("basins", mechanism, keep + settle)
-    told = tuple(starts) if states is None else tuple(states)
+    names = tuple(starts) if states is None else tuple(states)
     columns = product(axes)
     cycle = float(cycles_of(mechanism, columns, period)[0])
     times = [cycle * (settle + i) for i in range(keep + 1)]
@@ -776,20 +776,20 @@ def basins(
         law,
         columns,
         t_end=times[-1],
-        outputs=_outputs(place, told, times),
+        outputs=_outputs(place, names, times),
         y0=y0,
         solver=compiled(solver),
         executor=executor,
         progress=progress,
     )
     begun = {path.removeprefix("initial."): values for path, values in axes.items()}
-    sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in told])
-    samples = _samples(runs, told, keep * cycle)
+    sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in names])
+    samples = _samples(runs, names, keep * cycle)
     index, found = _sorted(*_clusters(runs, *samples, sizes, tolerance))
     shape = tuple(map(len, begun.values()))
     return Basins(
         starts=begun,
-        states=told,
+        states=names,
         index=index.reshape(shape),
         attractors=found,
         status=runs.status.reshape(shape),
@@ -808,15 +808,15 @@ def _axes(
     return dict(axis_of(mechanism, law, f"initial.{name}", v) for name, v in starts.items())
 
 
-def _outputs(place: str, told: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
-    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in told}
+def _outputs(place: str, names: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
+    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in names}
     found["place"] = Samples(place, [times[0], times[-1]])
     return found
 
 
-def _samples(runs: Ensemble, told: Sequence[str], duration: float) -> tuple[Array, Array]:
+def _samples(runs: Ensemble, names: Sequence[str], duration: float) -> tuple[Array, Array]:
     """Return samples (n, keep, states) and the mean slip velocity over them (n,)."""
-    points = np.stack([runs[f"samples {name}"][:, 1:] for name in told], axis=2)
+    points = np.stack([runs[f"samples {name}"][:, 1:] for name in names], axis=2)
     place = runs["place"]
     return points, (place[:, 1] - place[:, 0]) / duration
 

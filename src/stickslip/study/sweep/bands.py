@@ -252,8 +252,8 @@ def band_of(
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
-    asked = np.asarray(times, dtype=np.float64).ravel()
-    kept_times = POINTS + whole + asked.size
+    wanted = np.asarray(times, dtype=np.float64).ravel()
+    kept_times = POINTS + whole + wanted.size
     errors.check_size(
         "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
     )
@@ -264,7 +264,7 @@ def band_of(
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
-    grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, asked]))
+    grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, wanted]))
     runs = ensemble(
         mechanism,
         law,

@@ -685,12 +685,12 @@ class _Ledger:
         What is no entry is left out, and so made again: it names nothing that can be trusted.
         """
         entries = [] if manifest is None else manifest.get("parts", [])
-        told = [*entries] if isinstance(entries, list) else []
+        listed = [*entries] if isinstance(entries, list) else []
         path = self.folder / JOURNAL
         try:
             for line in _content(path).splitlines():
                 with contextlib.suppress(ValueError, RecursionError):
-                    told.append(json.loads(line))
+                    listed.append(json.loads(line))
         except FileNotFoundError:
             pass
         except OSError as error:
@@ -698,7 +698,7 @@ class _Ledger:
                 f"{path} cannot be read: {error.strerror or error}. Delete it, and the runs that"
                 " only it lists are made again."
             ) from None
-        return {entry["file"]: _Finished(**entry) for entry in told if _is_entry(entry)}
+        return {entry["file"]: _Finished(**entry) for entry in listed if _is_entry(entry)}
 
 
 def _folders(names: Iterable[str]) -> set[Path]:
