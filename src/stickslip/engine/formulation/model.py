@@ -127,10 +127,43 @@ def contact_model(
     columns = equations.part_slopes(along)
     # The constants stand behind all parameters, laws' ones included.
     text, found = program(_contact_functions(equations, columns), index.values(), rows[-1])
-    sizes = _contact_sizes(
-        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
+    sizes = layout.ContactSizes(
+        coordinates=len(mechanism.coordinates),
+        bristles=sum(bristles),
+        switches=len(board.switches),
+        drives=len(equations.symbols.drives),
+        parameters=len(paths),
         constants=found,
-    )  # fmt: skip
+        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
+        rest_is_final=equations.rest_is_final(),
+        slips=parts.directions.slips,
+        looped=parts.directions.loops.looped,
+        closing=len(parts.directions.loops.closing),
+        cuts=len(parts.directions.loops.cuts),
+        turned=bool(parts.directions.forward),
+        kinds=own.kinds,
+        shared=own.shared,
+        numbers=tuple(len(list(parameters(friction, prefix))) for prefix, friction in own.distinct),
+        inputs_of=tuple(len(friction.inputs) for friction in own.laws),
+        bristles_of=tuple(bristles),
+        holds=tuple(friction.holds for friction in own.laws),
+        directional=tuple(friction.directional for friction in own.laws),
+        reacts=parts.reacts,
+        held=len(parts.held),
+        channels=len(parts.efforts),
+        own_limits=len(parts.limits),
+        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
+        mass=tuple(parts.mass),
+        slopes=tuple(equations.slopes),
+        time_slopes=tuple(equations.time_slopes),
+        law_switches=max((len(friction.switch_events) for friction in laws), default=0),
+        constant_mass=equations.constant_mass(),
+        constant_loads=equations.constant_loads(),
+        affine=equations.affine(),
+        exact=not dampens and equations.affine() and all(friction.is_linear for friction in laws),
+        supplies=parts.supplied != 0,
+        part_slopes=tuple(tuple(column) for column in columns),
+    )
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
     for (prefix, member), row in zip(own.distinct, sizes.law_places(), strict=True):
@@ -332,59 +365,6 @@ def _names(e: se.Expr) -> set[str]:
 
 def _flags(e: se.Expr) -> set[str]:
     return {name for name in _names(e) if name[0] == "s" and name[1:].isdigit()}
-
-
-def _contact_sizes(
-    mechanism: Mechanism,
-    own: _Own,
-    equations: _Equations,
-    laws: Sequence[mode_text.LawParts],
-    board: trace.Switchboard,
-    parameter_count: int,
-    bristles: Sequence[int],
-    columns: Sequence[Mapping[int, se.Expr]],
-    *,
-    dampens: bool,
-    constants: int,
-) -> layout.ContactSizes:
-    parts = equations.parts
-    return layout.ContactSizes(
-        coordinates=len(mechanism.coordinates),
-        bristles=sum(bristles),
-        switches=len(board.switches),
-        drives=len(equations.symbols.drives),
-        parameters=parameter_count,
-        constants=constants,
-        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
-        rest_is_final=equations.rest_is_final(),
-        slips=parts.directions.slips,
-        looped=parts.directions.loops.looped,
-        closing=len(parts.directions.loops.closing),
-        cuts=len(parts.directions.loops.cuts),
-        turned=bool(parts.directions.forward),
-        kinds=own.kinds,
-        shared=own.shared,
-        numbers=tuple(len(list(parameters(law, prefix))) for prefix, law in own.distinct),
-        inputs_of=tuple(len(law.inputs) for law in own.laws),
-        bristles_of=tuple(bristles),
-        holds=tuple(law.holds for law in own.laws),
-        directional=tuple(law.directional for law in own.laws),
-        reacts=parts.reacts,
-        held=len(parts.held),
-        channels=len(parts.efforts),
-        own_limits=len(parts.limits),
-        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
-        mass=tuple(parts.mass),
-        slopes=tuple(equations.slopes),
-        time_slopes=tuple(equations.time_slopes),
-        law_switches=max((len(law.switch_events) for law in laws), default=0),
-        constant_mass=equations.constant_mass(),
-        constant_loads=equations.constant_loads(),
-        affine=equations.affine(),
-        exact=not dampens and equations.affine() and all(law.is_linear for law in laws),
-        supplies=parts.supplied != 0,
-        part_slopes=tuple(tuple(column) for column in columns),
-    )
 
 
 def _contact_functions(
