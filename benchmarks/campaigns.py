@@ -19,7 +19,7 @@ from pathlib import Path
 from stickslip import Coulomb, SpringBlock
 from stickslip.engine import EventTimes, Final, Max
 from stickslip.study.sweep import Campaign, Case, Normal, Uniform
-from stickslip.study.sweep.campaign import _Ledger, _made
+from stickslip.study.sweep.campaigns import _Ledger, _made
 
 
 def asked(runs: int) -> Campaign:

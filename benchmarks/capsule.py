@@ -20,7 +20,7 @@ from stickslip.engine import Samples
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
 from stickslip.study.sweep import OrbitDiagram, average_velocity, orbit_diagram
-from stickslip.study.sweep.bifurcation import period_of
+from stickslip.study.sweep.attractors import period_of
 
 Array = NDArray[np.float64]
 

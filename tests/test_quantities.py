@@ -249,7 +249,7 @@ def test_what_follows_from_the_same_objects_is_worked_out_once(counted):
 def test_equal_objects_are_not_the_same(counted):
     number, _ = counted
     rods = [Rod(length=1.0), Rod(length=1.0)]
-    assert [number(one, one) for one in (*rods, *rods)] == [1, 2, 1, 2]
+    assert [number(rod, rod) for rod in (*rods, *rods)] == [1, 2, 1, 2]
 
 
 def test_an_object_in_the_place_of_one_that_is_gone_is_another(counted):

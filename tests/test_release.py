@@ -23,7 +23,7 @@ EXTRAS = sorted(PROJECT["optional-dependencies"].keys() - FOR_CONTRIBUTORS)
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 GITHUB = sorted((ROOT / ".github").rglob("*.yml"))
 ON_CONDA = {"matplotlib": "matplotlib-base", "symengine": "python-symengine"}
-COMMANDS = {one.name for one in app.registered_commands}
+COMMANDS = {command.name for command in app.registered_commands}
 
 
 def text_of(name: str) -> str:
@@ -50,7 +50,7 @@ def test_the_recipe_asks_for_what_the_wheel_asks_for() -> None:
     run = recipe.partition("  run:\n")[2].partition("\n\n")[0]
     asked = {line.strip("- ") for line in run.splitlines()} - {"python >=${{ python_min }}"}
     wanted = (re.fullmatch(r"([\w-]+)>=([\d.]+)", one) for one in PROJECT["dependencies"])
-    names = {(one[1], one[2]) for one in wanted if one is not None}
+    names = {(entry[1], entry[2]) for entry in wanted if entry is not None}
     assert len(names) == len(PROJECT["dependencies"])
     there = {
         f"{ON_CONDA.get(name, name.replace('typing-', 'typing_'))} >={low}" for name, low in names
@@ -175,7 +175,7 @@ def test_the_site_leads_to_the_newest_release(tmp_path):
     for version in ("dev", "0.9.0", "0.10.0"):
         done = run_site(built, tmp_path / "site", version, "--address", "https://x.y/s/")
         assert done.returncode == 0, done.stderr
-    there = {one.name for one in (tmp_path / "site").iterdir()}
+    there = {path.name for path in (tmp_path / "site").iterdir()}
     assert {"dev", "0.9.0", "0.10.0", "404.html", "sitemap.xml", "versions.html"} < there
     first = (tmp_path / "site/index.html").read_text()
     assert "url=0.10.0/index.html" in first
@@ -208,7 +208,8 @@ free,lmfit,,m,False
 def test_ratios_of_errors_are_those_of_the_named_law_or_of_the_least(tmp_path):
     (tmp_path / "results.csv").write_text(RESULTS)
     found = {
-        (one["task"], one["peer"]): one["ratio"] for one in ratios.errors(tmp_path / "results.csv")
+        (error["task"], error["peer"]): error["ratio"]
+        for error in ratios.errors(tmp_path / "results.csv")
     }
     assert found == {("axis", "scipy"): "2", ("free", "scipy"): "0.5"}
 
@@ -221,7 +222,7 @@ def test_ratios_of_each_version_stand_beside_each_other(tmp_path):
             writer.writerow(ratios.row("time", "decay", "scipy", 1.0, value, "s"))
     head, _, line = ratios.beside(tmp_path)
     assert head.split("|")[4:6] == [" 0.1.0 ", " 0.2.0 "]
-    assert [one.strip() for one in line.split("|")[4:6]] == ["4.0", "8.0"]
+    assert [text.strip() for text in line.split("|")[4:6]] == ["4.0", "8.0"]
 
 
 def test_the_page_of_ratios_is_made_of_the_files_of_all_versions() -> None:

@@ -34,7 +34,9 @@ def run(*arguments, **variables):
 @pytest.fixture(scope="module")
 def second():
     """The environment of a process with a second kernel."""
-    first = {one.get("architecture") for one in threadpool_info() if one["user_api"] == "blas"}
+    first = {
+        entry.get("architecture") for entry in threadpool_info() if entry["user_api"] == "blas"
+    }
     older = OLDER.get(min(map(str, first), default=""))
     if len(first) != 1 or older is None:
         pytest.skip(f"no second kernel of linear algebra is known beside {first or 'none'}.")

@@ -36,8 +36,8 @@ def test_each_public_result_with_a_dataframe_is_a_dataset_too():
 
 
 def test_a_measurement_is_a_dataset_over_time_with_the_units_of_its_names():
-    one = Measurement(time=[0.0, 0.1], force=[2.0, 3.0], turning=True)
-    data = one.to_xarray()
+    measurement = Measurement(time=[0.0, 0.1], force=[2.0, 3.0], turning=True)
+    data = measurement.to_xarray()
     assert (data["time"].units, data["force"].units) == ("s", "N m")
     assert data["force"].sel(time=0.1) == 3.0
     trials = Measurement(trials=[Measurement(travel=0.1), Measurement(travel=0.2)]).to_xarray()

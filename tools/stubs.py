@@ -1,7 +1,5 @@
 """Write the `__init__.pyi` of packages whose names are loaded lazily: python tools/stubs.py.
 
-Before, the names of the entries in `friction.named` are written into the table of that package.
-
 Type checkers and editors do not run `__getattr__`. They read these stubs, and so do the packages:
 where a name is stands there alone. What is registered, laws and mechanisms, is put in, and lines
 are put in order.
@@ -15,7 +13,6 @@ import copy
 import dataclasses
 import importlib
 import inspect
-import re
 import sys
 import textwrap
 from collections import defaultdict
@@ -31,7 +28,9 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
     "stickslip.data",
+    "stickslip.data.catalogue",
     "stickslip.engine",
+    "stickslip.engine.formulation",
     "stickslip.engine.solver",
     "stickslip.exports",
     "stickslip.exports.adapters",
@@ -42,13 +41,17 @@ PACKAGES = (
     "stickslip.identify.kinds",
     "stickslip.mechanisms",
     "stickslip.mechanisms.drives",
+    "stickslip.paper",
     "stickslip.show",
     "stickslip.show.plots",
     "stickslip.show.report",
     "stickslip.study",
+    "stickslip.study.benchmark",
     "stickslip.study.characterization",
     "stickslip.study.control",
     "stickslip.study.optimisation",
+    "stickslip.study.sweep",
+    "stickslip.study.testing",
 )
 EXTRA = {
     "stickslip": {"__version__": "str"},
@@ -79,18 +82,6 @@ EQUATIONS = {
 """Types of arguments and results of the equations of laws that are no scalars."""
 GIVEN = "stickslip.quantities", "Given"
 """Module and name of what a constructor takes for a number."""
-
-
-NAMED = SOURCE / "stickslip/friction/named.py"
-"""The entries of named laws, whose names stand in the table of the package."""
-
-
-def with_named_laws() -> str:
-    """Return the text of the module of the friction package with the names of all entries."""
-    tree = ast.parse(NAMED.read_text(encoding="utf-8"))
-    found = [f'    "{one.name}",\n' for one in tree.body if isinstance(one, ast.ClassDef)]
-    text = NAMED.with_name("__init__.py").read_text(encoding="utf-8")
-    return re.sub(r"(?<=^NAMED = \(\n).*?(?=^\))", "".join(found), text, flags=re.M | re.S)
 
 
 def folder(package: str) -> Path:
@@ -365,15 +356,8 @@ class Renamed(ast.NodeTransformer):
 
 
 def renew() -> None:
-    """Write the table of named laws and all stubs, or nothing."""
-    table = NAMED.with_name("__init__.py")
-    before = table.read_text(encoding="utf-8")
-    table.write_text(with_named_laws(), encoding="utf-8")  # before the package is imported
-    try:
-        written = {folder(one) / "__init__.pyi": stub(one) for one in PACKAGES}
-    except BaseException:
-        table.write_text(before, encoding="utf-8")
-        raise
+    """Write all stubs, or nothing."""
+    written = {folder(one) / "__init__.pyi": stub(one) for one in PACKAGES}
     for path, text in written.items():
         path.write_text(text, encoding="utf-8")
 

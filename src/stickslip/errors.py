@@ -72,13 +72,13 @@ class UnknownNameError(InputError, LookupError):
         name, known, symbols = str(name), tuple(sorted(known)), dict(symbols or {})
         self.kind, self.name, self.known, self.symbols = kind, name, known, symbols
 
-        def shown(one: str) -> str:
-            return f" ({symbols[one]})" if one in symbols else ""
+        def shown(key: str) -> str:
+            return f" ({symbols[key]})" if key in symbols else ""
 
-        named = [one for one in known if symbols.get(one) == name]
-        close = " or ".join(f"{one!r}{shown(one)}" for one in named or _near(name, known, symbols))
+        named = [key for key in known if symbols.get(key) == name]
+        close = " or ".join(f"{key!r}{shown(key)}" for key in named or _near(name, known, symbols))
         more = f" and {len(known) - MOST} more" if len(known) > MOST else ""
-        listed = ", ".join(_shortened(one) + shown(one) for one in known[:MOST]) + more
+        listed = ", ".join(_shortened(key) + shown(key) for key in known[:MOST]) + more
         hint = f"Did you mean {close}?" if close else f"Known: {listed or 'none'}."
         super().__init__(f"unknown {kind} {_shortened(name)!r}. {hint}")
 
@@ -128,9 +128,9 @@ def _near(name: str, known: Iterable[str], symbols: Mapping[str, str]) -> list[s
     """Return the known names that are closest to a name, or whose symbols are; two at most."""
     if len(name) > COMPARED:
         return []
-    words = {symbols[one]: one for one in known if one in symbols} | {one: one for one in known}
+    words = {symbols[key]: key for key in known if key in symbols} | {key: key for key in known}
     near = [word for word in words if len(word) <= COMPARED]
-    return [*dict.fromkeys(words[one] for one in difflib.get_close_matches(name, near, n=2))]
+    return [*dict.fromkeys(words[key] for key in difflib.get_close_matches(name, near, n=2))]
 
 
 @contextmanager

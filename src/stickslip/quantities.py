@@ -353,8 +353,8 @@ class Quantity:
         if math.isfinite(value) and self._is_within(value):
             least = f"between {1.0 / LARGEST_COEFFICIENT:g} and" if self.above == 0.0 else "at most"
             return f"{self.range}, and {least} {LARGEST_COEFFICIENT:g}"
-        told = math.isfinite(value) or self.range.startswith("a finite")
-        return self.range if told else f"finite and {self.range}"
+        finite = math.isfinite(value) or self.range.startswith("a finite")
+        return self.range if finite else f"finite and {self.range}"
 
     def check(self, owner: str, name: str, value: object) -> float:
         """Return `value` as a float, or raise `ParameterError` that says how to mend it.
@@ -692,7 +692,7 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     This is how equations written for numbers are traced: the same methods run on symbols.
     """
     if isinstance(root, Group):
-        members = tuple((n, shadow(one, f"{prefix}.{n}", symbol)) for n, one in root.members)
+        members = tuple((n, shadow(member, f"{prefix}.{n}", symbol)) for n, member in root.members)
         return unchecked(type(root), members=members)
     values = {}
     quantities = fields_of(type(root))
@@ -869,8 +869,8 @@ def beginning(
                 changes[path.partition(".")[0]][path] = _first(values)
     # where one is new, all begin with their first value, as they may have to be in some order
     return {
-        prefix: root if changes[prefix].keys() <= given.keys() else vary(root, prefix, one)
-        for (prefix, root), one in zip(roots.items(), changes.values(), strict=True)
+        prefix: root if changes[prefix].keys() <= given.keys() else vary(root, prefix, entry)
+        for (prefix, root), entry in zip(roots.items(), changes.values(), strict=True)
     }
 
 
@@ -919,14 +919,14 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
         return path
     symbols = {}
     if isinstance(known, Mapping):
-        symbols = {f: one.symbol for f, one in known.items() if isinstance(one, Quantity)}
+        symbols = {f: item.symbol for f, item in known.items() if isinstance(item, Quantity)}
     # Names before symbols: a name that is also the symbol of another one means itself.
     same = [full for full in known if full.endswith(f".{path}")]
     if len(same) > 1:
         raise UnknownNameError(kind, path, same)
     if not same:
         place, _, symbol = path.rpartition(".")
-        within = (full for full, one in symbols.items() if one == symbol)
+        within = (full for full, known_symbol in symbols.items() if known_symbol == symbol)
         same = [full for full in within if place in ("", full.rpartition(".")[0])]
     if len(same) == 1:
         return same[0]

@@ -98,11 +98,11 @@ def converted(values: Any, unit: str, target: str | None) -> Any:
     """
     if target != CELSIUS:
         return values * factor(unit, target)
-    one = _one(_plain(unit))
-    if one.dimensionality != {"[temperature]": 1}:
+    base = _one(_plain(unit))
+    if base.dimensionality != {"[temperature]": 1}:
         raise ParameterError(f"must be in {CELSIUS} or a unit of that kind, not in {unit}")
     zero, at_one = (
-        Decimal(_registry().Quantity(Decimal(x), one.units).to(CELSIUS).magnitude) for x in (0, 1)
+        Decimal(_registry().Quantity(Decimal(x), base.units).to(CELSIUS).magnitude) for x in (0, 1)
     )
     if isinstance(values, float):  # which decimals keep as it is written
         return float(Decimal(repr(values)) * (at_one - zero) + zero)
@@ -163,16 +163,16 @@ def pint_magnitude(value: Any, target: str) -> Any:
     """
     registry, held, unit = _registry(), value.magnitude, str(value.units)
     try:
-        one = registry.Quantity(Decimal(1), registry.parse_units(unit))
+        unit_quantity = registry.Quantity(Decimal(1), registry.parse_units(unit))
     except Exception:
         # a unit of a registry of the caller's, which only that can convert
         base = value.to_base_units()
-        held, one = (
+        held, unit_quantity = (
             base.magnitude,
             registry.Quantity(Decimal(1), registry.parse_units(str(base.units))),
         )
     try:
-        scale = _converted(one, target, unit)
+        scale = _converted(unit_quantity, target, unit)
     except ParameterError as error:
         raise ParameterError(f"{error}, got {shown(str(value))}") from None
     if hasattr(held, "__len__") or not math.isfinite(held):
@@ -235,27 +235,27 @@ def exact_factor(unit: str, target: str | None) -> Decimal:
         return Decimal(1)
     if target in _ROTATION and _plain(unit) in _PER_MINUTE:
         unit = "rpm"
-    one = _one(unit)
+    base = _one(unit)
     if target is None:
-        _check_zero(one, unit)
-        return Decimal(one.to_base_units().magnitude)
-    return _converted(one, target, unit)
+        _check_zero(base, unit)
+        return Decimal(base.to_base_units().magnitude)
+    return _converted(base, target, unit)
 
 
-def _converted(one: Any, target: str, unit: str) -> Decimal:
+def _converted(base: Any, target: str, unit: str) -> Decimal:
     """Return one of a unit in another one of its kind, or say that it is of another."""
-    _check_zero(one, unit)
+    _check_zero(base, unit)
     wanted = _one(target)
     # Radians have no dimension, but 1 rad/s is not 1 Hz and an angle is no coefficient.
-    same_kind = one.dimensionality == wanted.dimensionality and _counted(one) == _counted(wanted)
+    same_kind = base.dimensionality == wanted.dimensionality and _counted(base) == _counted(wanted)
     if not same_kind:
         kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
         raise ParameterError(f"must be {kind}, not in {unit}")
-    return Decimal(one.to(wanted.units).magnitude)
+    return Decimal(base.to(wanted.units).magnitude)
 
 
-def _check_zero(one: Any, unit: str) -> None:
-    if not one._is_multiplicative:
+def _check_zero(base: Any, unit: str) -> None:
+    if not base._is_multiplicative:
         raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
 
 
@@ -270,11 +270,11 @@ def _one(unit: str) -> Any:
     try:
         # To the unit library px is that of web pages, which has a length.
         found = registry.parse_units("pixel" if is_pixel(unit) else _plain(unit))
-        one = registry.Quantity(Decimal(1), found)
+        base = registry.Quantity(Decimal(1), found)
     except Exception:
         # Whatever the unit library says, it cannot say where in the file.
         raise ParameterError(f"has an unknown unit {shown(unit)}") from None
-    return one
+    return base
 
 
 @functools.cache
@@ -315,9 +315,9 @@ def _is_known(name: str) -> bool:
     return True
 
 
-def _counted(one: Any) -> tuple[Any, Any]:
+def _counted(base: Any) -> tuple[Any, Any]:
     """Return the powers of what has no dimension, but is no pure number either."""
-    powers = one.to_root_units()._units
+    powers = base.to_root_units()._units
     return powers.get("radian", 0), powers.get("count", 0)
 
 

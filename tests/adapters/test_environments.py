@@ -306,8 +306,8 @@ def test_a_seed_draws_a_law_and_parameters():
     env = MotorEnvironment("capsule", **DRAWN)
     drawn = [env.reset(seed=seed)[1]["drawn"] for seed in (*range(60), *range(60))]
     assert drawn[:60] == drawn[60:]
-    assert {LAWS.index(one["law"]) for one in drawn} == {*range(len(LAWS))}
-    inclines = {float(one["mechanism.incline"]) for one in drawn}
+    assert {LAWS.index(entry["law"]) for entry in drawn} == {*range(len(LAWS))}
+    inclines = {float(entry["mechanism.incline"]) for entry in drawn}
     assert inclines == {-0.1, 0.0, math.radians(5.0)}
     env.reset(seed=3)
     after = [env.reset()[1]["drawn"] for _ in range(3)]  # the generator goes on

@@ -148,7 +148,7 @@ def test_sections_of_a_function_that_no_page_shows_are_a_fault() -> None:
     tree = ast.parse(GOOD)
     found = [fault for _, _, fault in docstrings.faults(tree, "stickslip.nowhere")]
     assert found == [
-        f"section {one}, but no page shows it" for one in ("Parameters", "Raises", "Returns")
+        f"section {name}, but no page shows it" for name in ("Parameters", "Raises", "Returns")
     ]
 
 
@@ -157,7 +157,7 @@ def test_pages_show_functions_methods_and_a_function_that_has_the_name_of_its_mo
         ("stickslip.engine.simulation", "simulate"),
         ("stickslip.friction.base", "FrictionLaw.break_away"),
         ("stickslip.friction.base", "FrictionLaw"),
-        ("stickslip.study.sweep.bifurcation", "basins"),
+        ("stickslip.study.sweep.attractors", "basins"),
     }
     assert ("stickslip.engine.kernels.driver", "run") not in docstrings.shown()
 
@@ -287,11 +287,11 @@ class Watch:
         """Return the slots of a list, places behind SIZE as one, and those of parameters."""
         answer = {slots.DRIVES, "ADDRESS", "SEVERAL", *slots.LEFT["call_contacts"]}
         known = {name for _, name in self.starts} | set(self.wholes.values())
-        for one in found:
-            if one.startswith("<"):
-                answer |= self.places.get((name, one[1:-1]), set())
+        for text in found:
+            if text.startswith("<"):
+                answer |= self.places.get((name, text[1:-1]), set())
             else:
-                answer.add(one if one in known else "SIZE")
+                answer.add(text if text in known else "SIZE")
         return answer
 
 

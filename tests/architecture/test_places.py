@@ -156,7 +156,7 @@ def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(t
     path, tables = folder / "named.py", [folder / "__init__.py", folder / "__init__.pyi"]
     entry = ENTRY.replace("coulomb1785", "coulomb1875")
     path.write_text(path.read_text(encoding="utf-8") + entry, encoding="utf-8")
-    before = [one.read_text(encoding="utf-8") for one in tables]
+    before = [table.read_text(encoding="utf-8") for table in tables]
     done = subprocess.run(
         [sys.executable, "tools/stubs.py"],
         cwd=tree,
@@ -169,7 +169,7 @@ def test_an_entry_with_an_unknown_source_is_one_message_and_nothing_is_written(t
     (line,) = done.stderr.splitlines()
     assert "toy-entry" in line
     assert "'coulomb1875', which friction/references.bib does not have: write 'coulomb1785'" in line
-    assert [one.read_text(encoding="utf-8") for one in tables] == before
+    assert [table.read_text(encoding="utf-8") for table in tables] == before
 
 
 @pytest.mark.slow

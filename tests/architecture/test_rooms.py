@@ -104,11 +104,11 @@ def taken_from(door: str, file: Path) -> Iterator[str]:
 @for_all(LAZY)
 def test_what_stands_inside_is_used_by_another_room(door: str) -> None:
     folder = ROOT.joinpath(*door.split("."))
-    outside = [one for one in FILES if not one.is_relative_to(folder)]
+    outside = [file for file in FILES if not file.is_relative_to(folder)]
     below = [  # subpackages, which take from the room that they are in
-        one
-        for one in FILES
-        if one.is_relative_to(folder) and door_of(one.relative_to(ROOT).parts) not in {door, ""}
+        file
+        for file in FILES
+        if file.is_relative_to(folder) and door_of(file.relative_to(ROOT).parts) not in {door, ""}
     ]
     used = {name for file in (*outside, *below, *TOYS) for name in taken_from(door, file)}
     if door == "show.plots":  # results draw themselves by `display.plots`, below all figures

@@ -44,7 +44,7 @@ def test_a_peer_finds_the_true_values(other_package, tool):
     pytest.importorskip("lmfit" if tool == "scipy" else tool)
     _, (row,) = made_by("made-up", tool)
     assert not row.failed
-    found = {one["path"]: one["value"] for one in row.estimates}
+    found = {estimate["path"]: estimate["value"] for estimate in row.estimates}
     for path, true in TRUE.items():
         # filters and guessed states cost the regressions some per cent; a wrong term costs tens
         tolerance = 0.5 if tool == "lmfit" and path.startswith("friction") else 0.08
@@ -57,10 +57,10 @@ def test_a_peer_finds_the_true_values(other_package, tool):
 @pytest.mark.slow
 def test_the_law_that_made_the_record_errs_least(other_package):
     _, rows = made_by("made-up", "stickslip")
-    by_law = {one.law: one for one in rows}
+    by_law = {row.law: row for row in rows}
     assert by_law["coulomb-viscous"].named
     assert by_law["coulomb-viscous"].error < 0.1 * by_law["viscous"].error
-    found = {one["path"]: one for one in by_law["coulomb-viscous"].estimates}
+    found = {estimate["path"]: estimate for estimate in by_law["coulomb-viscous"].estimates}
     for path, true in TRUE.items():
         assert abs(found[path]["value"] / true - 1.0) < 1e-3
 
@@ -79,7 +79,7 @@ def test_what_is_there_is_not_run_again(other_package, tmp_path):
     assert third.made == 1
     assert run(["made-up"], tmp_path, peers=["scipy"]).made == 0
     rows = json.loads((tmp_path / "results.json").read_text())["rows"]
-    assert [one["tool"] for one in rows] == ["stickslip", "stickslip", "scipy"]
+    assert [row["tool"] for row in rows] == ["stickslip", "stickslip", "scipy"]
 
 
 @pytest.mark.slow
@@ -100,7 +100,7 @@ def test_a_law_that_cannot_be_fitted_leaves_the_others(other_package, monkeypatc
     monkeypatch.setitem(other_package.__dict__, "selects", False)
     monkeypatch.setitem(other_package.__dict__, "laws", ("rate-and-state", "viscous"))
     _, rows = made_by("made-up", "stickslip")
-    assert [bool(one.failed) for one in rows] == [True, False]
+    assert [bool(row.failed) for row in rows] == [True, False]
 
 
 def test_an_unknown_peer_is_refused(tmp_path):
@@ -129,5 +129,5 @@ def test_the_force_error_is_the_residual_over_the_spread(other_package):
 def test_every_peer_has_a_form_that_our_laws_have(other_package):
     from stickslip.friction import law_type
 
-    assert [law_type(one.law).name for one in PEERS.values()]
+    assert [law_type(peer.law).name for peer in PEERS.values()]
     assert replace(PEERS["scipy"], name="x").law == "coulomb-viscous"

@@ -89,7 +89,12 @@ def test_a_record_without_a_licence_is_said_to_be_one():
 
 def test_the_package_holds_entries_and_no_records():
     folder = Path(catalogue.__path__[0])
-    assert {path.suffix for path in folder.rglob("*") if path.is_file()} <= {".py", ".pyc", ".toml"}
+    assert {path.suffix for path in folder.rglob("*") if path.is_file()} <= {
+        ".py",
+        ".pyc",
+        ".pyi",
+        ".toml",
+    }
 
 
 def test_an_unknown_record_lists_the_nearest():

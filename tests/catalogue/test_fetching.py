@@ -161,7 +161,7 @@ def test_a_cancelled_download_leaves_nothing_behind(upstream, monkeypatch):
     def cancelled(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["stickslip.data.catalogue.dataset"], "sha256_of", cancelled)
+    monkeypatch.setattr(sys.modules["stickslip.data.catalogue.datasets"], "sha256_of", cancelled)
     with pytest.raises(KeyboardInterrupt):
         text_record().path()
     assert len(upstream.asked) == 1

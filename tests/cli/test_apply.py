@@ -57,7 +57,7 @@ def test_the_document_has_all_numbers(called):
     shoulder, elbow = found["joints"]
     assert (shoulder["joint"], elbow["after"]["friction"]) == ("shoulder", "0.2")
     assert shoulder["largest"] > shoulder["rms"] > 0.0
-    kinds = [(one["kind"], one["settings"]) for one in elbow["motions"]]
+    kinds = [(entry["kind"], entry["settings"]) for entry in elbow["motions"]]
     assert kinds == [(k, s) for s in ("", "stiff") for k in ("hold", "decay", "sweep")]
 
 

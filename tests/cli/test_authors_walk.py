@@ -120,8 +120,8 @@ def test_each_of_the_six_models_is_named_and_carried_to_the_page_of_a_cart(walk,
     report = Path("stickslip-report")
     assert "could not be made" not in (report / "index.html").read_text()
     verdict = json.loads((report / "verdict.json").read_text())
-    named = next(one for one in verdict["candidates"] if one["law"] == verdict["best"])
-    true = next(one for one in verdict["candidates"] if one["law"] == name)
+    named = next(entry for entry in verdict["candidates"] if entry["law"] == verdict["best"])
+    true = next(entry for entry in verdict["candidates"] if entry["law"] == name)
     assert true is named or [name] in verdict["set"]
     # what is named predicts every reading within three of its standard errors, 1 mm, and rounding
     for measured, predicted in zip(

@@ -19,8 +19,8 @@ def call(*arguments):
 def test_tasks_are_listed(capsys):
     assert call("--list", "--json") == 0
     rows = json.loads(capsys.readouterr().out)["tasks"]
-    assert {"emps", "tx40", "servo"} <= {one["name"] for one in rows}
-    assert all(one["licence"] and one["fitted"] and one["judged"] and one["metric"] for one in rows)
+    assert {"emps", "tx40", "servo"} <= {row["name"] for row in rows}
+    assert all(row["licence"] and row["fitted"] and row["judged"] and row["metric"] for row in rows)
 
 
 @pytest.mark.slow

@@ -178,5 +178,7 @@ def test_a_cluster_takes_the_runs(called, here):
         address = cluster.scheduler_address.replace("tcp://", "dask://")
         code, _, told = called("sweep", "campaign.toml", "-o", "far", "--executor", address)
     assert (whole[0], code) == (0, 0), told
-    near, far = (json.loads((here / one / "manifest.json").read_text()) for one in ("here", "far"))
+    near, far = (
+        json.loads((here / name / "manifest.json").read_text()) for name in ("here", "far")
+    )
     assert near == far

@@ -266,7 +266,7 @@ def test_each_kind_of_finding_has_words_in_the_last_line():
     for file in Path(checking.__file__).parent.glob("*.py"):
         for call in ast.walk(ast.parse(file.read_text())):
             if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "Finding":
-                (kind,) = (one.value for one in call.keywords if one.arg == "kind")
+                (kind,) = (keyword.value for keyword in call.keywords if keyword.arg == "kind")
                 kinds.add(ast.literal_eval(kind))  # a kind is written where it is found
     assert len(kinds) > 30
     assert kinds == set(LABELS)

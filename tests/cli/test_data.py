@@ -46,7 +46,7 @@ def test_list_as_json_has_every_record_in_full(run):
     found = json.loads(out)
     assert found["schema"] == "stickslip/data/1"
     assert [record["name"] for record in found["records"]] == list(catalogue.names())
-    (axis,) = [one for one in found["records"] if one["name"] == "emps"]
+    (axis,) = [entry for entry in found["records"] if entry["name"] == "emps"]
     assert axis["files"]["train"]["where"] == "to download"
 
 

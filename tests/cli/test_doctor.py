@@ -41,8 +41,8 @@ def test_what_it_says_can_be_pasted(called, monkeypatch, tmp_path):
 
 
 def test_both_tiers_agree_with_closed_forms(called):
-    for one in facts(called)["self-test"].values():
-        assert max(one["travel"], one["time of leaving"]) < 1e-14
+    for fact in facts(called)["self-test"].values():
+        assert max(fact["travel"], fact["time of leaving"]) < 1e-14
 
 
 def test_each_extra_for_users_is_present_or_absent(called, monkeypatch):

@@ -14,10 +14,10 @@ from tests.commands import commands
 from tests.support import BLOCK_RIG
 
 from stickslip import Coulomb, SpringBlock, simulate
+from stickslip.data.catalogue import datasets as records
 from stickslip.errors import InputError
 from stickslip.study.benchmark import runs as benchmark_runs
 
-records = importlib.import_module("stickslip.data.catalogue.dataset")  # a function has its name
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
@@ -198,7 +198,7 @@ main({arguments!r})
         slow("init", str(PAGES / "axis.csv"), "-o", "axis.toml"),
         slow("select", str(PAGES / "own-block.toml"), "-o", "report"),
     ],
-    ids=lambda one: one[0],
+    ids=lambda entry: entry[0],
 )
 @pytest.mark.usefixtures("called")
 def test_the_main_job_needs_no_extra(arguments):

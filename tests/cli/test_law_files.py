@@ -357,7 +357,7 @@ def test_an_override_against_a_value_of_the_file_names_both(walk, overrides, sai
     write(
         "law.toml", SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2, static_coefficient=0.4)
     )
-    options = [part for one in overrides for part in ("--set", f"friction.{one}")]
+    options = [part for override in overrides for part in ("--set", f"friction.{override}")]
     code, out, err = walk("simulate", CART, "--law", "law.toml", *options)
     assert (code, out) == (2, "")
     assert (
@@ -395,7 +395,9 @@ def test_python_gets_the_remarks_of_the_command(walk):
     cart = load_rig(CART)
     law = carried(load_rig("law.toml"), cart.mechanism)
     run = simulate(cart.mechanism, law.law, t_end=cart.t_end)
-    assert said == [plain(one) for one in (*law.remarks, *extrapolations(law, cart.mechanism, run))]
+    assert said == [
+        plain(remark) for remark in (*law.remarks, *extrapolations(law, cart.mechanism, run))
+    ]
     assert len(said) == 3
 
 

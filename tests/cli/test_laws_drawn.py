@@ -165,7 +165,9 @@ def test_a_motion_is_optimised_over_the_laws_that_the_selection_drew(run, monkey
     best = replace(capsule, drive=replace(capsule.drive, profile=profile))
     cycles = [measure(best, law) for law in laws[:2]]
     assert told["scenarios"] == "the mean of 2 laws"
-    assert told["value"] == pytest.approx(np.mean([one.travel / one.period for one in cycles]))
+    assert told["value"] == pytest.approx(
+        np.mean([cycle.travel / cycle.period for cycle in cycles])
+    )
     code, _, err = run("profile", "optimise", "stroke.toml", *given, "--quantile", "most")
     assert code == 2
     assert "--quantile" in err

@@ -70,7 +70,7 @@ def test_one_json_document_is_printed(run, folder):
     assert [row["set"]["mechanism.compression"] for row in content["settings"]] == [
         0.05, 0.065, 0.08,
     ]  # fmt: skip
-    assert {one["parameter"] for one in content["prepare"]} == {
+    assert {entry["parameter"] for entry in content["prepare"]} == {
         "mechanism.mass", "mechanism.stiffness", "mechanism.compression",
     }  # fmt: skip
     assert content["files"] == []

@@ -94,7 +94,7 @@ def test_options_tell_a_selection_what_a_rig_without_data_does_not(run, volts):
     _, out, _ = run("select", "bare.toml", "--data", "axis.csv", *COLUMNS, *FAST, "--json")
     plain = json.loads(out)
     assert told["best"] == plain["best"] == "coulomb-viscous"
-    scores = [[c["held_out_error"] for c in one["candidates"]] for one in (told, plain)]
+    scores = [[c["held_out_error"] for c in entry["candidates"]] for entry in (told, plain)]
     assert scores[0] == pytest.approx(scores[1], rel=1e-4)  # as above
 
 
@@ -171,7 +171,7 @@ def test_fit_prints_intervals_and_restarts(run, write):
     _, out, _ = run("fit", "axis.toml", "--law", "coulomb", "--starts", "1", "--json")
     content = json.loads(out)
     assert content["schema"] == "stickslip/fit/1"
-    assert [one["parameter"] for one in content["estimates"]] == [
+    assert [entry["parameter"] for entry in content["estimates"]] == [
         "friction.kinetic_coefficient", "mechanism.inertia", "mechanism.offset",
     ]  # fmt: skip
     assert content["checks"]["worst"] in ("info", "warning")
@@ -236,7 +236,7 @@ def test_only_the_parameters_named_are_free(run):
     known = ("--set", f"{own}.kinetic_coefficient=10", "--set", f"{own}.viscous_coefficient=20")
     free = ("--vary", "viscous_coefficient", "--starts", "1", "--json")
     _, out, _ = run("fit", "axis.toml", *known, *free)
-    paths = [one["parameter"] for one in json.loads(out)["estimates"]]
+    paths = [load["parameter"] for load in json.loads(out)["estimates"]]
     assert "friction.viscous_coefficient" in paths
     assert "friction.kinetic_coefficient" not in paths
 
@@ -482,7 +482,7 @@ def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum, drawn_f
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "1")
     assert pendulum(*asked, "-o", "law.toml")[0] == 0
     estimates = json.loads(pendulum(*asked, "--json")[1])["estimates"]
-    assert [one["unit"] for one in estimates] == ["N m", "N m s/rad"]
+    assert [estimate["unit"] for estimate in estimates] == ["N m", "N m s/rad"]
     code, out, err = pendulum("simulate", "swing.toml", "--law", "law.toml", "--report")
     assert code == 0
     assert "N m s/rad applies to the contact of the fit" in err

@@ -47,7 +47,7 @@ def test_a_change_of_sign_has_a_unit(called):
     frequencies = ("--vary", "frequency=4:5:3", "--settle", "40", "--cycles", "6")
     code, out, _ = called("sweep", "capsule.toml", *frequencies)
     assert code == 0
-    (line,) = [one for one in out.splitlines() if "changes sign at about" in one]
+    (line,) = [text for text in out.splitlines() if "changes sign at about" in text]
     assert line.endswith(" Hz.")
 
 

@@ -387,7 +387,7 @@ def test_a_parameter_of_the_law_of_one_joint_is_held(called):
     held = ("--fixed", "friction.shoulder.viscous_coefficient=0.01")
     code, shown, said = called(ARM_RIG, "fit", "rig.toml", *asked, *held)
     assert code == 0, said
-    paths = [one["parameter"] for one in json.loads(shown)["estimates"]]
+    paths = [load["parameter"] for load in json.loads(shown)["estimates"]]
     assert "friction.shoulder.kinetic_coefficient" in paths
     assert "friction.shoulder.viscous_coefficient" not in paths
 

@@ -230,8 +230,8 @@ def test_two_commands_lead_from_a_german_file_to_a_report(run, tmp_path, measure
     )  # fmt: skip
     verdict = json.loads(out)
     assert (code, verdict["best"]) == (0, "coulomb-viscous")
-    (best,) = [one for one in verdict["candidates"] if one["law"] == "coulomb-viscous"]
-    found = {one["parameter"]: one["value"] for one in best["fit"]["estimates"]}
+    (best,) = [entry for entry in verdict["candidates"] if entry["law"] == "coulomb-viscous"]
+    found = {entry["parameter"]: entry["value"] for entry in best["fit"]["estimates"]}
     mass, level, slope = measured
     # velocities are differences of positions with 5 um of noise
     assert found["mechanism.inertia"] == pytest.approx(mass, rel=0.02)

@@ -97,7 +97,7 @@ def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(
     code, out, _ = filmed("init", *names, "--json")
     assert code == 0
     told = json.loads(out)
-    assert [one["frequency"] for one in told["films"]] == [*FREQUENCIES]
+    assert [entry["frequency"] for entry in told["films"]] == [*FREQUENCIES]
     text = (tmp_path / "capsule.toml").read_text()
     assert text.count("[[trial]]") == 3
     assert 'file = "capsule_4.5Hz.txt"' in text
@@ -109,7 +109,7 @@ def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(
 
 
 def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(filmed, tmp_path):
-    code, out, _ = filmed("init", *[f"capsule_{one:g}Hz.txt" for one in FREQUENCIES])
+    code, out, _ = filmed("init", *[f"capsule_{frequency:g}Hz.txt" for frequency in FREQUENCIES])
     assert code == 0
     check, choose, sweep = " ".join(out.split()).partition("Next: ")[2].split("; ")
     assert choose == "stickslip select capsule.toml --route travel"

@@ -56,7 +56,7 @@ def test_fit_names_the_condition_that_explains_it(folder):
     said = run("fit", "rig.toml", "--law", "coulomb-viscous")
     assert re.search(r"mu_k rises from 5\.4\S* N at 20 °C to 6\.[12]\S* N at 60 °C", said)
     found = json.loads(run("fit", "rig.toml", "--law", "coulomb-viscous", "--json"))["trials"]
-    assert [one["conditions"] for one in found["trials"]] == [
+    assert [entry["conditions"] for entry in found["trials"]] == [
         {"temperature [degC]": value} for value in (20.0, 40.0, 60.0)
     ]
 

@@ -94,7 +94,7 @@ def velocities():
 def test_states_and_force_are_odd_with_the_directions_exchanged(kind):
     law, z = moved(kind, plain=True)
     other, v = exchanged(law), velocities()
-    back = tuple(-one for one in z)
+    back = tuple(-state for state in z)
     np.testing.assert_array_equal(other.force(-v, LOAD, back), -law.force(v, LOAD, z))
     np.testing.assert_array_equal(other.rates(-v, LOAD, back), -np.array(law.rates(v, LOAD, z)))
 
@@ -138,9 +138,11 @@ def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind)
     law, z = moved(kind, plain=kind.directional)
     v = velocities()
     parts = [law.force(v, load, z) for load in (3.5, 2.0, 1.5, 0.0)]
-    together, one, other, free = parts
-    assert np.all(np.abs(together + free - one - other) <= ROUNDING * np.max(np.abs(parts), axis=0))
-    np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * one for one in z)))
+    together, part, other, free = parts
+    assert np.all(
+        np.abs(together + free - part - other) <= ROUNDING * np.max(np.abs(parts), axis=0)
+    )
+    np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * state for state in z)))
 
 
 def cycles(law):

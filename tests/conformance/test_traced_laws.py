@@ -34,7 +34,7 @@ def variants():
 each_law = pytest.mark.parametrize("law", list(variants()))
 # a solver knows which latched switches are on: see tests/friction/test_memories.py
 each_without_latches = pytest.mark.parametrize(
-    "law", [one for one in variants() if one.values[0].name != "gms"]
+    "law", [variant for variant in variants() if variant.values[0].name != "gms"]
 )
 
 
@@ -77,7 +77,7 @@ def states(law):
 
 def size_of(law, v, z):
     """Return the size of the largest part of the friction force."""
-    mirrored = tuple(-one for one in z)
+    mirrored = tuple(-state for state in z)
     return abs(friction(law, v, z, LOAD)) + abs(friction(law, v, mirrored, LOAD))
 
 

@@ -110,7 +110,7 @@ def test_beyond_the_crossing_the_compensation_is_the_law(law, v):
 def test_the_crossing_is_smooth_and_odd():
     push = compensation(LAW, width=0.01)
     v = np.linspace(-0.02, 0.02, 4001)
-    force = np.array([push(0.0, {"v": one}) for one in v])
+    force = np.array([push(0.0, {"v": speed}) for speed in v])
     np.testing.assert_allclose(force, -force[::-1], rtol=0, atol=1e-15)  # v is odd to rounding
     slope = np.diff(force) / np.diff(v)
     # continuous: the slope, 1.5 mu / w at most, changes by at most its own slope times a step

@@ -62,4 +62,4 @@ def test_a_call_passes_through_the_modules_that_the_page_lists(name: str) -> Non
     )
     ran = set(done.stdout.splitlines())
     assert len(listed) > 10
-    assert [one for one in listed if f"{ROOT.joinpath(*one.split('.'))}.py" not in ran] == []
+    assert [text for text in listed if f"{ROOT.joinpath(*text.split('.'))}.py" not in ran] == []

@@ -36,9 +36,9 @@ def test_a_notebook_has_the_cells_of_its_page_and_plain_markdown(
 ) -> None:
     text = page.read_text(encoding="utf-8")
     made = notebooks.notebook(text, f"tutorials/{page.stem}", DOCS, title)
-    code = [one["source"].strip() for one in made.cells if one["cell_type"] == "code"]
+    code = [cell["source"].strip() for cell in made.cells if cell["cell_type"] == "code"]
     assert code == [one.strip() for _, one in CELL.findall(text)]
-    prose = "\n".join(one["source"] for one in made.cells if one["cell_type"] == "markdown")
+    prose = "\n".join(cell["source"] for cell in made.cells if cell["cell_type"] == "markdown")
     assert not re.search(r"\{[a-z:-]+\}", re.sub(r"```.*?```|\$.*?\$", "", prose, flags=re.DOTALL))
 
 

@@ -66,4 +66,4 @@ def test_the_arm_passes_its_checks_and_the_mistyped_one_does_not(shown):
     check = names["check_mechanism"]
     assert check(names["arm"], names["joint"], compiled=False).ok
     wrong = check(names["Mistyped"](**names["numbers"]), names["joint"], compiled=False)
-    assert {one.check for one in wrong.findings} == {"runs satisfy the energy balance"}
+    assert {finding.check for finding in wrong.findings} == {"runs satisfy the energy balance"}

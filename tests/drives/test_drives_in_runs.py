@@ -37,7 +37,7 @@ def test_a_free_body_gains_the_momentum_that_the_drive_gives(drive):
     impulse = size = 0.0
     for low, high in itertools.pairwise(edges):
         t = low + 0.5 * (high - low) * (nodes + 1)
-        values = np.array([drive.value(float(one)) for one in t])
+        values = np.array([drive.value(float(moment)) for moment in t])
         impulse += 0.5 * (high - low) * float(weights @ values)
         size += 0.5 * (high - low) * float(weights @ np.abs(values))
     # the tolerance of the solver, 1e-12 a step, over some tens of steps

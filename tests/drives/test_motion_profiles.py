@@ -45,11 +45,11 @@ def check_there_and_back(swing):
 
 @given(amplitude=st.floats(0.01, 3.0), times=st.tuples(durations, durations, durations))
 def test_any_three_durations_make_a_motion_there_and_back(amplitude, times):
-    one, two, three = times
+    time, two, three = times
     swing = TimedThreePhase(
-        amplitude=amplitude, first_duration=one, middle_duration=two, last_duration=three
+        amplitude=amplitude, first_duration=time, middle_duration=two, last_duration=three
     )
-    assert swing.period == one + two + three
+    assert swing.period == time + two + three
     check_there_and_back(swing)
 
 

@@ -46,7 +46,9 @@ def states(
     found = []
     for row, time in enumerate(times):
         stamp = BEGIN + round(time * NANO)
-        fields = [[one[k][row] for one in joints.values() if one[k] is not None] for k in range(3)]
+        fields = [
+            [joint[k][row] for joint in joints.values() if joint[k] is not None] for k in range(3)
+        ]
         found.append(
             {
                 "logged": stamp + round(late * NANO),
@@ -81,18 +83,19 @@ def write_bag(
         for topic, messages in topics.items():
             kind = "sensor_msgs/msg/JointState"
             connection = writer.add_connection(topic, kind, typestore=store)
-            for one in messages:
+            for entry in messages:
                 time = types["builtin_interfaces/msg/Time"](
-                    sec=one["stamp"] // NANO, nanosec=one["stamp"] % NANO
+                    sec=entry["stamp"] // NANO, nanosec=entry["stamp"] % NANO
                 )
                 message = types[kind](
                     header=types["std_msgs/msg/Header"](stamp=time, frame_id=""),
-                    name=one["name"],
+                    name=entry["name"],
                     **{
-                        k: np.array(one[k], dtype=float) for k in ("position", "velocity", "effort")
+                        k: np.array(entry[k], dtype=float)
+                        for k in ("position", "velocity", "effort")
                     },
                 )
-                writer.write(connection, one["logged"], store.serialize_cdr(message, kind))
+                writer.write(connection, entry["logged"], store.serialize_cdr(message, kind))
         for topic, pairs in (numbers or {}).items():
             kind = "std_msgs/msg/Float64"
             connection = writer.add_connection(topic, kind, typestore=store)
@@ -112,18 +115,19 @@ def write_ros1(file: Path, topics: Mapping[str, Iterable[State]]) -> Path:
     with Writer(file) as writer:
         for topic, messages in topics.items():
             connection = writer.add_connection(topic, kind, typestore=store)
-            for seq, one in enumerate(messages):
+            for seq, entry in enumerate(messages):
                 time = types["builtin_interfaces/msg/Time"](
-                    sec=one["stamp"] // NANO, nanosec=one["stamp"] % NANO
+                    sec=entry["stamp"] // NANO, nanosec=entry["stamp"] % NANO
                 )
                 message = types[kind](
                     header=types["std_msgs/msg/Header"](seq=seq, stamp=time, frame_id=""),
-                    name=one["name"],
+                    name=entry["name"],
                     **{
-                        k: np.array(one[k], dtype=float) for k in ("position", "velocity", "effort")
+                        k: np.array(entry[k], dtype=float)
+                        for k in ("position", "velocity", "effort")
                     },
                 )
-                writer.write(connection, one["logged"], store.serialize_ros1(message, kind))
+                writer.write(connection, entry["logged"], store.serialize_ros1(message, kind))
     return file
 
 
@@ -137,11 +141,11 @@ def write_mcap(
         writer = ros2_writer.Writer(stream, compression=CompressionType[compression])
         schema = writer.register_msgdef("sensor_msgs/msg/JointState", JOINT_STATE)
         for topic, messages in topics.items():
-            for one in messages:
-                stamp = {"sec": one["stamp"] // NANO, "nanosec": one["stamp"] % NANO}
-                message = {k: one[k] for k in ("name", "position", "velocity", "effort")}
+            for entry in messages:
+                stamp = {"sec": entry["stamp"] // NANO, "nanosec": entry["stamp"] % NANO}
+                message = {k: entry[k] for k in ("name", "position", "velocity", "effort")}
                 message["header"] = {"stamp": stamp, "frame_id": ""}
-                writer.write_message(topic, schema, message, log_time=one["logged"])
+                writer.write_message(topic, schema, message, log_time=entry["logged"])
         writer.finish()
     return file
 

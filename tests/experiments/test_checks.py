@@ -77,20 +77,20 @@ def test_nothing_is_said_of_what_a_clean_record_does_not_have(kind):
 
 
 def test_sampling_is_said_with_its_rate():
-    (one,) = CLEAN.of("sampling")
-    assert one.sentence == (
+    (finding,) = CLEAN.of("sampling")
+    assert finding.sentence == (
         "8,000 samples at 1 kHz over 8 s, evenly spaced (largest deviation below 0.001 %)."
     )
-    assert one.numbers["rate"] == pytest.approx(1000.0)
+    assert finding.numbers["rate"] == pytest.approx(1000.0)
 
 
 def test_steps_of_time_that_scatter_are_a_warning():
     rng = np.random.default_rng(0)
     time = np.cumsum(rng.uniform(0.2, 1.8, 8000)) / RATE
-    (one,) = found("sampling", time=time)
-    assert one.severity == "warning"
+    (finding,) = found("sampling", time=time)
+    assert finding.severity == "warning"
     # of a uniform spread of 0.2 to 1.8 about its median the root mean square is 0.8 over root 3
-    assert one.numbers["scatter"] == pytest.approx(0.8 / np.sqrt(3), rel=0.05)
+    assert finding.numbers["scatter"] == pytest.approx(0.8 / np.sqrt(3), rel=0.05)
 
 
 def test_single_samples_that_are_missing_are_counted():
@@ -118,9 +118,9 @@ def test_many_gaps_are_summed_up():
 
 @pytest.mark.parametrize(("size", "severity"), [(2, "error"), (9, "error"), (49, "warning")])
 def test_a_short_record_is_said_to_be_short(size, severity):
-    (one,) = found("length", size=size)
-    assert one.severity == severity
-    assert f"only {size} samples" in one.sentence
+    (finding,) = found("length", size=size)
+    assert finding.severity == severity
+    assert f"only {size} samples" in finding.sentence
 
 
 def test_fifty_samples_are_not_called_short():
@@ -228,24 +228,24 @@ def test_a_body_that_rests_against_a_stop_is_not_saturated():
 @pytest.mark.parametrize("name", ["position", "velocity"])
 def test_no_motion_is_an_error(name):
     still = Measurement(time=np.arange(100.0), **{name: np.zeros(100)})
-    (one,) = check(still).of("constant")
-    assert one.severity == "error"
-    assert one.sentence.endswith("is constant: no motion was recorded.")
+    (finding,) = check(still).of("constant")
+    assert finding.severity == "error"
+    assert finding.sentence.endswith("is constant: no motion was recorded.")
 
 
 def test_a_position_of_nothing_but_noise_is_no_motion():
     rng = np.random.default_rng(0)
     still = Measurement(time=np.arange(5000) / RATE, position=rng.normal(0.1, 1e-6, 5000))
-    (one,) = check(still).of("constant")
-    assert one.severity == "error"
-    assert one.numbers["noise"] == pytest.approx(1e-6, rel=0.1)  # 5000 values: 2 %
+    (finding,) = check(still).of("constant")
+    assert finding.severity == "error"
+    assert finding.numbers["noise"] == pytest.approx(1e-6, rel=0.1)  # 5000 values: 2 %
 
 
 @pytest.mark.parametrize(("name", "severity"), [("force", "info"), ("friction", "warning")])
 def test_a_force_that_never_changes_is_named(name, severity):
-    (one,) = found("constant", **{name: np.full(8000, 12.0)})
-    assert (one.severity, one.numbers[name]) == (severity, 12.0)
-    assert "12 N" in one.sentence
+    (finding,) = found("constant", **{name: np.full(8000, 12.0)})
+    assert (finding.severity, finding.numbers[name]) == (severity, 12.0)
+    assert "12 N" in finding.sentence
 
 
 def test_an_even_load_is_no_remark():
@@ -260,13 +260,13 @@ def test_a_load_that_is_lifted_is_named():
 
 
 def test_the_step_of_an_encoder_is_found():
-    (one,) = CLEAN.of("quantisation")
-    assert one.numbers["step"] == pytest.approx(1e-7, rel=1e-3)
-    assert one.severity == "info"
-    (one,) = found("quantisation", position=np.round(parts()["position"] / 0.004) * 0.004)
-    assert one.numbers["step"] == pytest.approx(0.004)
-    assert one.severity == "warning"
-    assert "steps of 4 mm" in one.sentence
+    (finding,) = CLEAN.of("quantisation")
+    assert finding.numbers["step"] == pytest.approx(1e-7, rel=1e-3)
+    assert finding.severity == "info"
+    (finding,) = found("quantisation", position=np.round(parts()["position"] / 0.004) * 0.004)
+    assert finding.numbers["step"] == pytest.approx(0.004)
+    assert finding.severity == "warning"
+    assert "steps of 4 mm" in finding.sentence
 
 
 def test_numbers_without_steps_have_none():
@@ -284,9 +284,9 @@ def test_numbers_without_steps_have_none():
     ],
 )
 def test_numbers_that_no_rig_has_are_questioned(changes, words):
-    (one,) = found("units", **changes)
-    assert one.severity == "warning"
-    assert words in one.sentence
+    (finding,) = found("units", **changes)
+    assert finding.severity == "warning"
+    assert words in finding.sentence
 
 
 @pytest.mark.parametrize("name", ["position", "force"])
@@ -322,35 +322,35 @@ def test_any_single_signal_of_any_length_gets_sentences(name, size):
     ],
 )
 def test_a_velocity_in_another_unit_is_an_error_with_its_factor(factor, words):
-    (one,) = found("velocity", velocity=factor * true_velocity())
-    assert one.severity == "error"
-    assert words in one.sentence
-    assert one.numbers["factor"] == pytest.approx(factor, rel=1e-3)  # noise of 1 µm at 100 Hz
+    (finding,) = found("velocity", velocity=factor * true_velocity())
+    assert finding.severity == "error"
+    assert words in finding.sentence
+    assert finding.numbers["factor"] == pytest.approx(factor, rel=1e-3)  # noise of 1 µm at 100 Hz
 
 
 def test_a_velocity_that_agrees_is_said_to():
-    (one,) = found("velocity", velocity=true_velocity())
-    assert one.severity == "info"
-    assert one.numbers["factor"] == pytest.approx(1.0, abs=1e-3)
+    (finding,) = found("velocity", velocity=true_velocity())
+    assert finding.severity == "info"
+    assert finding.numbers["factor"] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_velocity_of_something_else_is_a_warning():
-    (one,) = found("velocity", velocity=0.3 * np.sin(2 * np.pi * 3.1 * parts()["time"]))
-    assert one.severity == "warning"
-    assert "does not follow" in one.sentence
+    (finding,) = found("velocity", velocity=0.3 * np.sin(2 * np.pi * 3.1 * parts()["time"]))
+    assert finding.severity == "warning"
+    assert "does not follow" in finding.sentence
 
 
 def test_friction_of_the_wrong_sign_is_an_error_with_its_cure():
-    (one,) = found("friction sign", friction=-20 * np.sign(true_velocity()))
-    assert one.severity == "error"
-    assert "set its gain to −1" in one.sentence
-    assert one.numbers["opposite_share"] > 0.99
+    (finding,) = found("friction sign", friction=-20 * np.sign(true_velocity()))
+    assert finding.severity == "error"
+    assert "set its gain to −1" in finding.sentence
+    assert finding.numbers["opposite_share"] > 0.99
 
 
 def test_friction_of_the_right_sign_is_said_to_be_so():
-    (one,) = found("friction sign", friction=20 * np.sign(true_velocity()))
-    assert one.severity == "info"
-    assert one.numbers["same_share"] > 0.99
+    (finding,) = found("friction sign", friction=20 * np.sign(true_velocity()))
+    assert finding.severity == "info"
+    assert finding.numbers["same_share"] > 0.99
 
 
 def test_friction_without_a_clear_direction_is_a_warning():
@@ -358,9 +358,9 @@ def test_friction_without_a_clear_direction_is_a_warning():
     # signs by chance, and a tenth of them none
     signs = np.sign(rng.normal(size=8000)) * np.sign(true_velocity())
     signs[rng.random(8000) < 0.1] = 0.0
-    (one,) = found("friction sign", friction=20 * signs)
-    assert one.severity == "warning"
-    assert one.numbers["same_share"] == pytest.approx(0.45, abs=0.03)  # 2 % by chance
+    (finding,) = found("friction sign", friction=20 * signs)
+    assert finding.severity == "warning"
+    assert finding.numbers["same_share"] == pytest.approx(0.45, abs=0.03)  # 2 % by chance
 
 
 # --- motion
@@ -384,19 +384,19 @@ def test_a_motion_that_noise_hides_is_a_warning():
     rng = np.random.default_rng(3)
     time = np.arange(8000) / RATE
     position = 0.01 * time + rng.normal(0, 2e-5, 8000)
-    (one,) = check(Measurement(time=time, position=position)).of("reversals")
-    assert one.severity == "warning"
-    assert "directions cannot be determined" in one.sentence
+    (finding,) = check(Measurement(time=time, position=position)).of("reversals")
+    assert finding.severity == "warning"
+    assert "directions cannot be determined" in finding.sentence
 
 
 @pytest.mark.parametrize(("sign", "way"), [(1, "forward"), (-1, "backward")])
 def test_one_direction_leaves_level_and_offset_as_one_number(sign, way):
     time = np.arange(8000) / RATE
     position = sign * (time + 0.1 * np.sin(time))
-    (one,) = check(Measurement(time=time, position=position)).of("reversals")
-    assert one.severity == "warning"
-    assert f"goes {way} only" in one.sentence
-    assert "friction level and offset cannot be separated" in one.sentence
+    (finding,) = check(Measurement(time=time, position=position)).of("reversals")
+    assert finding.severity == "warning"
+    assert f"goes {way} only" in finding.sentence
+    assert "friction level and offset cannot be separated" in finding.sentence
 
 
 def test_rests_are_timed():
@@ -414,9 +414,9 @@ def test_a_body_that_hardly_moves_is_said_to_rest_and_not_to_drift():
     position = 0.1 * np.clip(time - 0.97 * time[-1], 0.0, None)
     force = 5.0 + 20.0 * time / time[-1] + 0.1 * np.random.default_rng(1).normal(size=time.size)
     found = check(Measurement(time=time, position=position, force=force))
-    (one,) = found.of("rests")
-    assert one.severity == "warning"
-    assert one.sentence.endswith("in 1 period: the record shows little of friction in motion.")
+    (finding,) = found.of("rests")
+    assert finding.severity == "warning"
+    assert finding.sentence.endswith("in 1 period: the record shows little of friction in motion.")
     assert not found.of("drift")
 
 
@@ -438,8 +438,8 @@ def test_huge_numbers_give_an_inertia_or_none_and_no_warning():
 
 def test_what_readings_of_another_kind_than_travels_determine_is_left_to_that_kind():
     trials = [
-        Measurement(friction=one, conditions={"temperature": 20.0 + one}, uncertainty=0.1)
-        for one in (1.0, 2.0)
+        Measurement(friction=value, conditions={"temperature": 20.0 + value}, uncertainty=0.1)
+        for value in (1.0, 2.0)
     ]
     found = check(Measurement(trials=trials))
     assert not found.of("conditions")
@@ -458,8 +458,8 @@ def test_the_slow_share_is_that_of_a_sine():
 
 def test_a_record_without_low_speed_says_what_that_costs():
     time = np.arange(8000) / RATE
-    (one,) = check(Measurement(time=time, position=time + 0.1 * np.sin(time))).of("low speed")
-    assert "does not determine friction near zero velocity" in one.sentence
+    (finding,) = check(Measurement(time=time, position=time + 0.1 * np.sin(time))).of("low speed")
+    assert "does not determine friction near zero velocity" in finding.sentence
 
 
 def test_a_record_without_motion_says_that_it_has_none():
@@ -472,14 +472,14 @@ def test_a_record_without_motion_says_that_it_has_none():
 
 def test_a_force_that_drifts_is_flagged_with_both_means():
     force = parts()["force"] + np.linspace(0, 20, 8000)
-    (one,) = found("drift", force=force)
-    assert one.severity == "warning"
-    assert one.numbers["second"] - one.numbers["first"] == pytest.approx(10.0, abs=0.5)
+    (finding,) = found("drift", force=force)
+    assert finding.severity == "warning"
+    assert finding.numbers["second"] - finding.numbers["first"] == pytest.approx(10.0, abs=0.5)
 
 
 def test_a_small_but_sure_drift_is_no_warning():
-    (one,) = found("drift", force=parts()["force"] + np.linspace(0, 2, 8000))
-    assert one.severity == "info"
+    (finding,) = found("drift", force=parts()["force"] + np.linspace(0, 2, 8000))
+    assert finding.severity == "info"
 
 
 def test_independent_values_of_a_running_mean_are_fewer_by_its_length():
@@ -494,20 +494,20 @@ def test_independent_values_of_a_running_mean_are_fewer_by_its_length():
 
 
 def test_the_effective_size_says_of_what():
-    (one,) = CLEAN.of("effective size")
-    assert one.numbers["samples"] == 8000
-    assert "force after subtraction of its dependence on acceleration" in one.sentence
-    (one,) = check(Measurement(time=parts()["time"], position=parts()["position"])).of(
+    (finding,) = CLEAN.of("effective size")
+    assert finding.numbers["samples"] == 8000
+    assert "force after subtraction of its dependence on acceleration" in finding.sentence
+    (finding,) = check(Measurement(time=parts()["time"], position=parts()["position"])).of(
         "effective size"
     )
-    assert "position minus its smooth component" in one.sentence
+    assert "position minus its smooth component" in finding.sentence
 
 
 def test_a_record_worth_few_values_is_a_warning():
     time = np.arange(8000) / RATE
     record = Measurement(time=time, spring_force=1 + np.sin(time))
-    (one,) = check(record).of("effective size")
-    assert one.severity == "warning"
+    (finding,) = check(record).of("effective size")
+    assert finding.severity == "warning"
 
 
 # --- tables
@@ -597,31 +597,32 @@ def trials_of(*positions):
 
 def test_a_trial_at_rest_beside_others_is_data():
     both = trials_of(np.sin, lambda t: 0.0 * t)
-    (one,) = check(both).of("constant")
+    (finding,) = check(both).of("constant")
     assert (
-        str(one) == "b: Position is constant: the body rested, which bounds its friction at rest."
+        str(finding)
+        == "b: Position is constant: the body rested, which bounds its friction at rest."
     )
-    assert one.severity == "info"
+    assert finding.severity == "info"
     refuse_faults(both, Axis(inertia=1.0))
     still = trials_of(lambda t: 0.0 * t, lambda t: 1.0 + 0.0 * t)
     assert {one.severity for one in check(still).of("constant")} == {"error"}
 
 
 def test_trials_that_go_either_way_tell_a_level_from_an_offset():
-    one, other = check(trials_of(lambda t: t, lambda t: -t)).of("reversals")
+    finding, other = check(trials_of(lambda t: t, lambda t: -t)).of("reversals")
     assert str(other).endswith("goes backward only, and that of other trials the other way.")
-    assert (one.severity, one.measure) == ("info", "")
+    assert (finding.severity, finding.measure) == ("info", "")
     alike = check(trials_of(lambda t: t, lambda t: 2.0 * t)).of("reversals")
     assert {one.severity for one in alike} == {"warning"}
 
 
 def test_a_mechanism_checks_overrides_and_stops():
     wrong = Measurement(travel=0.2, uncertainty=0.01, overrides={"mechanism.mas": 1.0})
-    (one,) = check(wrong, mechanism=SpringBlock(mass=1.0)).of("mechanism")
-    assert one.severity == "error"
+    (finding,) = check(wrong, mechanism=SpringBlock(mass=1.0)).of("mechanism")
+    assert finding.severity == "error"
     axis = Axis(inertia=95.0, upper_stop=0.06)
-    (one,) = check(Measurement(**parts()), mechanism=axis).of("mechanism")
-    assert "upper_stop" in one.sentence
+    (finding,) = check(Measurement(**parts()), mechanism=axis).of("mechanism")
+    assert "upper_stop" in finding.sentence
     roomy = Axis(inertia=95.0, upper_stop=0.1)
     assert check(Measurement(**parts()), mechanism=roomy).worst == "info"
 
@@ -655,11 +656,11 @@ def spring(data_dir, name):
 
 
 def test_the_slider_that_drifts_is_flagged_with_its_means(data_dir):
-    (one,) = check(spring(data_dir, "k168_v4300")).of("drift")
-    assert one.severity == "warning"
+    (finding,) = check(spring(data_dir, "k168_v4300")).of("drift")
+    assert finding.severity == "warning"
     # F/mg as printed for its halves, to the last digit: it is not said where they meet
-    assert one.numbers["first"] == pytest.approx(0.518 * WEIGHT, abs=0.001 * WEIGHT)
-    assert one.numbers["second"] == pytest.approx(0.490 * WEIGHT, abs=0.001 * WEIGHT)
+    assert finding.numbers["first"] == pytest.approx(0.518 * WEIGHT, abs=0.001 * WEIGHT)
+    assert finding.numbers["second"] == pytest.approx(0.490 * WEIGHT, abs=0.001 * WEIGHT)
 
 
 def test_the_slider_and_the_axis_that_stay_are_not_flagged(data_dir):
@@ -686,8 +687,8 @@ def test_the_axis_record_is_clean(data_dir):
 def test_the_tribometer_counts_friction_the_other_way(data_dir):
     file = data_dir / "reciprocating_tribometer" / "train.parquet"
     columns = {"time": "t_s", "position": "x_m", "friction": "friction_N", "load": "normal_N"}
-    (one,) = check(load_measurement(file, columns=columns)).of("friction sign")
-    assert one.severity == "error"
+    (finding,) = check(load_measurement(file, columns=columns)).of("friction sign")
+    assert finding.severity == "error"
     turned = load_measurement(file, columns=columns, gain={"friction": -1})
     assert check(turned).of("friction sign")[0].severity == "info"
     assert check(turned).of("saturation") == ()  # it turns round at the ends of its way
@@ -698,9 +699,9 @@ def test_a_record_of_three_quarters_of_a_million_samples_is_checked(data_dir):
 
 
 def test_findings_cross_processes_and_stay_unchangeable():
-    one = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", numbers={"gap": 0.3})
-    again = pickle.loads(pickle.dumps(one))
-    assert again == one
+    finding = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", numbers={"gap": 0.3})
+    again = pickle.loads(pickle.dumps(finding))
+    assert again == finding
     with pytest.raises(TypeError):
         again.numbers["gap"] = 1.0
 
@@ -708,7 +709,7 @@ def test_findings_cross_processes_and_stay_unchangeable():
 def test_a_constant_force_was_not_logged_at_a_lower_rate():
     t = np.arange(400) / 200.0
     record = Measurement(time=t, position=0.1 * t**2, force=np.full(400, 24.0))
-    assert not any(one.kind == "held samples" for one in check(record).findings)
+    assert not any(finding.kind == "held samples" for finding in check(record).findings)
 
 
 def test_a_trial_that_is_counted_twice_is_named():
@@ -717,7 +718,7 @@ def test_a_trial_that_is_counted_twice_is_named():
     once = Measurement(**run, name="a")
     again = Measurement(**run, name="b")
     other = Measurement(**(run | {"force": 2.0 * np.cos(t)}), name="c")
-    found = [str(one) for one in check(Measurement(trials=(once, other, again))).findings]
+    found = [str(finding) for finding in check(Measurement(trials=(once, other, again))).findings]
     assert sum("counted twice" in line for line in found) == 1
     assert any(line.startswith("'b' has the samples of 'a'") for line in found)
 
@@ -739,9 +740,11 @@ def table_with_rest(level, slowest=0.01):
 def test_readings_whose_speed_is_not_resolved_are_those_of_a_body_at_rest():
     velocity, friction = table_with_rest(lambda v: 2.0 * np.sign(v) + v)
     table = Measurement(velocity=velocity, friction=friction)
-    (one,) = check(table).of("rest")
-    assert one.sentence.startswith("3 readings at speeds of at most 0.5 mm/s are taken for a body")
-    assert "all others are at 10 mm/s or faster" in one.sentence
+    (finding,) = check(table).of("rest")
+    assert finding.sentence.startswith(
+        "3 readings at speeds of at most 0.5 mm/s are taken for a body"
+    )
+    assert "all others are at 10 mm/s or faster" in finding.sentence
     found = fit(Axis(inertia=1.0), CoulombViscous, table)
     np.testing.assert_allclose(found.values[:2], [2.0, 1.0], rtol=1e-6)
 
@@ -777,8 +780,8 @@ def test_steady_readings_are_not_filtered_as_a_motion():
     velocity = 1e-3 * np.abs(np.linspace(-5.0, 5.0, 41) + 0.2 * rng.normal(size=41))
     friction = 80.0 * np.tanh(velocity / 0.35e-3)
     seen = Measurement(time=6.0 * np.arange(41), velocity=velocity, friction=friction)
-    (one,) = check(seen).of("steady readings")
-    assert "one every 6 s and each at another speed" in one.sentence
+    (finding,) = check(seen).of("steady readings")
+    assert "one every 6 s and each at another speed" in finding.sentence
     (slow,) = check(seen).of("low speed")
     assert slow.numbers["share"] == pytest.approx(
         np.mean(velocity < 0.05 * slow.numbers["fastest"])
@@ -847,7 +850,7 @@ def test_noise_makes_no_speed_rise_and_fall():
     rising = slowing + 0.25 * np.sin(2.0 * t)
     for x, doubted in ((slowing + 5e-3 * noise, False), (rising, True)):
         findings = check(Measurement(time=t, position=x), mechanism=Axis(inertia=1.0)).of("drive")
-        assert any("rises and falls" in one.sentence for one in findings) == doubted
+        assert any("rises and falls" in finding.sentence for finding in findings) == doubted
 
 
 def test_noise_of_many_passages_is_no_gain_of_energy():
@@ -859,4 +862,4 @@ def test_noise_of_many_passages_is_no_gain_of_energy():
     growing = (1.0 + 0.01 * t) * np.cos(w * t)
     for x, doubted in ((fading + 4.5e-3 * noise, False), (growing, True)):
         findings = check(Measurement(time=t, position=x), mechanism=rig).of("drive")
-        assert any("gains energy" in one.sentence for one in findings) == doubted
+        assert any("gains energy" in finding.sentence for finding in findings) == doubted

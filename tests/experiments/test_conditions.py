@@ -31,7 +31,7 @@ def files(tmp_path):
 
 def test_a_column_with_one_value_in_each_file_is_a_condition(files):
     found = load_measurement(files, conditions=["temperature", "way"])
-    assert [dict(one.conditions) for one in found.records()] == [
+    assert [dict(record.conditions) for record in found.records()] == [
         {"temperature [degC]": 20.0, "way": "up"},
         {"temperature [degC]": 60.0, "way": "down"},
     ]
@@ -40,7 +40,7 @@ def test_a_column_with_one_value_in_each_file_is_a_condition(files):
 
 def test_one_name_may_be_given_as_a_text(files):
     found = load_measurement(files, conditions="way")
-    assert [one.conditions["way"] for one in found.records()] == ["up", "down"]
+    assert [record.conditions["way"] for record in found.records()] == ["up", "down"]
 
 
 def test_a_column_that_differs_between_trials_and_is_not_used_is_named_as_a_warning(files):
@@ -67,13 +67,13 @@ def test_a_table_with_a_column_of_trials_is_split(tmp_path):
         for i in range(12):
             more.write(ROWS.format(t=0.1 * i, v=0.1, f=2.5, temperature="2", way="down"))
     found = load_measurement(file, conditions="way")
-    assert [one.name for one in found.records()] == ["trial 1", "trial 2"]
-    assert [one.conditions["way"] for one in found.records()] == ["up", "down"]
-    assert [len(one.time) for one in found.records()] == [12, 12]
+    assert [record.name for record in found.records()] == ["trial 1", "trial 2"]
+    assert [record.conditions["way"] for record in found.records()] == ["up", "down"]
+    assert [len(record.time) for record in found.records()] == [12, 12]
     renamed = tmp_path / "runs.csv"
     renamed.write_text(file.read_text().replace("trial", "run", 1))
     again = load_measurement(renamed, columns={"trial": "run"})
-    assert [one.name for one in again.records()] == ["trial 1", "trial 2"]
+    assert [record.name for record in again.records()] == ["trial 1", "trial 2"]
 
 
 def test_mistakes_within_a_split_table_name_the_line_of_the_file(tmp_path):
@@ -115,7 +115,7 @@ def test_a_table_of_travels_has_conditions_that_check_says_are_not_used(tmp_path
     file.write_text("travel [mm],mechanism.compression [mm],oil\n72,60,dry\n200,100,\n")
     rig = SpringBlock(mass=1.0, stiffness=100.0)
     found = load_measurement(file, mechanism=rig, conditions="oil")
-    assert [dict(one.conditions) for one in found.records()] == [{"oil": "dry"}, {}]
+    assert [dict(record.conditions) for record in found.records()] == [{"oil": "dry"}, {}]
     (finding,) = check(found).of("conditions")
     assert "trial with a single value cannot be fitted separately" in str(finding)
     with pytest.raises(InputError, match='give conditions="oil"'):
@@ -130,7 +130,10 @@ def test_a_rig_file_names_columns_or_gives_values(files, tmp_path):
         'validate = "cold.csv"\n'
     )
     found = load_rig(rig)
-    assert [one.conditions["temperature [degC]"] for one in found.measurement.records()] == [20, 60]
+    assert [record.conditions["temperature [degC]"] for record in found.measurement.records()] == [
+        20,
+        60,
+    ]
     assert not found.validate.conditions
     rig.write_text(
         head + '[[trial]]\nfile = "cold.csv"\nconditions = { load = 3, side = "left" }\n'

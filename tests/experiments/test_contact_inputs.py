@@ -78,8 +78,8 @@ def test_a_table_is_read_again_as_it_was_written(tmp_path):
 
 def test_a_check_says_that_laws_may_depend_on_a_recorded_input(tmp_path):
     record = load_measurement(file_of(tmp_path, **{"temperature [degC]": 20.0 + T, "foo": T}))
-    sentences = [one.sentence for one in check(record).findings]
-    assert any("Measured beside: temperature" in one for one in sentences)
+    sentences = [finding.sentence for finding in check(record).findings]
+    assert any("Measured beside: temperature" in sentence for sentence in sentences)
     assert "Column 'foo' is not used." in sentences
 
 

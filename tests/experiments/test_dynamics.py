@@ -66,13 +66,13 @@ def test_friction_that_was_measured_needs_no_force(driven):
 @pytest.mark.parametrize("force", [None, 0.0, 12.0])
 def test_energy_from_nowhere_is_an_error_where_nothing_drives_the_mechanism(driven, force):
     parts = {**driven, "force": None if force is None else np.full(TIME.size, force)}
-    (one,) = doubts(Measurement(**parts), AXIS)
-    assert one.severity == "error"
-    assert "gains energy" in one.sentence
-    assert "whether the force is missing" in one.sentence
+    (sentence,) = doubts(Measurement(**parts), AXIS)
+    assert sentence.severity == "error"
+    assert "gains energy" in sentence.sentence
+    assert "whether the force is missing" in sentence.sentence
     # what moves it is not known without a mechanism
-    (one,) = doubts(Measurement(**parts))
-    assert one.severity == "warning"
+    (sentence,) = doubts(Measurement(**parts))
+    assert sentence.severity == "warning"
 
 
 @pytest.mark.parametrize(
@@ -107,16 +107,18 @@ def test_a_decay_with_few_samples_of_each_swing_gains_no_energy(rate, seed):
 
 def test_a_swing_without_a_spring_that_could_bring_it_back_is_an_error():
     record = decay(SPRUNG, {"x": 0.3})
-    (one,) = doubts(record, Axis(inertia=1.0))
-    assert one.severity == "error"
-    assert "the stiffness of the mechanism" in one.sentence
+    (sentence,) = doubts(record, Axis(inertia=1.0))
+    assert sentence.severity == "error"
+    assert "the stiffness of the mechanism" in sentence.sentence
 
 
 def test_a_swing_that_never_gets_less_is_a_warning():
     position = 0.1 * np.sin(np.sqrt(40.0) * TIME)
-    (one,) = doubts(Measurement(time=TIME, position=position), SPRUNG)
-    assert one.severity == "warning"
-    assert one.numbers["kept"] == pytest.approx(1.0, abs=0.01)  # filters take less than a percent
+    (sentence,) = doubts(Measurement(time=TIME, position=position), SPRUNG)
+    assert sentence.severity == "warning"
+    assert sentence.numbers["kept"] == pytest.approx(
+        1.0, abs=0.01
+    )  # filters take less than a percent
 
 
 def test_a_record_in_closed_loop_or_of_a_towed_block_may_gain_energy(driven):
@@ -207,9 +209,9 @@ def test_a_factor_of_a_spring_is_seen_as_that_of_a_mass():
 
 
 def test_a_force_of_the_wrong_sign_is_a_warning(driven):
-    (one,) = doubts(Measurement(**{**driven, "force": -driven["force"]}), AXIS)
-    assert one.severity == "warning"
-    assert "gain to −1" in one.sentence
+    (sentence,) = doubts(Measurement(**{**driven, "force": -driven["force"]}), AXIS)
+    assert sentence.severity == "warning"
+    assert "gain to −1" in sentence.sentence
 
 
 def test_a_force_that_has_nothing_to_do_with_the_motion_has_no_factor(driven):
@@ -218,8 +220,8 @@ def test_a_force_that_has_nothing_to_do_with_the_motion_has_no_factor(driven):
 
 
 def test_times_that_no_controller_keeps_are_questioned_without_a_mechanism(driven):
-    (one,) = doubts(Measurement(**{**driven, "time": 1e3 * TIME}))
-    assert "check that times are in seconds." in one.sentence
+    (sentence,) = doubts(Measurement(**{**driven, "time": 1e3 * TIME}))
+    assert "check that times are in seconds." in sentence.sentence
     slow = Measurement(time=1e3 * TIME, position=driven["position"], friction=driven["force"])
     assert doubts(slow) == []  # rock is sampled once a second
 
@@ -274,11 +276,11 @@ def signs(measurement, mechanism=None):
 def test_a_force_that_acts_against_the_motion_is_doubted_without_a_mechanism(driven, form):
     motion = driven["position"]
     parts = {"time": TIME, form: motion if form == "position" else np.gradient(motion, TIME)}
-    (one,) = signs(Measurement(**parts, force=-driven["force"]))
-    assert one.severity == "warning"
-    assert "set its gain to −1" in one.sentence
+    (sign,) = signs(Measurement(**parts, force=-driven["force"]))
+    assert sign.severity == "warning"
+    assert "set its gain to −1" in sign.sentence
     # noise and the filter leave the regression some percent of the 5 kg, less those of velocities
-    assert one.numbers["inertia"] == pytest.approx(-5.0, rel=0.1)
+    assert sign.numbers["inertia"] == pytest.approx(-5.0, rel=0.1)
     assert signs(Measurement(**parts, force=driven["force"])) == ()
 
 

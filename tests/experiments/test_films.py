@@ -103,16 +103,16 @@ def test_select_reads_films_where_their_route_is_asked_for() -> None:
     table = verdict.compared()
     assert list(table["period"]) == [0.3, 0.4, 0.5]
     assert np.allclose(table["measured"], table["predicted"], atol=3e-3)
-    assert all(one.cycles for one in verdict.trials)
+    assert all(trial.cycles for trial in verdict.trials)
     with pytest.raises(InputError, match="route"):
         select(capsule(0.4), ["coulomb"], Measurement(travel=0.1), route="shooting")
 
 
 def test_check_says_that_a_film_has_another_frequency_than_its_drive() -> None:
     wrong, right = film(0.4, 60.0, 2e-4, 2, stated=0.3), film(0.4, 60.0, 2e-4, 2)
-    assert [one.severity for one in check(wrong, mechanism=capsule(0.4)).of("drive frequency")] == [
-        "error"
-    ]
+    assert [
+        finding.severity for finding in check(wrong, mechanism=capsule(0.4)).of("drive frequency")
+    ] == ["error"]
     assert not check(right, mechanism=capsule(0.4)).of("drive frequency")
 
 

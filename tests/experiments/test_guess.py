@@ -448,11 +448,13 @@ ODD = {
 @pytest.mark.parametrize(("head", "columns", "mark", "found"), ODD.values(), ids=ODD)
 def test_odd_headers_are_understood(tmp_path, head, columns, mark, found):
     file = tmp_path / "a.csv"
-    file.write_text(head + rows([one[SHORT] for one in columns], mark))
+    file.write_text(head + rows([column[SHORT] for column in columns], mark))
     guess = guess_data(file)
     assert guess.columns == found
     assert guess.turning == ("deg" in head)
-    assert any("as well as 'Position1'" in one for one in guess.doubts) == ("Position2" in head)
+    assert any("as well as 'Position1'" in sentence for sentence in guess.doubts) == (
+        "Position2" in head
+    )
 
 
 def test_a_word_among_the_numbers_is_named(tmp_path):
@@ -670,7 +672,13 @@ def test_a_channel_in_volts_asks_for_the_sensitivity_of_its_sensor(tmp_path):
     file = table(tmp_path / "daq.csv", **{"time__s": "t", "Kraft__V": "F", "Weg__V": "x"})
     guess = guess_data(file)
     assert guess.gain == {"position": "1 mm/V", "force": "1 N/V"}
-    assert sum("give the sensitivity of the sensor as its gain" in one for one in guess.doubts) == 2
+    assert (
+        sum(
+            "give the sensitivity of the sensor as its gain" in sentence
+            for sentence in guess.doubts
+        )
+        == 2
+    )
     known = guess_data(file, gain={"position": "5 mm/V", "force": "200 N/V"})
     assert not any("sensitivity" in doubt for doubt in known.doubts)
     record = load_measurement(file, columns=known.columns, gain=known.gain)
@@ -703,7 +711,9 @@ def test_what_may_drive_an_axis_is_named_where_no_force_can_be_read(tmp_path):
     )
     for columns in names:
         (doubt,) = [
-            one for one in guess_data(table(tmp_path / "a.csv", **columns)).doubts if "force" in one
+            sentence
+            for sentence in guess_data(table(tmp_path / "a.csv", **columns)).doubts
+            if "force" in sentence
         ]
         assert list(columns)[2].partition("__")[0] in doubt
         assert "may drive the axis" in doubt
@@ -881,7 +891,7 @@ def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_it
     rig = tmp_path / "rig.toml"
     rig.write_text(guessed_rig(guess, "runs.csv"), encoding="utf-8")
     trials = load_rig(rig).measurement.trials
-    means = [one.conditions["temperature [°C]"] for one in trials]
+    means = [trial.conditions["temperature [°C]"] for trial in trials]
     assert means == pytest.approx([20.0, 30.0, 40.0])
     assert np.ptp(trials[0].contact_inputs()["temperature"]) == pytest.approx(8.0)
 
@@ -1123,7 +1133,7 @@ def test_steady_readings_keep_their_trials(tmp_path):
     table = rows((step, np.tile(6.0 * np.arange(25), 2), speeds, step + speeds), ",", points)
     file.write_text(f"stage,time (s),velocity (mm/s),friction (N)\n{table}")
     measured = read_data([file], guess_data(file).reading)
-    assert [one.kind for one in measured.trials] == ["friction-map"] * 2
+    assert [trial.kind for trial in measured.trials] == ["friction-map"] * 2
 
 
 WORDS = {

@@ -172,7 +172,9 @@ def test_rows_that_labview_s_times_were_merged_to_are_no_lines_of_its_file(tmp_p
 def test_rows_that_a_header_of_labview_promises_are_missed(tmp_path):
     path = tmp_path / "a.lvm"
     path.write_text(lvm().replace(f"Samples\t{N}\t", "Samples\t400\t"))
-    assert any(f"400 samples, and there are {N} rows" in one for one in guess_data(path).doubts)
+    assert any(
+        f"400 samples, and there are {N} rows" in sentence for sentence in guess_data(path).doubts
+    )
 
 
 @pytest.mark.parametrize("columns", ["One", "Multi"])
@@ -241,7 +243,9 @@ def test_a_channel_of_another_length_is_said_not_to_be_read(tmp_path):
 def test_a_tdms_file_that_was_cut_says_so(tmp_path, capfd):
     path = tdms(tmp_path / "a.tdms", {"a": WAVES})
     path.write_bytes(path.read_bytes()[:-160])
-    assert any("segment of the file is incomplete" in one for one in guess_data(path).doubts)
+    assert any(
+        "segment of the file is incomplete" in sentence for sentence in guess_data(path).doubts
+    )
     assert capfd.readouterr() == ("", "")  # the package prints that itself
 
 
@@ -394,7 +398,7 @@ def test_steps_of_a_tribometer_are_trials_with_friction_load_and_speed(
 @pytest.mark.parametrize("measured", ["friction", "force"])
 def test_a_sliding_distance_of_hundreds_of_metres_is_normal_where_friction_is_measured(measured):
     record = Measurement(time=100 * T, position=1000 * T, **{measured: F})
-    assert any("in metres" in one.sentence for one in check(record).findings) == (
+    assert any("in metres" in finding.sentence for finding in check(record).findings) == (
         measured == "force"
     )
 
@@ -467,7 +471,7 @@ def test_steps_of_a_tribometer_with_other_units_are_in_those_of_the_first(tmp_pa
     text = f"{HEAD.format(1, 'g,g')}{cells}\n{HEAD.format(2, 'N,N')}{other}\n"
     path.write_text(f"{text}{HEAD.format(3, 's,s')}{cells}")
     guess = guess_data(path)
-    first, second = (one.friction for one in read_data([path], guess.reading).trials)
+    first, second = (trial.friction for trial in read_data([path], guess.reading).trials)
     assert second == pytest.approx(first, rel=1e-5)
     assert "Steps with other columns, or units of another kind: 3." in guess.doubts
 
@@ -586,7 +590,7 @@ def test_registers_without_their_sign_are_read_with_it(tmp_path, family, bits):
     guess, record = read(path)
     assert record.position * 2048 / np.pi == pytest.approx(counts)
     assert np.sign(record.force) == pytest.approx(np.sign(counts))
-    said = [one for one in guess.doubts if "without their sign" in one]
+    said = [sentence for sentence in guess.doubts if "without their sign" in sentence]
     assert len(said) == 1
     assert "Present_Position and Present_Current" in said[0].replace("'", "")
 

@@ -45,13 +45,13 @@ def folder(tmp_path):
 
 
 def test_each_joint_is_a_record_with_the_times_of_all():
-    one = arm(offset={"force.elbow": 0.25})
-    assert one.joint_names() == ("shoulder", "elbow")
-    assert one.kind == "series"
-    assert one.position is None
-    np.testing.assert_array_equal(one.joints["elbow"].time, one.time)
-    np.testing.assert_array_equal(one.values("force.elbow"), TORQUES["elbow"] - 0.25)
-    assert one.quantities()[:2] == ("position.shoulder", "force.shoulder")
+    record = arm(offset={"force.elbow": 0.25})
+    assert record.joint_names() == ("shoulder", "elbow")
+    assert record.kind == "series"
+    assert record.position is None
+    np.testing.assert_array_equal(record.joints["elbow"].time, record.time)
+    np.testing.assert_array_equal(record.values("force.elbow"), TORQUES["elbow"] - 0.25)
+    assert record.quantities()[:2] == ("position.shoulder", "force.shoulder")
 
 
 def test_rows_are_taken_of_all_joints_and_trials_have_the_same():
@@ -102,7 +102,7 @@ def test_angles_of_a_joint_are_told_in_radians():
         lower_mass=0.6, lower_centre=0.2, lower_inertia=0.03,
     )  # fmt: skip
     found = check(Measurement(time=t, position=coarse, force=coarse), mechanism=arm)
-    steps = [str(one) for one in found.findings if "Position is quantised" in str(one)]
+    steps = [str(finding) for finding in found.findings if "Position is quantised" in str(finding)]
     assert steps
     assert all("rad" in line for line in steps)
 

@@ -97,10 +97,10 @@ def test_mcap_of_ros_is_read_as_it_was_written(tmp_path, compression):
 
 def test_mcap_in_json_is_read_as_it_was_written(tmp_path):
     plain = [
-        (one["logged"], {k: [*map(float, one[k])] for k in ("position", "velocity", "effort")}
-         | {"name": one["name"], "header": {"stamp": {"sec": one["stamp"] // NANO,
-                                                      "nanosec": one["stamp"] % NANO}}})
-        for one in states(TIME, ARM)
+        (state["logged"], {k: [*map(float, state[k])] for k in ("position", "velocity", "effort")}
+         | {"name": state["name"], "header": {"stamp": {"sec": state["stamp"] // NANO,
+                                                      "nanosec": state["stamp"] % NANO}}})
+        for state in states(TIME, ARM)
     ]  # fmt: skip
     assert same(load_measurement(write_json(tmp_path / "a.mcap", {TOPIC: plain})))
     listed = [
@@ -135,7 +135,7 @@ def test_log_times_stand_in_for_headers_without_a_stamp(tmp_path):
 def test_joints_of_two_publishers_are_brought_to_one_clock(tmp_path):
     slow = np.arange(0.005, 2.99, 0.02)
     gripper = {"finger": (np.sin(2 * slow), None, np.cos(2 * slow))}
-    both = sorted([*states(TIME, ARM), *states(slow, gripper)], key=lambda one: one["logged"])
+    both = sorted([*states(TIME, ARM), *states(slow, gripper)], key=lambda state: state["logged"])
     file = write_bag(tmp_path / "bag", {TOPIC: both})
     guess = guess_data(file)
     assert any("'position.finger'" in doubt and "interpolated" in doubt for doubt in guess.doubts)
@@ -158,7 +158,7 @@ def test_nothing_is_interpolated_across_a_hole(tmp_path):
 
 
 def test_of_joints_in_two_topics_the_one_with_more_samples_is_read(tmp_path):
-    half = {name: tuple(one[::2] for one in parts) for name, parts in ARM.items()}
+    half = {name: tuple(part[::2] for part in parts) for name, parts in ARM.items()}
     topics = {"/filtered": states(TIME[::2], half), TOPIC: states(TIME, ARM)}
     bag = write_bag(tmp_path / "bag", topics)
     assert same(load_measurement(bag))
@@ -205,7 +205,7 @@ def test_joints_are_found_by_the_names_of_the_description(tmp_path, urdf):
     assert set(rig.measurement.joint_names()) == {"shoulder", "elbow"}
     np.testing.assert_array_equal(rig.measurement.values("position.elbow"), late)
     found = check(rig.measurement, mechanism=rig.mechanism)
-    assert not [one for one in found.findings if one.severity == "error"]
+    assert not [finding for finding in found.findings if finding.severity == "error"]
     assert exit_code("check", tmp_path / "log.toml") == 0
 
 
@@ -231,7 +231,7 @@ def test_times_out_of_order_and_doubles_are_repaired(tmp_path):
     messages = states(TIME, ARM)
     messages[50], messages[51] = messages[51], messages[50]
     messages.insert(80, messages[80])
-    stamped = [one | {"logged": BEGIN + k} for k, one in enumerate(messages)]
+    stamped = [message | {"logged": BEGIN + k} for k, message in enumerate(messages)]
     bag = write_bag(tmp_path / "bag", {TOPIC: stamped})
     assert guess_data(bag).repair == ("sort",)
     assert same(load_measurement(bag, repair="sort"))
@@ -280,10 +280,10 @@ def test_a_damaged_log_is_refused_in_one_sentence(tmp_path, capsys, kind, damage
 
 
 def test_messages_that_contradict_themselves_are_refused_by_topic(tmp_path):
-    short = [one | {"position": [1.0]} for one in states(TIME[:3], ARM)]
+    short = [state | {"position": [1.0]} for state in states(TIME[:3], ARM)]
     with pytest.raises(InputError, match=r"message 1 of /joint_states.*2 names and 1 values"):
         load_measurement(write_bag(tmp_path / "short", {TOPIC: short}))
-    twice = [one | {"name": ["elbow", "elbow"]} for one in states(TIME[:3], ARM)]
+    twice = [state | {"name": ["elbow", "elbow"]} for state in states(TIME[:3], ARM)]
     with pytest.raises(InputError, match=r"message 1 of /joint_states has 'position.elbow' twice"):
         load_measurement(write_bag(tmp_path / "twice", {TOPIC: twice}))
     text = [(BEGIN, {"name": ["a"], "position": ["high"]})]
@@ -374,7 +374,7 @@ def test_the_digest_of_a_rig_covers_the_messages_of_a_bag(tmp_path, urdf):
         '[data]\nfile = "bag"\n'
     )
     first = load_rig(tmp_path / "rig.toml")
-    assert [one.name for one in first.files] == ["arm.urdf", "metadata.yaml", "bag.db3"]
+    assert [file.name for file in first.files] == ["arm.urdf", "metadata.yaml", "bag.db3"]
     changed = ARM | {"elbow": (-ELBOW[0], *ELBOW[1:])}
     other = write_bag(tmp_path / "other", {TOPIC: states(TIME, changed)})
     (bag / "bag.db3").write_bytes((other / "other.db3").read_bytes())
@@ -497,7 +497,7 @@ def test_messages_that_a_bag_says_it_has_are_missed(tmp_path):
     with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
         file.execute("DELETE FROM messages WHERE id > 189")
     said = "The log says that /joint_states has 300 messages, and 189 were read"
-    assert any(said in one for one in guess_data(bag).doubts)
+    assert any(said in sentence for sentence in guess_data(bag).doubts)
     with contextlib.closing(sqlite3.connect(bag / "bag.db3")) as file, file:
         file.execute("DELETE FROM messages")
     with pytest.raises(InputError, match=r"has 300 messages, and 0 were read"):
@@ -532,4 +532,4 @@ def test_temporary_files_are_removed_however_a_process_ends(tmp_path, number):
             os.utime(held, (old, old))
             with private_folder():
                 assert held.exists()
-    assert [one.name for one in tmp_path.iterdir()] == ["stickslip-private-mine"]
+    assert [path.name for path in tmp_path.iterdir()] == ["stickslip-private-mine"]

@@ -14,10 +14,10 @@ X = [0.0, 0.01, 0.03]
 
 
 def test_one_number_is_a_measurement():
-    one = Measurement(travel=0.2)
-    assert one.kind == "scalars"
-    assert one.records() == (one,)
-    assert one.quantities() == ("travel",)
+    measurement = Measurement(travel=0.2)
+    assert measurement.kind == "scalars"
+    assert measurement.records() == (measurement,)
+    assert measurement.quantities() == ("travel",)
 
 
 @pytest.mark.parametrize(

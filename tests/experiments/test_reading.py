@@ -488,7 +488,7 @@ def test_what_a_text_holds_beyond_its_table_is_said(write, rows, end, size, said
     read = load_measurement(write("time,position\n" + "\n".join(rows) + end))
     assert read.time.size == size
     assert [said in one for one in read.lost] == [True] * bool(said)
-    assert [one.severity for one in check(read).of("lost")] == ["warning"] * bool(said)
+    assert [finding.severity for finding in check(read).of("lost")] == ["warning"] * bool(said)
 
 
 SCOPE = (
@@ -528,7 +528,7 @@ def test_samples_that_a_header_of_labview_announces_are_missed(write):
     (said,) = [doubt for doubt in found.doubts if "states 400 samples" in doubt]
     read = load_measurement("a.lvm", columns=found.columns, units=found.units)
     assert read.lost == (said,)
-    assert [one.severity for one in check(read).of("lost")] == ["warning"]
+    assert [finding.severity for finding in check(read).of("lost")] == ["warning"]
 
 
 def test_a_table_has_no_more_columns_than_can_be_looked_at(write):

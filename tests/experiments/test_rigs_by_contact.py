@@ -85,10 +85,10 @@ def test_each_contact_has_a_table_beside_what_is_shared(read):
 def test_a_rig_moves_as_its_mechanism_and_laws_in_python(read):
     rig = read(FEET)
     solver = EventDriven(tier="python")
-    one = simulate(rig.mechanism, rig.law_by_contact(), t_end=1.0, y0=rig.initial, solver=solver)
+    run = simulate(rig.mechanism, rig.law_by_contact(), t_end=1.0, y0=rig.initial, solver=solver)
     body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
     laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
-    assert one["x"][-1] == simulate(body, laws, t_end=1.0, y0={"x": 0.9}, solver=solver)["x"][-1]
+    assert run["x"][-1] == simulate(body, laws, t_end=1.0, y0={"x": 0.9}, solver=solver)["x"][-1]
 
 
 def test_without_tables_of_contacts_all_of_them_share_a_law(read):
@@ -296,7 +296,7 @@ def test_the_schema_takes_names_and_intervals_by_contact():
     interval, table = known["intervals"]["additionalProperties"]["anyOf"]
     assert interval["type"] == "array"
     assert table == {"type": "object", "additionalProperties": interval}
-    assert [one["type"] for one in known["law"]["anyOf"]] == ["string", "object"]
+    assert [entry["type"] for entry in known["law"]["anyOf"]] == ["string", "object"]
 
 
 def test_rig_checks_names_of_contacts_and_states():

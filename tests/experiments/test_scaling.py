@@ -204,9 +204,9 @@ def test_a_rig_gives_coefficients_its_load(tmp_path):
 )
 def test_friction_that_is_a_small_share_of_its_load_is_questioned(read, size, load, asked):
     record = read("friction", [-size, size, size], [("load", [load] * 3), ("velocity", [-1, 1, 2])])
-    found = [one for one in check(record).of("units") if "coefficients" in one.sentence]
+    found = [finding for finding in check(record).of("units") if "coefficients" in finding.sentence]
     assert bool(found) == asked
-    assert [one.severity for one in found] == ["warning"] * asked
+    assert [finding.severity for finding in found] == ["warning"] * asked
 
 
 def test_a_load_of_the_mechanism_is_asked_too(read):

@@ -176,7 +176,7 @@ def ragged(file):
         (without("timestamp"), "no column 'timestamp'"),
         (without("observation.state"), r"no column 'observation.state'"),
         (ragged, "different lengths"),
-        (lambda file: [one.unlink() for one in file.parent.glob("*")], "no file data/"),
+        (lambda file: [path.unlink() for path in file.parent.glob("*")], "no file data/"),
     ],
 )
 def test_a_damaged_data_set_is_refused(dataset, damage, message):
@@ -248,9 +248,9 @@ def test_a_log_of_a_servo_is_read_with_its_units(tmp_path):
 def test_what_firmware_calls_a_torque_or_a_load_is_not_taken_for_one(tmp_path):
     """Logs of K-Scale have a torque of 10.5 at rest, of a servo of 3 N m."""
     plain = [
-        {k: x for k, x in one.items() if k != "present_current"}
+        {k: x for k, x in entry.items() if k != "present_current"}
         | {"torque": 10.49, "current": 17.2}
-        for one in ENTRIES
+        for entry in ENTRIES
     ]
     file = tmp_path / "run.json"
     file.write_text(json.dumps(BAM | {"entries": plain}))
@@ -309,7 +309,7 @@ def chain(names):
         '<inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="0.01" iyy="0.01"'
         ' izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
     )
-    text = "".join(f'<link name="{one}">{inertial}</link>' for one in links)
+    text = "".join(f'<link name="{link}">{inertial}</link>' for link in links)
     for k, name in enumerate(names):
         text += (
             f'<joint name="{name}" type="continuous"><parent link="{links[k]}"/>'
@@ -373,7 +373,7 @@ def test_a_recording_of_universal_robots_is_read_joint_by_joint(tmp_path, separa
     ahead = np.sin(np.outer(time + 0.05, rates))
     heat = 25.0 + np.outer(time, rates)
     columns = np.hstack([1000 + time[:, None], ahead, angle, speed, 2 * speed, 3 * speed, heat])
-    names = ["timestamp", *(f"{one}_{k}" for one in fields for k in range(6))]
+    names = ["timestamp", *(f"{field}_{k}" for field in fields for k in range(6))]
     file = tmp_path / "ur.csv"
     np.savetxt(file, columns, delimiter=separator, header=separator.join(names), comments="")
     one = guess_data(file)
@@ -405,9 +405,9 @@ def test_a_log_of_libfranka_is_read_in_milliseconds(tmp_path):
     command = [angle, speed, np.zeros((1500, 16)), np.zeros((1500, 6)), 4 * speed]
     parts = ("q", "q_d", "dq", "dq_d", "tau_J", "tau_ext_hat_filtered")
     names = ["time, success_rate"]
-    names += [", ".join(f"state.{one}[{k}]" for k in range(7)) for one in parts]
+    names += [", ".join(f"state.{part}[{k}]" for k in range(7)) for part in parts]
     sizes = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}
-    names += [", ".join(f"cmd.{one}[{k}]" for k in range(n)) for one, n in sizes.items()]
+    names += [", ".join(f"cmd.{size}[{k}]" for k in range(n)) for size, n in sizes.items()]
     rows = np.hstack([8000 + time[:, None], np.ones((1500, 1)), *state, *command])
     file = tmp_path / "franka.txt"
     np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="")

@@ -191,7 +191,7 @@ def test_units_of_both_kinds_of_motion_are_refused_with_both_values(tmp_path, me
 def test_a_fit_to_angles_saves_a_rotary_axis_with_torques(tmp_path):
     v = np.linspace(-3.0, 3.0, 60)
     truth = CoulombViscous(kinetic_coefficient=0.4, viscous_coefficient=0.05)
-    table = Measurement(velocity=v, friction=[truth.force(one, 1.0) for one in v], turning=True)
+    table = Measurement(velocity=v, friction=[truth.force(speed, 1.0) for speed in v], turning=True)
     found = fit(TwoMassAxis(motor_inertia=0.1, load_inertia=0.1, stiffness=10.0), truth, table)
     found.save(tmp_path / "law.toml")
     law = load_rig(tmp_path / "law.toml")

@@ -52,13 +52,13 @@ def numbers(
     library: ctypes.CDLL, name: str, results: Sequence[str]
 ) -> Callable[..., dict[str, float]]:
     """Return a function with several results."""
-    fields = [(one, ctypes.c_double) for one in results]
+    fields = [(result, ctypes.c_double) for result in results]
     kind = type("Result", (ctypes.Structure,), {"_fields_": fields})
     function: Any = library[name]
     function.restype = kind
 
     def call(*arguments: float) -> dict[str, float]:
         found = function(*map(ctypes.c_double, arguments))
-        return {one: getattr(found, one) for one in results}
+        return {result: getattr(found, result) for result in results}
 
     return call

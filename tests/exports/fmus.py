@@ -88,7 +88,7 @@ class Slave:
         )
         self.messages: list[str] = []
         self._instantiate()
-        self.variables = {one.name: one for one in self.description.modelVariables}
+        self.variables = {variable.name: variable for variable in self.description.modelVariables}
         self.t = 0.0
 
     def _instantiate(self) -> None:
@@ -155,7 +155,11 @@ def column_names(slave: Slave) -> list[str]:
     """Return the real outputs."""
     real = ("Real", "Float64")
     variables = slave.description.modelVariables
-    return [one.name for one in variables if one.causality == "output" and one.type in real]
+    return [
+        variable.name
+        for variable in variables
+        if variable.causality == "output" and variable.type in real
+    ]
 
 
 def held(values: Iterable[float]) -> PiecewiseAffine:

@@ -176,12 +176,12 @@ def test_the_class_of_a_joint_says_whether_it_turns(arm):
 def robot_rig(laws, **changes):
     """Return the desk arm with laws by joint."""
     robot = read_urdf(DESK_ARM).robot
-    robot = replace(robot, joints=tuple(replace(one, **changes) for one in robot.joints))
+    robot = replace(robot, joints=tuple(replace(joint, **changes) for joint in robot.joints))
     contacts = {
-        one.name: KnownLaws(laws={law.name: law}, named=(law.name,))
-        if (law := laws.get(one.name))
+        contact.name: KnownLaws(laws={law.name: law}, named=(law.name,))
+        if (law := laws.get(contact.name))
         else None
-        for one in robot.contacts()
+        for contact in robot.contacts()
     }
     return Rig(mechanism=robot, contacts=contacts, path="law.toml")
 
@@ -189,8 +189,8 @@ def robot_rig(laws, **changes):
 def test_laws_go_to_joints_of_their_names_with_damper_and_motor_of_the_mechanism(arm):
     rig = robot_rig({"shoulder": LAW, "elbow": STRIBECK}, damping=0.04, armature=0.003)
     found = written(rig, arm, None)
-    assert [one.joint for one in found.joints] == ["shoulder", "elbow"]
-    shoulder, elbow = (one.after for one in found.joints)
+    assert [joint.joint for joint in found.joints] == ["shoulder", "elbow"]
+    shoulder, elbow = (joint.after for joint in found.joints)
     assert float(shoulder["damping"]) == pytest.approx(0.14)
     assert float(shoulder["armature"]) == 0.003
     near = simplified(Subject(law=STRIBECK, name="law", load=1.0, largest_speed=2.0))
@@ -198,7 +198,7 @@ def test_laws_go_to_joints_of_their_names_with_damper_and_motor_of_the_mechanism
     assert float(elbow["damping"]) == pytest.approx(near.joint.damping + 0.04, rel=1e-8)
     assert found.joints[1].rms == near.rms
     swapped = written(rig, arm, {"elbow": "shoulder"})
-    assert [(one.contact, one.joint) for one in swapped.joints] == [("elbow", "shoulder")]
+    assert [(joint.contact, joint.joint) for joint in swapped.joints] == [("elbow", "shoulder")]
     urdf = written(rig, DESK_ARM, "elbow")
     assert any(
         line.startswith("Armature: URDF has none for the 0.003") for line in urdf.joints[0].lost
@@ -223,7 +223,7 @@ def test_the_error_of_the_force_is_that_over_the_speeds_of_both_directions():
     found = written(STRIBECK, DESK_ARM, "elbow").joints[0]
     v = np.linspace(0.0, 2.0, 20001)[1:]
     level, damping = (float(found.after[key]) for key in ("friction", "damping"))
-    apart = np.array([STRIBECK.force(one, load=1.0) for one in v]) - level - damping * v
+    apart = np.array([STRIBECK.force(speed, load=1.0) for speed in v]) - level - damping * v
     # the grid of 2001 speeds puts some 1/200 too much on the speed 0, where the error is largest
     assert found.rms == pytest.approx(np.sqrt(np.mean(apart**2)), rel=5e-3)
     assert found.largest == pytest.approx(np.abs(apart).max(), rel=1e-3)
@@ -237,7 +237,7 @@ def test_a_polynomial_carries_what_grows_with_a_power_and_never_drives(arm):
         [float(one) for one in row.after["damping"].split()], [0.0, 0.2, 0.0], atol=1e-8
     )
     subject = Subject(law=STRIBECK, name="law", load=1.0, largest_speed=2.0)
-    line, curve = (simplified(subject, polynomial=one) for one in (False, True))
+    line, curve = (simplified(subject, polynomial=value) for value in (False, True))
     assert curve.rms < line.rms
     assert isinstance(curve.joint, PolynomialFriction)
     v = np.linspace(0.0, 200.0, 20001)
@@ -397,7 +397,7 @@ def test_a_whole_arm_under_gravity_moves_in_mujoco_as_ours_does(tmp_path):
     path.write_bytes(text)
     model = model_of(mujoco, written(LAW, path, names).content, stiff=True)
     robot = read_urdf(path).robot
-    robot = replace(robot, joints=tuple(replace(one, damping=0.0) for one in robot.joints))
+    robot = replace(robot, joints=tuple(replace(joint, damping=0.0) for joint in robot.joints))
     start = {"turret_dot": 2.0, "shoulder_dot": -1.0, "elbow_dot": 3.0, "shoulder": 0.2}
     t_end, apart = 1.0, []
     run = simulate(robot, dict.fromkeys(names, LAW), t_end=t_end, y0=start)
@@ -427,21 +427,23 @@ def test_decays_and_sweeps_agree_with_ours_within_the_stated_error(arm, kind):
     assert not any("was not run" in line for line in found.remarks)
     for row in found.joints:
         motions = [
-            one for one in row.motions if one.settings == ("stiff" if kind == "urdf" else "")
+            motion
+            for motion in row.motions
+            if motion.settings == ("stiff" if kind == "urdf" else "")
         ]
-        assert [one.kind for one in motions] == ["hold", "decay", "sweep"]
+        assert [motion.kind for motion in motions] == ["hold", "decay", "sweep"]
         hold, *rest = motions
         assert hold.travel == 0.0
         assert hold.error < 1e-3
-        for one in rest:
-            print(f"{kind} {row.joint} {one.sentence}")
+        for finding in rest:
+            print(f"{kind} {row.joint} {finding.sentence}")
             # of the steps of 1 ms, half a step at the largest speed of 2 rad/s; a sweep is faster
-            assert abs(one.error - one.simplification) < 2e-3 + 0.02 * one.travel
+            assert abs(finding.error - finding.simplification) < 2e-3 + 0.02 * finding.travel
     if kind == "urdf":
-        defaults = [one for row in found.joints for one in row.motions if not one.settings]
+        defaults = [motion for row in found.joints for motion in row.motions if not motion.settings]
         assert len(defaults) == 6
         # creep with MuJoCo's defaults, which is why the others are shown
-        assert min(one.error for one in defaults if one.kind == "hold") > 1e-3
+        assert min(default.error for default in defaults if default.kind == "hold") > 1e-3
 
 
 def test_the_stated_creep_is_that_of_the_file_as_it_is_loaded(arm):
@@ -675,7 +677,7 @@ def test_a_law_with_an_input_is_run_at_the_value_that_was_given():
     (row,) = written(warm, DESK_ARM, "elbow", at=at, run=True).joints
     assert len(row.motions) == 6
     # at one temperature the law is a level and a damping
-    assert max(one.simplification for one in row.motions) < 1e-9
+    assert max(motion.simplification for motion in row.motions) < 1e-9
 
 
 @pytest.mark.parametrize(("share", "held"), [(0.25, 0.2 / 0.75), (0.99, 20.0), (1.5, 0.2 + 1.5)])

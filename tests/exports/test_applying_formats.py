@@ -106,7 +106,7 @@ def of_prim(stage, name):
     prim = stage.GetPrimAtPath(f"/robot/{name}")
     listed = prim.GetMetadata("apiSchemas")
     schemas = [*listed.prependedItems, *listed.explicitItems] if listed else []
-    values = {one.GetName(): one.Get() for one in prim.GetAuthoredAttributes()}
+    values = {attributes.GetName(): attributes.Get() for attributes in prim.GetAuthoredAttributes()}
     return schemas, values
 
 

@@ -30,7 +30,7 @@ def compiled(tmp_path_factory):
 
 def step_of(compiled, name):
     states = equations_of(LAWS_EXPORTED[name]).bristles
-    ends = [f"{one}_end" for one in states]
+    ends = [f"{state}_end" for state in states]
     results = ["velocity_end", *ends, "displacement", "friction", "sticks"]
     return numbers(compiled, f"{name}_step", results), ends
 
@@ -52,10 +52,10 @@ def test_compiled_functions_agree_with_the_law_to_roundings(compiled, name):
                 level(side, load), law.towards(side).break_away(load), rel_tol=RELATIVE
             )
         wanted = compensation(law, width=0.01, factor=0.9, load=load)
-        for v in (0.0, *SPEEDS, *(-one for one in SPEEDS)):
+        for v in (0.0, *SPEEDS, *(-speed for speed in SPEEDS)):
             z = bristle_states(law, dice.uniform(-0.9, 0.9))
             true = friction(law, v, z, load)
-            size = abs(true) + abs(friction(law, v, tuple(-one for one in z), load))
+            size = abs(true) + abs(friction(law, v, tuple(-state for state in z), load))
             assert abs(force(v, *z, load) - true) <= RELATIVE * size, (v, load)
             assert math.isclose(
                 push(v, load, 0.01, 0.9), wanted(0.0, {"v": v}), rel_tol=RELATIVE, abs_tol=1e-300
@@ -66,12 +66,12 @@ def test_compiled_functions_agree_with_the_law_to_roundings(compiled, name):
 def test_compiled_rates_and_steady_forces_agree_with_the_law(compiled, name):
     law = LAWS_EXPORTED[name]
     states = equations_of(law).bristles
-    one = number(compiled, f"{name}_rates")
+    size = number(compiled, f"{name}_rates")
     several = numbers(compiled, f"{name}_rates", [f"{state}_rate" for state in states])
     steady = number(compiled, f"{name}_steady")
     for v in (0.0, *SPEEDS, *(-speed for speed in SPEEDS)):
         z = bristle_states(law, 0.4)
-        found = [one(v, *z, LOAD)] if len(z) == 1 else list(several(v, *z, LOAD).values())
+        found = [size(v, *z, LOAD)] if len(z) == 1 else list(several(v, *z, LOAD).values())
         # the rate is a difference of terms as large as the velocity
         np.testing.assert_allclose(
             found, law.rates(v, LOAD, z), rtol=RELATIVE, atol=RELATIVE * abs(v)
@@ -265,7 +265,7 @@ def test_stiff_bristles_do_not_limit_the_period(tmp_path):
 
 def test_names_of_any_symbols_are_accepted_by_the_compiler_and_tell_parameters_apart():
     found = equations_of(Hostile())
-    names = [one.identifier for one in found.parameters]
+    names = [parameter.identifier for parameter in found.parameters]
     assert names == ["double_", "end_", "c1_", "x0_", "s0_", "load_2", "lambda_prime", "mu"]
 
 

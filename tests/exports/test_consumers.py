@@ -83,7 +83,7 @@ def test_no_file_of_a_rotary_axis_has_a_unit_of_a_linear_one(used, target):
         loads = text.replace("load: normal force; taken as 0 where it is negative [N]", "")
         assert wrong not in loads, wrong
     assert "rad/s" in text
-    assert any(one in text for one in ("N m", "N.m"))
+    assert any(name in text for name in ("N m", "N.m"))
 
 
 def test_the_compiled_law_moves_the_axis_as_the_engine_does(used):
@@ -111,7 +111,10 @@ def test_the_unit_turns_as_the_engine_does_at_the_tolerance_that_it_stores(used,
         used.axis, used.law, used.folder / f"axis{fmi}.fmu", t_end=END, fmi=fmi, portable=False,
         force=True,
     )  # fmt: skip
-    units = {one.name: one.unit for one in read_model_description(str(path)).modelVariables}
+    units = {
+        variable.name: variable.unit
+        for variable in read_model_description(str(path)).modelVariables
+    }
     assert (units["x"], units["v"], units["friction"]) == ("rad", "rad/s", "N m")
     assert units["mechanism.inertia"] == "kg m^2"
     found = simulate_fmu(
@@ -150,7 +153,7 @@ def test_the_joint_of_mujoco_turns_as_its_friction_does_and_holds(used):
 
 
 def test_a_law_by_hand_turns_if_it_is_said():
-    linear, rotary = (export(TRUE, "c", rotary=one).files["stribeck.h"] for one in (None, True))
+    linear, rotary = (export(TRUE, "c", rotary=value).files["stribeck.h"] for value in (None, True))
     assert "[N m s/rad]" in rotary
     assert "Levels are torques" in rotary
     assert "[N s/m]" in linear

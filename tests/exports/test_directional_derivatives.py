@@ -70,9 +70,11 @@ class Exchanged:
         )
         self.fmu.instantiate()
         variables = self.description.modelVariables
-        self.references = {one.name: one.valueReference for one in variables}
-        self.states = [one.variable.derivative.name for one in self.description.derivatives]
-        self.inputs = [one.name for one in variables if one.causality == "input"]
+        self.references = {variable.name: variable.valueReference for variable in variables}
+        self.states = [
+            derivative.variable.derivative.name for derivative in self.description.derivatives
+        ]
+        self.inputs = [variable.name for variable in variables if variable.causality == "input"]
         for name, value in start.items():
             self.put(name, value)
         if self.is_2:
@@ -98,13 +100,13 @@ class Exchanged:
         if name in self.inputs:
             self.put(name, value)
             return
-        states = [value if one == name else values[one] for one in self.states]
+        states = [value if state == name else values[state] for state in self.states]
         self.fmu.setContinuousStates((ctypes.c_double * len(states))(*states), len(states))
 
     def along(self, unknowns: Sequence[str], knowns: Sequence[str], seed: Sequence[float]) -> Any:
         found = self.fmu.getDirectionalDerivative(
-            [self.references[one] for one in unknowns],
-            [self.references[one] for one in knowns],
+            [self.references[unknown] for unknown in unknowns],
+            [self.references[known] for known in knowns],
             list(seed),
         )
         return np.array(found)
@@ -116,14 +118,14 @@ class Exchanged:
 def test_derivatives_are_those_of_central_differences(folder, case):
     pair, start, settings = PAIRS[case]
     path = made(folder, case.replace(" ", "-"), *pair, **settings)
-    one = Exchanged(path, folder, start)
-    real = [v for v in one.description.modelVariables if v.type in ("Real", "Float64")]
+    model = Exchanged(path, folder, start)
+    real = [v for v in model.description.modelVariables if v.type in ("Real", "Float64")]
     unknowns = [
         v.name for v in real
         if v.causality == "output" or v.name.startswith(("der(", "indicator."))
     ]  # fmt: skip
-    knowns = [*one.states, *one.inputs]
-    at = dict(zip(knowns, one.got(knowns).tolist(), strict=True))
+    knowns = [*model.states, *model.inputs]
+    at = dict(zip(knowns, model.got(knowns).tolist(), strict=True))
     sizes = {v.name: float(v.nominal or 1.0) for v in real}
     columns = []
     for known in knowns:
@@ -131,45 +133,45 @@ def test_derivatives_are_those_of_central_differences(folder, case):
         def difference(h: float, known: str = known) -> Any:
             ends = []
             for side in (1.0, -1.0):
-                one.vary(known, at, at[known] + side * h)
-                ends.append(one.got(unknowns))
-            one.vary(known, at, at[known])
+                model.vary(known, at, at[known] + side * h)
+                ends.append(model.got(unknowns))
+            model.vary(known, at, at[known])
             return (ends[0] - ends[1]) / (2.0 * h)
 
         h = STEP * max(abs(at[known]), sizes[known])
         columns.append((4.0 * difference(h / 2.0) - difference(h)) / 3.0)
     differences = np.array(columns).T
-    found = np.array([one.along(unknowns, [known], [1.0]) for known in knowns]).T
+    found = np.array([model.along(unknowns, [known], [1.0]) for known in knowns]).T
     scale = np.array([sizes[known] for known in knowns])  # what each may change
     largest = np.abs(differences * scale).max(axis=1, keepdims=True)
     # differences of values of some size, of forces of some newtons, lose 1e-16 of it over the step
-    rounding = 1e-15 / STEP * (1.0 + np.abs(one.got(unknowns)))[:, None]
+    rounding = 1e-15 / STEP * (1.0 + np.abs(model.got(unknowns)))[:, None]
     assert (np.abs((found - differences) * scale) <= AGREES * largest + rounding).all()
     seed = np.linspace(-1.0, 2.0, len(knowns)) * scale
     np.testing.assert_allclose(
-        one.along(unknowns, knowns, seed), found @ seed, atol=1e-9 * float(np.abs(largest).max())
+        model.along(unknowns, knowns, seed), found @ seed, atol=1e-9 * float(np.abs(largest).max())
     )
-    one.fmu.freeInstance()
+    model.fmu.freeInstance()
 
 
 def test_what_is_promised_is_declared_and_what_depends_on_what(folder):
     for fmi in (2, 3):
         path = made(folder, f"declared-{fmi}", BLOCK, COULOMB, fmi=fmi)
-        one = Exchanged(path, folder, {"x": 0.03, "v": 0.2})
+        model = Exchanged(path, folder, {"x": 0.03, "v": 0.2})
         text = zipfile.ZipFile(path).read("modelDescription.xml").decode()
         promise = f'providesDirectionalDerivative{"s" * (fmi == 3)}="true"'
         assert text.count(promise) == 2  # FMPy knows that of FMI 2.0 only
         known = {
             unknown.variable.name: [dependency.name for dependency in unknown.dependencies or []]
-            for unknown in (*one.description.outputs, *one.description.derivatives)
+            for unknown in (*model.description.outputs, *model.description.derivatives)
         }
         assert known["x"] == ["x"]
         assert known["der(x)"] == ["v"]
         assert known["der(v)"] == known["friction"] == ["x", "v"]
         # closed form: m a = -k (x - x_0) - F while it slips and the spring is pressed
-        found = one.along(["der(v)", "friction", "normal_force"], ["x"], [1.0])
+        found = model.along(["der(v)", "friction", "normal_force"], ["x"], [1.0])
         np.testing.assert_allclose(found, [-BLOCK.stiffness / BLOCK.mass, 0.0, 0.0], atol=1e-9)
-        one.fmu.freeInstance()
+        model.fmu.freeInstance()
         slave = Slave(path, folder).begin()
         slave.step(0.1)
         references = [slave.variables[name].valueReference for name in ("der(v)", "x", "v")]
@@ -201,13 +203,13 @@ def test_a_steep_fall_of_friction_is_followed(folder):
     law = Stribeck(kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=1e-4)
     axis = Axis(inertia=2.0)
     path = made(folder, "steep", axis, law, inputs=["drive"])
-    one = Exchanged(path, folder, {"v": 1e-4, "drive": 2.0})
-    at = dict.fromkeys(one.states, 0.0)
+    model = Exchanged(path, folder, {"v": 1e-4, "drive": 2.0})
+    at = dict.fromkeys(model.states, 0.0)
     for share in (0.1, 0.5, 1.0, 2.0, 3.0):
-        one.vary("v", at, share * 1e-4)
+        model.vary("v", at, share * 1e-4)
         # of 0.5 exp(-(v / v_s)^2), whose largest is 0.43 / v_s; extrapolation leaves 1e-10 of it
         slope = -share * np.exp(-(share**2)) / 1e-4
-        found = one.along(["friction", "der(v)"], ["v"], [1.0])
+        found = model.along(["friction", "der(v)"], ["v"], [1.0])
         np.testing.assert_allclose(found, [slope, -slope / 2.0], atol=1e-9 * 0.43 / 1e-4)
-    np.testing.assert_allclose(one.along(["der(v)"], ["drive"], [1.0]), [0.5], rtol=1e-10)
-    one.fmu.freeInstance()
+    np.testing.assert_allclose(model.along(["der(v)"], ["drive"], [1.0]), [0.5], rtol=1e-10)
+    model.fmu.freeInstance()

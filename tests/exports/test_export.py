@@ -167,7 +167,7 @@ def test_a_rig_with_several_laws_asks_which():
 def test_a_fit_is_exported_as_it_stands():
     v = np.linspace(0.01, 1.0, 50)
     law = Stribeck(kinetic_coefficient=2.0, static_coefficient=2.6, stribeck_velocity=0.05)
-    table = Measurement(velocity=v, friction=[law.force(one, 1.0) for one in v])
+    table = Measurement(velocity=v, friction=[law.force(speed, 1.0) for speed in v])
     found = export(fit(Axis(inertia=1.0), law, table), "csv")
     assert "Fitted at speeds up to 1 m/s" in found.files["stribeck.csv"]
     assert found.files["stribeck.csv"].splitlines()[-1].startswith("1.0,")

@@ -146,7 +146,9 @@ def test_descriptions_are_valid_and_say_units(block, capsule, chain, cart):
 
     for path in (block, capsule, chain, cart):
         assert validate_fmu(str(path)) == []
-    known = {one.name: one for one in read_model_description(str(cart)).modelVariables}
+    known = {
+        variable.name: variable for variable in read_model_description(str(cart)).modelVariables
+    }
     assert (known["pendulum.drive"].causality, known["pendulum.drive"].unit) == ("input", "N m")
     assert known["mechanism.cart_mass"].unit == "kg"
     assert known["omega"].unit == "rad/s"
@@ -398,7 +400,7 @@ def test_what_tables_are_made_with_is_constant():
     found = variables_of(axis, COULOMB, model, y0=[0.0, 0.0], nominals=[1.0] * 4, inputs={})
     roles = {one.name.rpartition(".")[2]: one.role for one in found}
     assert roles["frequency"] == "constant"  # the largest step follows from it
-    assert {roles[one] for one in ("amplitude", "phase", "inertia", "offset")} == {"parameter"}
+    assert {roles[name] for name in ("amplitude", "phase", "inertia", "offset")} == {"parameter"}
     chirp = Capsule(
         capsule_mass=0.8,
         inner_mass=0.2,

@@ -52,7 +52,7 @@ def test_coulomb_and_viscous_friction_leaves_nothing():
 def test_level_and_damping_are_those_of_least_squares_with_neither_below_zero():
     found = taken(STRIBECK)
     v = np.linspace(5e-7, 0.5, 2001)
-    force = np.array([STRIBECK.sliding(one, 10.0) for one in v])
+    force = np.array([STRIBECK.sliding(speed, 10.0) for speed in v])
     table = np.column_stack([np.ones_like(v), v])
     (level, damping), *_ = np.linalg.lstsq(table, force, rcond=None)
     np.testing.assert_allclose(
@@ -160,7 +160,7 @@ def test_the_joints_of_an_arm_with_a_slide_leave_each_as_its_own():
         "turn": CoulombViscous(kinetic_coefficient=1.0, viscous_coefficient=0.3),
         "push": CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=4.0),
     }
-    contacts = {n: KnownLaws(laws={one.name: one}, named=(one.name,)) for n, one in laws.items()}
+    contacts = {n: KnownLaws(laws={law.name: law}, named=(law.name,)) for n, law in laws.items()}
     known = LawEstimates(
         law=dict.fromkeys(laws, "coulomb-viscous"),
         levels=levels_at(robot),
@@ -234,7 +234,7 @@ def test_bristles_that_mujoco_does_not_have_become_a_level_and_a_damping():
         (text,) = found.files.values()
         assert "frictionloss=" in text
         assert "<dcmotor" not in text
-        assert any(one.startswith("Bristles:") for one in found.remarks)
+        assert any(remark.startswith("Bristles:") for remark in found.remarks)
 
 
 @pytest.mark.parametrize("rotary", [False, True])

@@ -105,7 +105,7 @@ def compiled(tmp_path_factory):
 @pytest.mark.parametrize("name", NAMES)
 def test_octave_gives_what_the_law_and_the_compiled_step_give(printed, compiled, name):
     law, found = LAWS_EXPORTED[name], iter(printed[name])
-    ends = [f"{one}_end" for one in equations_of(law).bristles]
+    ends = [f"{bristle}_end" for bristle in equations_of(law).bristles]
     results = ["velocity_end", *ends, "displacement", "friction", "sticks"]
     step = numbers(compiled, f"{name}_step", results)
     push = compensation(law, width=0.01, factor=0.9, load=LOAD)

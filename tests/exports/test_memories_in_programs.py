@@ -24,17 +24,19 @@ def test_compiled_steps_come_near_the_run_at_short_periods_and_at_long_ones(name
     flags = [f"slips{i + 1}" for i in range(4)] if name == "gms" else []
     states = ["velocity", *own.states, *flags]
     step = numbers(
-        compiled, f"{name}_step", [*(f"{one}_end" for one in states), "moved", "friction", "sticks"]
+        compiled,
+        f"{name}_step",
+        [*(f"{state}_end" for state in states), "moved", "friction", "sticks"],
     )
     expected = simulate(axis(PUSH), own, t_end=1.0)["x"][-1]
     for period, within in ((2e-3, 5e-4), (2e-4, 1e-4)):  # of 0.24 m; presliding is over in 0.15 mm
         x, now = 0.0, [0.0] * len(states)
         for i in range(round(1.0 / period)):
             found = step(PUSH.smooth((i + 0.5) * period), *now, 1.0, 1.0, period)
-            now = [found[f"{one}_end"] for one in states]
+            now = [found[f"{state}_end"] for state in states]
             x += found["moved"]
         assert x == pytest.approx(expected, abs=within)
-        assert {found[f"{one}_end"] for one in flags} <= {0.0, 1.0}
+        assert {found[f"{flag}_end"] for flag in flags} <= {0.0, 1.0}
 
 
 def test_programs_say_what_a_step_errs_by_where_friction_falls_at_once():
@@ -48,13 +50,13 @@ def test_elements_far_stiffer_than_the_period_resolves_cost_no_accuracy(tmp_path
     compiled = library(tmp_path, export(own, "c", name="gms").files)
     states = ["velocity", *own.states, *(f"slips{i + 1}" for i in range(4))]
     step = numbers(
-        compiled, "gms_step", [*(f"{one}_end" for one in states), "moved", "friction", "sticks"]
+        compiled, "gms_step", [*(f"{state}_end" for state in states), "moved", "friction", "sticks"]
     )
     expected = simulate(axis(PUSH), own, t_end=1.0).at(np.arange(1, 1001) * 1e-3)["x"]
     x, now, found = 0.0, [0.0] * len(states), []
     for i in range(1000):
         moved = step(PUSH.smooth((i + 0.5) * 1e-3), *now, 1.0, 1.0, 1e-3)
-        now = [moved[f"{one}_end"] for one in states]
+        now = [moved[f"{state}_end"] for state in states]
         found.append(x := x + moved["moved"])
     # of 0.36 m; states that are led on in a straight line pass their limits and are 4 mm off
     np.testing.assert_allclose(found, expected, atol=1e-4)

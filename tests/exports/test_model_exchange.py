@@ -189,7 +189,7 @@ def test_descriptions_name_derivatives_and_indicators(block, capsule, clutch):
     known = read_model_description(str(capsule))
     assert known.modelExchange is not None
     assert known.numberOfContinuousStates == 5
-    variables = {one.name: one for one in known.modelVariables}
+    variables = {variable.name: variable for variable in known.modelVariables}
     assert variables["der(v)"].derivative is variables["v"]
     assert (variables["der(v)"].unit, variables["der(x)"].unit) == ("m/s^2", "m/s")
     assert float(variables["z"].nominal) < 0.01
@@ -268,7 +268,9 @@ def test_indicators_of_a_loop_are_named_by_directions_and_cuts(loop):
 
     assert validate_fmu(str(loop)) == []
     known = read_model_description(str(loop))
-    names = [one.name for one in known.modelVariables if one.name.startswith("indicator.")]
+    names = [
+        variable.name for variable in known.modelVariables if variable.name.startswith("indicator.")
+    ]
     pairs = ["slip_1", "slip_2", "slip_3", "slip_4", "cut_1", "cut_2", "cut_3"]
     assert names[:14] == [f"indicator.{x}.{way}" for x in pairs for way in ("forward", "backward")]
     assert len(names) == known.numberOfEventIndicators == 17
@@ -300,7 +302,7 @@ SPUN: dict[str, tuple[Any, Any, dict[str, float], dict[str, float]]] = {
         dataclasses.replace(
             SEVERAL["clutch-train"],
             rotors=tuple(
-                dataclasses.replace(one, torque=None) for one in SEVERAL["clutch-train"].rotors
+                dataclasses.replace(rotor, torque=None) for rotor in SEVERAL["clutch-train"].rotors
             ),
             clutches=tuple(
                 dataclasses.replace(one, press=None, load=30.0)
@@ -416,7 +418,9 @@ class Model:
         from fmpy.fmi3 import FMU3Model
 
         self.description: Any = read_model_description(str(path))
-        self.variables = {one.name: one.valueReference for one in self.description.modelVariables}
+        self.variables = {
+            variable.name: variable.valueReference for variable in self.description.modelVariables
+        }
         self.messages: list[str] = []
         place = folder / f"{path.stem}-exchange"
         if not place.exists():  # a library that is loaded must not be written over
@@ -460,77 +464,80 @@ class Model:
 
 
 def test_a_contact_that_slips_is_held_where_its_speed_has_fallen(block, folder):
-    one = Model(block, folder).begin()
-    assert one.mode() == 1
-    one.put_states(0.1, 0.05, 0.4)  # the spring pushes with 5 N
-    rate, slip = one.got("der(v)", "indicator.slip")
+    slave = Model(block, folder).begin()
+    assert slave.mode() == 1
+    slave.put_states(0.1, 0.05, 0.4)  # the spring pushes with 5 N
+    rate, slip = slave.got("der(v)", "indicator.slip")
     np.testing.assert_allclose([rate, slip], [5.0 - 0.25 * 9.81, 0.4], rtol=1e-9)
-    assert one.fmu.completedIntegratorStep() == (False, False)
-    one.put_states(0.2, 0.09, -1e-9)  # beyond the root, as a solver leaves it
-    assert one.got("indicator.slip")[0] < 0.0
-    assert one.event() == (False, True)
-    assert one.mode() == 0
-    assert one.got("x", "v", "der(v)") == [0.09, 0.0, 0.0]
-    margins = one.got("indicator.break_forward", "indicator.break_backward")
+    assert slave.fmu.completedIntegratorStep() == (False, False)
+    slave.put_states(0.2, 0.09, -1e-9)  # beyond the root, as a solver leaves it
+    assert slave.got("indicator.slip")[0] < 0.0
+    assert slave.event() == (False, True)
+    assert slave.mode() == 0
+    assert slave.got("x", "v", "der(v)") == [0.09, 0.0, 0.0]
+    margins = slave.got("indicator.break_forward", "indicator.break_backward")
     np.testing.assert_allclose(margins, [0.25 * 9.81 - 1.0, 0.25 * 9.81 + 1.0], rtol=1e-9)
-    one.fmu.freeInstance()
+    slave.fmu.freeInstance()
 
 
 def test_an_event_in_which_nothing_has_fallen_changes_nothing(block, folder):
-    one = Model(block, folder).begin()
-    one.put_states(0.1, 0.05, 0.4)
-    before = one.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
-    assert one.event() == (False, False)
-    after = one.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
+    slave = Model(block, folder).begin()
+    slave.put_states(0.1, 0.05, 0.4)
+    before = slave.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
+    assert slave.event() == (False, False)
+    after = slave.got("x", "v", "der(v)", "friction", "indicator.slip", "indicator.switch_1")
     np.testing.assert_allclose(after, before, rtol=1e-11)  # indicators know larger sizes now
-    one.fmu.freeInstance()
+    slave.fmu.freeInstance()
 
 
 def test_a_step_that_passes_a_fall_asks_for_an_event(block, folder):
-    one = Model(block, folder).begin()
-    one.put_states(0.2, 0.09, -0.01)
-    assert one.got("indicator.slip")[0] < 0.0
-    found, _ = one.fmu.completedIntegratorStep()
+    slave = Model(block, folder).begin()
+    slave.put_states(0.2, 0.09, -0.01)
+    assert slave.got("indicator.slip")[0] < 0.0
+    found, _ = slave.fmu.completedIntegratorStep()
     assert found
-    assert one.event() == (False, True)
-    assert one.mode() == 0
-    one.fmu.freeInstance()
+    assert slave.event() == (False, True)
+    assert slave.mode() == 0
+    slave.fmu.freeInstance()
 
 
 def test_a_parameter_is_tuned_in_an_event_and_not_between(block, folder):
-    one = Model(block, folder).begin()
-    one.put_states(0.1, 0.05, 0.4)
-    one.fmu.completedIntegratorStep()
-    one.put_states(0.2, 0.1, -1e-9)  # where the spring is not pressed
-    one.event()
+    slave = Model(block, folder).begin()
+    slave.put_states(0.1, 0.05, 0.4)
+    slave.fmu.completedIntegratorStep()
+    slave.put_states(0.2, 0.1, -1e-9)  # where the spring is not pressed
+    slave.event()
     with pytest.raises(Exception, match="failed"):
-        one.put("mechanism.gravity", 5.0)
-    assert "can be set only before the simulation and in events" in one.messages[-1]
-    one.fmu.enterEventMode()
-    one.put("mechanism.gravity", 20.0)
-    one.fmu.updateDiscreteStates()
-    one.fmu.enterContinuousTimeMode()
+        slave.put("mechanism.gravity", 5.0)
+    assert "can be set only before the simulation and in events" in slave.messages[-1]
+    slave.fmu.enterEventMode()
+    slave.put("mechanism.gravity", 20.0)
+    slave.fmu.updateDiscreteStates()
+    slave.fmu.enterContinuousTimeMode()
     np.testing.assert_allclose(
-        one.got("normal_force", "indicator.break_forward"), [20.0, 5.0], rtol=1e-9
+        slave.got("normal_force", "indicator.break_forward"), [20.0, 5.0], rtol=1e-9
     )
-    one.fmu.freeInstance()
+    slave.fmu.freeInstance()
 
 
 def test_phases_and_counts_that_are_wrong_are_refused_in_words(block, folder):
     import ctypes
 
-    one = Model(block, folder).begin()
+    slave = Model(block, folder).begin()
     for action, words in (
-        (one.fmu.updateDiscreteStates, "updated in event mode"),
-        (one.fmu.enterContinuousTimeMode, "cannot be done now"),
-        (lambda: one.fmu.setTime(math.nan), "must be a finite number"),
-        (lambda: one.fmu.getEventIndicators((ctypes.c_double * 2)(), 2), "event indicators, not 2"),
-        (lambda: one.put("x", 1.0), "x cannot be set after initialization."),
+        (slave.fmu.updateDiscreteStates, "updated in event mode"),
+        (slave.fmu.enterContinuousTimeMode, "cannot be done now"),
+        (lambda: slave.fmu.setTime(math.nan), "must be a finite number"),
+        (
+            lambda: slave.fmu.getEventIndicators((ctypes.c_double * 2)(), 2),
+            "event indicators, not 2",
+        ),
+        (lambda: slave.put("x", 1.0), "x cannot be set after initialization."),
     ):
         with pytest.raises(Exception, match=r"failed|missing"):
             action()
-        assert words in one.messages[-1]
-    one.fmu.freeInstance()
+        assert words in slave.messages[-1]
+    slave.fmu.freeInstance()
 
 
 def test_a_state_is_brought_back_and_not_into_the_other_kind(block, folder):
@@ -617,7 +624,9 @@ def bare_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
         except importlib.metadata.PackageNotFoundError:
             continue  # of another platform
         waiting += [
-            re.split(r"[\s\[<>=!~;(]", one)[0] for one in found.requires or () if "extra" not in one
+            re.split(r"[\s\[<>=!~;(]", require)[0]
+            for require in found.requires or ()
+            if "extra" not in require
         ]
         for top in {file.parts[0] for file in found.files or () if file.parts[0] != ".."}:
             if not (packages / top).exists():

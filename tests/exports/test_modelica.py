@@ -78,7 +78,7 @@ def test_the_package_compiles_and_its_body_moves_as_in_the_engine(rumoca, tmp_pa
         for i in range(0, len(time), 20):
             moved = step(3.0, float(run["ramp"][i]), LOAD, MASS, 0.01)
             np.testing.assert_allclose(
-                [run[one][i] for one in results], list(moved.values()), rtol=1e-9, atol=1e-11
+                [run[result][i] for result in results], list(moved.values()), rtol=1e-9, atol=1e-11
             )
 
     drive = Sine(amplitude=8.0, frequency=6.0 / (2.0 * math.pi))

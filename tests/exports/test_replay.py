@@ -72,14 +72,14 @@ def arm(tmp_path_factory):
 
 
 def rig_of(path):
-    known = {name: KnownLaws(laws={one.name: one}, named=(one.name,)) for name, one in LAWS.items()}
+    known = {name: KnownLaws(laws={law.name: law}, named=(law.name,)) for name, law in LAWS.items()}
     return Rig(mechanism=read_urdf(path).robot, contacts=known)
 
 
 def replays_of(arm, file=None, **settings):
     path, record = arm
     found = apply(rig_of(path), file or path, largest_speed="2.4 rad/s", record=record, **settings)
-    return {one.joint: one.replay for one in found.joints}
+    return {joint.joint: joint.replay for joint in found.joints}
 
 
 def mujoco_or_skip():
@@ -170,8 +170,8 @@ def test_an_axis_is_compared_on_its_record(tmp_path):
 def test_the_command_takes_the_rig_file_of_a_log(arm, tmp_path, capsys):
     path, record = arm
     table = {"time": record.time}
-    for name, one in record.joints.items():
-        table |= {f"position.{name}": one.position, f"force.{name}": one.force}
+    for name, joint in record.joints.items():
+        table |= {f"position.{name}": joint.position, f"force.{name}": joint.force}
     columns = np.column_stack(list(table.values()))
     np.savetxt(tmp_path / "run.csv", columns, delimiter=",", header=",".join(table), comments="")
     (tmp_path / "law.toml").write_text(
@@ -195,7 +195,10 @@ def test_the_command_takes_the_rig_file_of_a_log(arm, tmp_path, capsys):
         assert not leaving.value.code
         documents.append(json.loads(capsys.readouterr().out)["joints"][0]["record"])
     assert documents[0] == documents[1]
-    assert [one["model"] for one in documents[0]["models"]] == ["law", "level and damping"]
+    assert [document["model"] for document in documents[0]["models"]] == [
+        "law",
+        "level and damping",
+    ]
 
 
 def test_a_record_without_the_mechanism_of_the_law_is_refused(arm):

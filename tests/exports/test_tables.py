@@ -28,7 +28,7 @@ LAW = Stribeck(
 def fitted():
     v = np.linspace(-1.0, 1.0, 200)
     noise = np.random.default_rng(0).normal(0.0, 0.3, v.size)
-    friction = np.array([LAW.force(float(one), load=1.0) for one in v]) + noise
+    friction = np.array([LAW.force(float(speed), load=1.0) for speed in v]) + noise
     return fit(Axis(inertia=3.0), "stribeck", Measurement(velocity=v, friction=friction))
 
 

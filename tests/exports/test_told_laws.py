@@ -167,7 +167,9 @@ def test_an_input_that_nothing_tells_is_one_of_the_fmu(given, tmp_path):
     file = export_fmu(warm if given else DRIVEN, WARM, tmp_path / "axis.fmu", t_end=1.0)
     assert not validate_fmu(str(file))
     told = [v for v in read_model_description(str(file)).modelVariables if v.causality == "input"]
-    assert [(one.name, one.unit) for one in told] == ([] if given else [("temperature", "degC")])
+    assert [(sentence.name, sentence.unit) for sentence in told] == (
+        [] if given else [("temperature", "degC")]
+    )
     signal = np.array([(0.0, 30.0), (1.0, 30.0)], dtype=[("time", float), ("temperature", float)])
     run = simulate_fmu(
         str(file), stop_time=1.0, output_interval=0.25, input=None if given else signal
@@ -201,12 +203,12 @@ def test_contact_inputs_of_several_contacts_are_inputs_of_the_fmu_by_contact(tmp
     hot = fading(kinetic_coefficient=0.4, level_temperature_decay=0.001)
     apart = given_inputs(brake, {"temperature": 20.0, "pad-2": {"temperature": 90.0}})
     start = {"omega": 2.0}
-    one = export_fmu(
+    path = export_fmu(
         apart, {"pad-1": hot, "pad-2": hot}, tmp_path / "one.fmu", t_end=0.2, y0=start,
         inputs=["pad-2.temperature"],
     )  # fmt: skip
     both = export_fmu(brake, hot, tmp_path / "both.fmu", t_end=0.2, y0=start)
-    for file, name in ((one, "pad-2.temperature"), (both, "temperature")):
+    for file, name in ((path, "pad-2.temperature"), (both, "temperature")):
         variables = read_model_description(str(file)).modelVariables
         (told,) = [v for v in variables if v.causality == "input"]
         assert (told.name, told.unit) == (name, "degC")
@@ -214,7 +216,7 @@ def test_contact_inputs_of_several_contacts_are_inputs_of_the_fmu_by_contact(tmp
         run = simulate_fmu(str(file), stop_time=0.2, output_interval=0.05, input=signal)
         warm = (
             given_inputs(apart, {"pad-2": {"temperature": 300.0}})
-            if file == one
+            if file == path
             else given_inputs(brake, {"temperature": 300.0})
         )
         wanted = simulate(warm, hot, t_end=0.2, y0=start)

@@ -94,10 +94,10 @@ ROUNDING = 1e-12
 )
 def test_matrices_and_energies_give_the_same_equations(matrix_cart, kind):
     law = example_of(kind)
-    one = Generated(matrix_cart(**SIZES, torque=PUSH), law)
+    generated = Generated(matrix_cart(**SIZES, torque=PUSH), law)
     other = Generated(BY_ENERGIES, law)
     dice = random.Random(5)
-    bristles = [1e-5] * (one.sizes.states - 4)
+    bristles = [1e-5] * (generated.sizes.states - 4)
     for _ in range(20):
         y = [dice.uniform(-2.0, 2.0) for _ in range(4)] + bristles
         t = dice.uniform(0.0, 2.0)
@@ -108,9 +108,9 @@ def test_matrices_and_energies_give_the_same_equations(matrix_cart, kind):
                 size = np.abs(expected).max() + 1.0
                 # what is absent in one has no value: Painleve's pivot is 1 in both
                 np.testing.assert_allclose(
-                    one.moving(name, mode, y, t=t), expected, rtol=0, atol=ROUNDING * size
+                    generated.moving(name, mode, y, t=t), expected, rtol=0, atol=ROUNDING * size
                 )
-        assert one.energy(y, t=t) == pytest.approx(other.energy(y, t=t), rel=ROUNDING)
+        assert generated.energy(y, t=t) == pytest.approx(other.energy(y, t=t), rel=ROUNDING)
 
 
 def test_a_held_contact_needs_the_same_friction_by_matrices_and_energies():

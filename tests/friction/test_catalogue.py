@@ -7,7 +7,6 @@ import subprocess
 import sys
 
 import pytest
-from tools import stubs
 
 import stickslip
 from stickslip.friction import LAWS, FrictionLaw, law, listed, said_of
@@ -74,11 +73,6 @@ def test_entries_say_what_their_classes_say():
         for key in ("title", "sources", "on_request", "states"):
             assert getattr(one, key) == getattr(kind, key)
         assert str(one.composition) == str(kind.composition)
-
-
-def test_the_list_of_named_laws_is_that_of_the_entries():
-    path = stubs.NAMED.with_name("__init__.py")
-    assert path.read_text(encoding="utf-8") == stubs.with_named_laws(), "run `make stubs`"
 
 
 def test_travels_are_compared_with_six_laws_unasked():

@@ -149,7 +149,7 @@ def by_parts(term, p, speed):
         case Product(first=first):
             (slope,) = (name for name in fields_of(type(p.one)) if name.endswith("ature_slope"))
             times = 1.0 + getattr(p.one, slope) * CONTACT["temperature"]
-            return tuple(times * one for one in by_parts(first, p, speed))
+            return tuple(times * part for part in by_parts(first, p, speed))
     slip = Slip(speed=speed, along=speed)
     if term.role == "flow":
         return 0.0, term.part.flow(p, slip), 0.0
@@ -201,7 +201,7 @@ NAMED_BEFORE = (
 @pytest.mark.parametrize("step", quick(("211", "1"), "211"))
 def test_what_is_read_is_what_runs_part_by_part(step):
     texts = [*NAMED_BEFORE, *itertools.islice(compositions(), 0, None, int(step))]
-    assert [one for one in map(lost, texts) if one] == []
+    assert [text for text in map(lost, texts) if text] == []
 
 
 def started(kind):
@@ -728,7 +728,7 @@ def test_only_what_is_over_the_normal_force_reads_as_a_force_where_none_is_known
     assert {name: found[name] for name in units if name in found} == {
         name: unit for name, unit in units.items() if name in found
     }
-    in_table = {field: one.unit for field, one in force_parameters(kind).values()}
+    in_table = {field: parameter.unit for field, parameter in force_parameters(kind).values()}
     assert all(in_table.get(name, unit) == unit for name, unit in units.items())
 
 

@@ -33,9 +33,13 @@ def test_friction_against_velocity_says_nothing_of_the_static_level():
     noise = np.random.default_rng(0).normal(0.0, 0.1, v.size)
     table = Measurement(velocity=v, friction=LAW.force(v, 1.0) + noise)
     found = fit(Axis(inertia=1.0), CoulombViscousStatic, table)
-    static = next(one for one in found.estimates if one.path == "friction.static_coefficient")
+    static = next(
+        estimate for estimate in found.estimates if estimate.path == "friction.static_coefficient"
+    )
     assert (static.low, static.high) == (-math.inf, math.inf)
-    kinetic = next(one for one in found.estimates if one.path == "friction.kinetic_coefficient")
+    kinetic = next(
+        estimate for estimate in found.estimates if estimate.path == "friction.kinetic_coefficient"
+    )
     assert static.value == kinetic.value
 
 
@@ -49,7 +53,7 @@ def test_the_balance_of_a_record_gives_sliding_and_says_nothing_of_the_static_le
     x = x + np.random.default_rng(seed).normal(0.0, 2e-6, TIME.size)
     record = Measurement(time=TIME, position=x, force=force)
     found = fit(Axis(inertia=2.0), CoulombViscousStatic, record)
-    told = {one.path.rpartition(".")[2]: one for one in found.estimates}
+    told = {estimate.path.rpartition(".")[2]: estimate for estimate in found.estimates}
     assert "static_coefficient" not in told
     for name in ("kinetic_coefficient", "viscous_coefficient"):
         assert told[name].low < VALUES[name] < told[name].high

@@ -106,10 +106,10 @@ def test_with_both_directions_alike_a_run_is_that_of_the_plain_law_to_the_last_b
         forward_viscous_coefficient=0.3,
         backward_viscous_coefficient=0.3,
     )
-    one, other = (simulate(rig, law, t_end=4.0) for law in (plain, both))
-    np.testing.assert_array_equal(other.t, one.t)
-    np.testing.assert_array_equal(other["x"], one["x"])
-    assert other.events == one.events
+    run, other = (simulate(rig, law, t_end=4.0) for law in (plain, both))
+    np.testing.assert_array_equal(other.t, run.t)
+    np.testing.assert_array_equal(other["x"], run["x"])
+    assert other.events == run.events
 
 
 def test_a_constant_force_and_half_the_difference_of_the_levels_are_the_same():

@@ -87,7 +87,7 @@ def test_a_motor_lifts_a_weight_from_the_torque_of_the_closed_form(name):
     lifting = replace(SERVO, drive=Ramp(rate=rate))
     wanted = driven_ahead(name, WEIGHT * math.sin(angle)) / rate
     run = simulate(lifting, LAW[name], t_end=wanted + 0.1, y0={"theta": angle}, solver=PLAIN)
-    first = next(one for one in run.events if one.from_mode == 0)
+    first = next(event for event in run.events if event.from_mode == 0)
     assert first.t == pytest.approx(wanted, rel=1e-9)
     assert first.to_mode == 1
 
@@ -117,13 +117,13 @@ def test_friction_of_a_gear_that_turns_both_ways_stays_within_its_level_and_take
     law = LAW[name]
     run = simulate(servo, law, t_end=8.0, y0={"theta": 1.4}, solver=PLAIN)
     assert run.certificate.certified
-    reversals = [one.to_mode for one in run.events]
+    reversals = [event.to_mode for event in run.events]
     assert {1, -1} <= {*reversals}  # lifts and is driven back
     t = np.linspace(0.0, 8.0, 4001)
     seen = run.at(t)
     friction, v = seen["friction"], seen["omega"]
     external = -WEIGHT * np.sin(seen["theta"])
-    motor = np.array([push.value(float(one)) for one in t])
+    motor = np.array([push.value(float(moment)) for moment in t])
     told = bound(
         law,
         {"motor": motor, "external": external, "transmitted": motor - external},

@@ -8,8 +8,8 @@ from stickslip.friction import FrictionLaw, containment_of, law, laws, usual_spe
 from stickslip.friction.notation import canonical, read
 from stickslip.identify.fits.estimation.parameters import starting_law
 
-KINDS = list(dict.fromkeys(one.law for one in usual_specifications()))
-PAIRS = [(rich, one) for rich in KINDS for one in KINDS if containment_of(rich, one)]
+KINDS = list(dict.fromkeys(specification.law for specification in usual_specifications()))
+PAIRS = [(rich, kind) for rich in KINDS for kind in KINDS if containment_of(rich, kind)]
 LARGE = 1e12
 """Stands for infinity: bristles then give way by less than a picometre."""
 
@@ -72,7 +72,7 @@ def test_both_directions_of_a_sum_are_the_sum_of_both_directions(one, other, sam
 
 
 def test_titles_of_candidates_differ():
-    titles = [one.title for one in usual_specifications()]
+    titles = [specification.title for specification in usual_specifications()]
     assert len({*titles}) == len(titles)
 
 

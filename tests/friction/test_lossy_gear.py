@@ -123,7 +123,7 @@ def test_a_motor_lifts_and_lowers_a_weight_from_the_torques_of_the_closed_form(e
     wanted = abs(to - weight) / rate
     lifted = replace(arm, drive=ramp)
     run = simulate(lifted, gear, t_end=wanted + 0.05, y0={"theta": angle}, solver=PLAIN)
-    first = next(one for one in run.events if one.from_mode == 0)
+    first = next(event for event in run.events if event.from_mode == 0)
     assert first.t == pytest.approx(wanted, rel=1e-9)
     assert first.to_mode == way
     still = run["theta"][run.t < wanted * (1.0 - 1e-6)]

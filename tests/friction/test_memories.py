@@ -75,8 +75,8 @@ def located(rates, margins, y, t_end):
         return lambda _, y: 1.0 if slip[i] else margins(y[1], y[2:], way)[i]
 
     events = [stop, *map(reach, range(len(slip)))]
-    for one in events[1:]:
-        one.terminal, one.direction = True, -1
+    for event in events[1:]:
+        event.terminal, event.direction = True, -1
     stop.terminal, stop.direction = True, -1
     while t < t_end:
         begun = t + 1e-9
@@ -251,7 +251,7 @@ def forces_along(own, x, duration=1e3):
         travel=np.diff(x),
     )
     z = follow(own, path, np.zeros((len(own.states), 1)))[..., 0].T
-    return [own.force(1e-9, 1.0, tuple(one)) for one in z]
+    return [own.force(1e-9, 1.0, tuple(state)) for state in z]
 
 
 def test_elements_remember_all_turns_and_one_bristle_the_last_alone():
@@ -328,9 +328,9 @@ def test_springs_of_bliman_and_sorine_that_yield_in_one_distance_are_one_spring(
         surplus_share=0.25,
         distance_ratio=1.0,
     )
-    one = Dahl(static_switch=static_switch, kinetic_coefficient=1.0, bristle_stiffness=800.0)
-    assert own.break_away(3.0) == one.break_away(3.0) == 3.0
-    both = [simulate(RIG, each, t_end=3.0, y0={"v": 0.5}) for each in (own, one)]
+    dahl = Dahl(static_switch=static_switch, kinetic_coefficient=1.0, bristle_stiffness=800.0)
+    assert own.break_away(3.0) == dahl.break_away(3.0) == 3.0
+    both = [simulate(RIG, each, t_end=3.0, y0={"v": 0.5}) for each in (own, dahl)]
     times = np.linspace(0.0, 3.0, 61)
     for name in ("x", "friction"):
         found, expected = (run.at(times)[name] for run in both)
@@ -434,11 +434,11 @@ def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
     table = Measurement(
         time=t,
         position=recorded(own, 3.0).at(t)["x"] + np.random.default_rng(3).normal(0.0, 1e-6, len(t)),
-        force=np.array([drive.smooth(one) for one in t]),
+        force=np.array([drive.smooth(moment) for moment in t]),
     )
-    one = RecordSettings(hold="first", segment=3.1)
+    settings = RecordSettings(hold="first", segment=3.1)
     axis = Axis(inertia=1.0, load=1.0)
-    found = fit(axis, type(own), table, settings=one, route="shooting")
+    found = fit(axis, type(own), table, settings=settings, route="shooting")
     assert found.rms < 1.2e-6
     assert found.law.sticking_surplus == pytest.approx(own.sticking_surplus, rel=0.1)
 

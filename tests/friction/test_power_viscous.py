@@ -106,18 +106,18 @@ def test_a_pull_ends_at_the_speed_whose_power_takes_it():
 def test_with_the_exponent_1_a_run_is_that_of_coulomb_and_viscous_friction():
     plain = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=SIGMA)
     rig = Axis(inertia=M, stiffness=40.0)
-    one, other = (simulate(rig, it, t_end=3.0, y0={"x": 0.3}) for it in (plain, law(1.0, 0.2)))
-    np.testing.assert_array_equal(other["x"], one["x"])
-    assert other.events == one.events
+    run, other = (simulate(rig, it, t_end=3.0, y0={"x": 0.3}) for it in (plain, law(1.0, 0.2)))
+    np.testing.assert_array_equal(other["x"], run["x"])
+    assert other.events == run.events
 
 
 def test_with_the_exponent_2_a_run_is_that_of_drag():
     drag = QuadraticDrag(kinetic_coefficient=0.2, quadratic_coefficient=SIGMA)
     rig = Axis(inertia=M, stiffness=40.0)
-    one, other = (simulate(rig, it, t_end=3.0, y0={"x": 0.3}) for it in (drag, law(2.0, 0.2)))
-    assert [event.reason for event in other.events] == [event.reason for event in one.events]
+    run, other = (simulate(rig, it, t_end=3.0, y0={"x": 0.3}) for it in (drag, law(2.0, 0.2)))
+    assert [event.reason for event in other.events] == [event.reason for event in run.events]
     # below the plateau's end the two forces differ by less than 1e-12 N
-    np.testing.assert_allclose(other["x"][-1], one["x"][-1], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(other["x"][-1], run["x"][-1], rtol=0, atol=1e-10)
 
 
 def test_all_lengths_and_forces_may_grow_together_but_for_the_plateau():

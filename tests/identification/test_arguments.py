@@ -58,13 +58,13 @@ def test_a_single_name_needs_no_list_around_it():
         select(AXIS, ["coulomb"], MAP, vary=["friction.*", "mechanism.inertia"])
     held = {"viscous_coefficient": 0.5}
     free = fit(AXIS, "coulomb-viscous", MAP, vary="kinetic_coefficient", fixed=held)
-    paths = [one.path for one in free.estimates if one.path.startswith("friction.")]
+    paths = [estimate.path for estimate in free.estimates if estimate.path.startswith("friction.")]
     assert paths == ["friction.kinetic_coefficient"]
 
 
 @pytest.mark.parametrize("law", ["coulomb", Coulomb, Coulomb(kinetic_coefficient=2.0)])
 def test_a_single_law_may_be_selected_from(law):
-    found = {one.name for one in select(AXIS, law, MAP).candidates}
+    found = {candidate.name for candidate in select(AXIS, law, MAP).candidates}
     assert found == {"coulomb", "coulomb + offset"}  # the rig may have an offset
     with pytest.raises(UnknownNameError, match="unknown friction law 'coulom'"):
         select(AXIS, "coulom", MAP)

@@ -82,7 +82,7 @@ def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(
     )
     known = infer(seen, np.eye(1))
     assert known.half_widths[0] > 100.0 * 0.1  # a mean of 200 rows over 2e-3: 35 N and more
-    (one,) = estimates_of(FreeParameters((item,)), seen, known, {})
-    assert not one.bounded
-    assert one.reason.startswith("the record does not determine its magnitude, ± ")
-    assert one.reason.endswith(" N")
+    (estimate,) = estimates_of(FreeParameters((item,)), seen, known, {})
+    assert not estimate.bounded
+    assert estimate.reason.startswith("the record does not determine its magnitude, ± ")
+    assert estimate.reason.endswith(" N")

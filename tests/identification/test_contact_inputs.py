@@ -51,8 +51,10 @@ def friction(temperature, seed=1):
 
 def holds(found, name, value):
     """Whether the interval of an estimate has the true value, and is no wider than 20 % of it."""
-    one = found.estimate(name)
-    return one.low <= value <= one.high and one.high - one.low < 0.2 * abs(value)
+    estimate = found.estimate(name)
+    return estimate.low <= value <= estimate.high and estimate.high - estimate.low < 0.2 * abs(
+        value
+    )
 
 
 def test_a_temperature_column_beside_measured_friction_is_a_covariate_of_the_law():
@@ -165,7 +167,7 @@ def servo():
     """Return a record of a servo that lifts a pendulum, under a torque that is held 2 ms each."""
     t = np.arange(0.0, 12.0, 0.002)
     push = Sum(parts=(Sine(amplitude=1.1, frequency=0.25), Sine(amplitude=0.45, frequency=0.9)))
-    torque = np.array([push.value(one) for one in t])
+    torque = np.array([push.value(moment) for moment in t])
     rig = Pendulum(
         mass=SERVO.mass, length=LENGTH, gravity=9.81, drive=Sampled(times=t, values=torque)
     )
@@ -280,7 +282,7 @@ def test_joints_share_the_temperature_of_their_record_or_have_their_own(warm_arm
     told = replace(record, inputs={"temperature": temperature if shared else by_joint})
     laws = {"shoulder": WARM, "elbow": "coulomb"}
     found = fit(arm, laws, told)
-    (decay,) = [one for one in found.estimates if one.path.endswith("_decay")]
+    (decay,) = [estimate for estimate in found.estimates if estimate.path.endswith("_decay")]
     assert decay.low <= 0.03 <= decay.high < 0.031
     for without in ({}, {"temperature": {"elbow": temperature}}):
         with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
@@ -366,10 +368,10 @@ def test_the_torques_that_the_gears_of_an_arm_transmit_are_inputs_of_its_joints(
     found = fit(bare, dict.fromkeys(laws, JOINT_GEAR), record)
     for contact, true in laws.items():
         for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
-            (one,) = [e for e in found.estimates if e.path == f"friction.{contact}.{name}"]
+            (estimate,) = [e for e in found.estimates if e.path == f"friction.{contact}.{name}"]
             # half of a 95 % interval, twice; some 3 % of the value for what grows with the torque
-            assert abs(one.value - getattr(true, name)) < one.high - one.low
-            assert one.high - one.low < 0.1 * one.value
+            assert abs(estimate.value - getattr(true, name)) < estimate.high - estimate.low
+            assert estimate.high - estimate.low < 0.1 * estimate.value
     plain = fit(bare, dict.fromkeys(laws, "coulomb-viscous"), record)
     for joint in laws:
         assert found.score(record).joints[joint].rms < 0.5 * plain.score(record).joints[joint].rms
@@ -387,8 +389,8 @@ def test_a_torque_that_a_gear_transmits_changes_with_a_mass_that_is_fitted(gears
         ("friction.shoulder.transmitted_coefficient", 0.08),
         ("friction.elbow.transmitted_coefficient", 0.15),
     ):
-        (one,) = [e for e in found.estimates if e.path == path]
-        assert abs(one.value - true) < one.high - one.low < 0.1 * true
+        (estimate,) = [e for e in found.estimates if e.path == path]
+        assert abs(estimate.value - true) < estimate.high - estimate.low < 0.1 * true
     other = fit(bare, kinds, record, vary=asked)
     assert other.values == pytest.approx(found.values, rel=1e-5)  # of two ends of searches
 
@@ -411,6 +413,6 @@ def test_a_torque_that_changes_with_an_unknown_zero_is_no_known_input(gears):
     kinds = dict.fromkeys(laws, JOINT_GEAR)
     rough = law("level * linear[position] + viscous")  # no mass changes where a joint is
     found = fit(bare, dict.fromkeys(laws, rough), record, vary=["friction.*", "lower_inertia"])
-    assert any(one.path == "mechanism.lower_inertia" for one in found.estimates)
+    assert any(estimate.path == "mechanism.lower_inertia" for estimate in found.estimates)
     with pytest.raises(InputError, match="'transmitted', and TwoLinkArm tells it by"):
         fit(bare, kinds, record, settings=RecordSettings(position_zeros=True))

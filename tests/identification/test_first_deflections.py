@@ -27,7 +27,7 @@ SOFT = LuGre(
 
 def begun(law, velocity, held=0.0):
     """Deflections (b,) where nothing but the first velocity, or the force at rest, is known."""
-    one = FirstDeflections(
+    deflections = FirstDeflections(
         law=law,
         free_parameters=FreeParameters(()),
         values=np.zeros(0),
@@ -35,7 +35,7 @@ def begun(law, velocity, held=0.0):
         starts=np.zeros(1),
         length=1.0,
     )
-    return one.states[0], one.velocity_slopes[0]
+    return deflections.states[0], deflections.velocity_slopes[0]
 
 
 def test_a_bristle_begins_with_the_deflection_of_steady_slip():

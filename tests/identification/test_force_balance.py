@@ -414,7 +414,7 @@ def test_a_motion_one_way_says_that_its_level_includes_a_constant_force():
     found = derived(Axis(inertia=J), CoulombViscous, one_sided(0.0))
     said = "a constant force (gravity, a cable, a sensor offset) and the friction level cannot"
     assert found.one_way
-    assert any(said in one for one in found.sentences)
+    assert any(said in sentence for sentence in found.sentences)
     known = derived(Axis(inertia=J, offset=-2.0), CoulombViscous, one_sided(0.0))
     assert not known.one_way
     assert known.estimate("kinetic_coefficient").value == pytest.approx(LEVEL, rel=0.01)

@@ -587,6 +587,6 @@ def test_a_record_that_is_thinned_is_said_to_be(samples, said):
     friction = 2.0 * np.sign(velocity) + 5.0 * velocity
     record = Measurement(time=time, velocity=velocity, friction=friction)
     found = stickslip.fit(Axis(inertia=1.0), CoulombViscous, record)
-    thinned = [one for one in found.remarks if "thinned" in one]
+    thinned = [remark for remark in found.remarks if "thinned" in remark]
     assert len(thinned) == said
-    assert all("from 9,000 to 3,000 rows" in one for one in thinned)
+    assert all("from 9,000 to 3,000 rows" in text for text in thinned)

@@ -64,8 +64,8 @@ def test_a_gear_that_takes_all_of_the_force_does_not_explain_it():
     record, _, _ = rubbed()
     free = ["friction.*", "mechanism.inertia"]
     gear, coulomb = (
-        fit(Axis(inertia=0.2), one, record, vary=free, route="inverse-dynamics")
-        for one in ("gear", "coulomb")
+        fit(Axis(inertia=0.2), name, record, vary=free, route="inverse-dynamics")
+        for name in ("gear", "coulomb")
     )
     # along the measured force a share of all of it leaves nothing of what has no inertia
     assert coulomb.rms < 0.1
@@ -82,7 +82,7 @@ def test_what_a_gear_leaves_is_an_error_of_the_force_that_the_motion_takes():
         "friction.motor_coefficient": 0.4,
         "mechanism.offset": 0.0,
     }
-    left = problem.linearise(np.array([values[one] for one in problem.free_parameters.paths]))
+    left = problem.linearise(np.array([values[path] for path in problem.free_parameters.paths]))
     taken = force - 10.0 * np.sign(v)
     predicted = (taken + 5.0 * np.sign(v)) / (1.0 - 0.4)  # its motor drives throughout
     seen = np.interp(problem.times, T, force - predicted)

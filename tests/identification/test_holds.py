@@ -65,8 +65,8 @@ def test_where_the_record_does_not_tell_the_hold_intervals_include_either(route)
     assert found.hold.unsure == 1.0
     assert "intervals include half a sample" in found.assumptions[0]
     for hold in ("zero", "first"):
-        one = fit(AXIS, CoulombViscous, unsure, route=route, settings=RecordSettings(hold=hold))
-        for either, own in zip(found.estimates, one.estimates, strict=True):
+        fitted = fit(AXIS, CoulombViscous, unsure, route=route, settings=RecordSettings(hold=hold))
+        for either, own in zip(found.estimates, fitted.estimates, strict=True):
             assert either.low <= own.value <= either.high
 
 

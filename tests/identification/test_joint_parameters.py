@@ -134,9 +134,9 @@ def test_unknown_zeros_of_positions_do_not_bias_what_is_fitted(displaced):
 
 
 def test_position_zeros_are_for_joints_and_true_or_false():
-    one = Measurement(time=np.linspace(0, 1, 50), position=np.linspace(0, 1, 50) ** 2)
+    measurement = Measurement(time=np.linspace(0, 1, 50), position=np.linspace(0, 1, 50) ** 2)
     with pytest.raises(InputError, match="records of several joints"):
-        fit(Axis(inertia=1.0), Coulomb, one, settings=RecordSettings(position_zeros=True))
+        fit(Axis(inertia=1.0), Coulomb, measurement, settings=RecordSettings(position_zeros=True))
     with pytest.raises(ParameterError, match="position_zeros must be True or False, got 1"):
         RecordSettings(position_zeros=1)
 
@@ -198,5 +198,5 @@ def test_friction_of_a_robot_file_that_is_held_is_said_beside_the_estimates():
     assert "mechanism.joints.0.damping (shoulder) = 0.05 N m s/rad" in said
     assert "friction.elbow.kinetic_coefficient = 0.15 N m" in said
     assert "Fitted viscous friction is what exceeds that damping" in said
-    assert [one["value"] for one in found.to_dict()["held"]] == [0.05, 0.02, 0.15]
+    assert [entry["value"] for entry in found.to_dict()["held"]] == [0.05, 0.02, 0.15]
     assert "friction.shoulder.kinetic_coefficient" in found.free_parameters.paths  # not named

@@ -70,8 +70,8 @@ def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(foun
     assert seen == pytest.approx(found.inference.correlation[i, j], abs=0.06)
     assert known.intervals[names[1]] == (found.estimates[j].low, found.estimates[j].high)
     for contact, coordinate in zip(JOINTS, ARM.coordinates, strict=True):
-        one = found.measurement.joints[coordinate]
-        fastest = np.abs(np.gradient(one.position, one.time)).max()
+        joint = found.measurement.joints[coordinate]
+        fastest = np.abs(np.gradient(joint.position, joint.time)).max()
         # a mean over a two hundredth of the record
         assert known.largest_speed[contact] == pytest.approx(fastest, rel=0.1)
     text = export(rig, "csv", contact="elbow").files["coulomb_viscous.csv"]
@@ -177,8 +177,8 @@ def test_fixed_values_and_single_parameters_are_named_by_path(measured):
     own = fit(ARM, BOTH, measured, vary=["friction.*", "upper_centre"], fixed=fixed, settings=QUICK)
     assert not {e.path for e in own.estimates} & set(fixed)
     assert own.law["shoulder"].viscous_coefficient == 0.02
-    one = fit(ARM, TRUTH, measured, vary="friction.elbow.*", settings=QUICK)
-    assert [e.path for e in one.estimates if e.path.startswith("friction.")] == [
+    fitted = fit(ARM, TRUTH, measured, vary="friction.elbow.*", settings=QUICK)
+    assert [e.path for e in fitted.estimates if e.path.startswith("friction.")] == [
         "friction.elbow.kinetic_coefficient",
         "friction.elbow.viscous_coefficient",
     ]
@@ -259,11 +259,11 @@ def test_a_wrong_request_is_refused_in_words(laws, vary, message, measured):
 def test_routes_and_laws_of_one_contact_keep_apart_from_those_of_joints(measured, found):
     with pytest.raises(InputError, match="coordinates x"):
         fit(Axis(inertia=1.0), CoulombViscous, measured)
-    one = Measurement(time=measured.time, position=measured.joints["elbow"].position)
+    measurement = Measurement(time=measured.time, position=measured.joints["elbow"].position)
     with pytest.raises(InputError, match="got dict"):
-        fit(Axis(inertia=1.0), BOTH, one)
+        fit(Axis(inertia=1.0), BOTH, measurement)
     with pytest.raises(InputError, match="route 'joints' applies to records of several joints"):
-        fit(Axis(inertia=1.0), Coulomb, one, route="joints")
+        fit(Axis(inertia=1.0), Coulomb, measurement, route="joints")
 
 
 def test_the_fitted_laws_are_written_and_read_by_contact(found, tmp_path):

@@ -45,21 +45,21 @@ def of_other_links(robot, seed):
     random = np.random.default_rng(seed)
     joints = [
         replace(
-            one,
-            mass=one.mass * random.uniform(0.6, 1.5),
-            centre_x=one.centre_x + 0.03 * random.normal(),
-            centre_z=one.centre_z + 0.03 * random.normal(),
-            inertia_yy=one.inertia_yy * random.uniform(0.5, 2.0) + 1e-3,
-            inertia_zz=one.inertia_zz * random.uniform(0.5, 2.0) + 1e-3,
+            joint,
+            mass=joint.mass * random.uniform(0.6, 1.5),
+            centre_x=joint.centre_x + 0.03 * random.normal(),
+            centre_z=joint.centre_z + 0.03 * random.normal(),
+            inertia_yy=joint.inertia_yy * random.uniform(0.5, 2.0) + 1e-3,
+            inertia_zz=joint.inertia_zz * random.uniform(0.5, 2.0) + 1e-3,
             damping=0.0,
         )
-        for one in robot.joints
+        for joint in robot.joints
     ]
     return replace(robot, joints=tuple(joints))
 
 
 def undamped(robot):
-    return replace(robot, joints=tuple(replace(one, damping=0.0) for one in robot.joints))
+    return replace(robot, joints=tuple(replace(joint, damping=0.0) for joint in robot.joints))
 
 
 def planar():
@@ -97,7 +97,7 @@ def test_friction_is_found_beside_links_that_are_described_wrongly(seed):
         # twice the interval: one of 18 lies outside a 95 % interval by chance
         assert abs(level.value - LEVELS[i]) < 2.0 * level.half_width < 0.1
         assert abs(slope.value - SLOPES[i]) < 2.0 * slope.half_width < 0.05
-    shown = [one.path for one in found.shown]
+    shown = [estimate.path for estimate in found.shown]
     assert not any("added" in path for path in shown)
     assert len(found.estimates) > len(shown)
     assert "added" not in str(found)
@@ -119,8 +119,8 @@ def test_links_are_of_robots_only():
     joints = dict(zip(arm.coordinates, record.joints.values(), strict=True))
     record = Measurement(
         time=record.time,
-        position={name: one.position for name, one in joints.items()},
-        force={name: one.force for name, one in joints.items()},
+        position={name: joint.position for name, joint in joints.items()},
+        force={name: joint.force for name, joint in joints.items()},
     )
     with pytest.raises(InputError, match=r"the mechanism is a TwoLinkArm: name its parameters"):
         fit(arm, CoulombViscous, record, vary=["friction.*", "links"])
@@ -133,8 +133,8 @@ def test_a_rig_file_says_that_links_are_unknown_and_a_fit_is_saved_with_them(tmp
     record = excited(robot, 3, noise=0.02)
     columns = [record.time]
     names = ["time [s]"]
-    for name, one in record.joints.items():
-        columns += [one.position, one.force]
+    for name, joint in record.joints.items():
+        columns += [joint.position, joint.force]
         names += [f"position.{name} [rad]", f"force.{name} [N m]"]
     table = "\n".join(",".join(f"{x:.8g}" for x in row) for row in zip(*columns, strict=True))
     (tmp_path / "log.csv").write_text(",".join(names) + "\n" + table + "\n")

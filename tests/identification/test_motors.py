@@ -65,7 +65,7 @@ def plain():
 
 
 def by(found):
-    return {one.path: one for one in found.estimates}
+    return {estimate.path: estimate for estimate in found.estimates}
 
 
 @pytest.mark.slow
@@ -81,10 +81,10 @@ def test_a_recorded_voltage_tells_motor_and_gear_where_friction_grows_with_the_t
         "friction.kinetic_coefficient": 0.02,
     }
     for path, value in true.items():
-        one = found[path]
-        assert one.bounded
+        estimate = found[path]
+        assert estimate.bounded
         # straight lines between samples cut the corners of the voltage at 5 ms
-        assert one.value == pytest.approx(value, rel=0.04)
+        assert estimate.value == pytest.approx(value, rel=0.04)
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_what_one_voltage_cannot_separate_is_named_and_has_no_interval(plain):
     for path in (R, K, "friction.viscous_coefficient"):
         assert not known[path].bounded
     assert known["friction.kinetic_coefficient"].bounded
-    (sentence,) = [one for one in found.sentences if "cannot separate" in one]
+    (sentence,) = [text for text in found.sentences if "cannot separate" in text]
     assert "separate sigma_2, R, k_t:" in sentence
     # what it does tell: torque per voltage, and the whole damping
     motor = found.mechanism.drive
@@ -190,10 +190,10 @@ def test_current_and_voltage_together_tell_motor_and_mass(plain, seed):
     true = {R: 3.2, K: 0.35, mass: 0.49, "friction.viscous_coefficient": 0.02}
     known = by(found)
     for path, value in true.items():
-        one = known[path]
-        assert one.bounded
-        assert one.low <= value <= one.high
-        assert one.high - one.low < 0.1 * value
+        estimate = known[path]
+        assert estimate.bounded
+        assert estimate.low <= value <= estimate.high
+        assert estimate.high - estimate.low < 0.1 * value
 
 
 @pytest.mark.slow
@@ -366,8 +366,8 @@ def test_a_goal_is_fitted_through_a_sampled_loop(sampled):
     )
     # rounding of the encoder, and nothing else
     assert found.rms < 1.2 * 2.0 * np.pi / 4096 / 12.0**0.5
-    one = by(found)[K]
-    assert one.value == pytest.approx(0.35, abs=2.0 * (one.high - one.low))
+    estimate = by(found)[K]
+    assert estimate.value == pytest.approx(0.35, abs=2.0 * (estimate.high - estimate.low))
 
 
 def test_equations_of_a_loop_that_samples_are_refused():

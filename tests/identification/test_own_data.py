@@ -20,7 +20,7 @@ def measured(own, t_end, *, share, seed=3, step=4e-3):
     x = recorded(own, t_end).at(t)["x"]
     noise = share * np.ptp(x)
     x = x + np.random.default_rng(seed).normal(0.0, noise, len(t))
-    force = np.array([DRIVE.smooth(one) for one in t])
+    force = np.array([DRIVE.smooth(moment) for moment in t])
     return Measurement(time=t, position=x, force=force), noise
 
 
@@ -34,13 +34,13 @@ def fitted(own, written, t_end, *, share, segment, seed=3, step=4e-3):
 def assert_told(found, own, noise):
     """The residual is the noise; what is bounded is right, and what is not has a reason."""
     assert found.rms < 1.08 * noise  # 250 rows and more scatter by 5 %
-    for one in found.estimates:
-        name = one.path.partition(".")[2]
-        if one.path.startswith("friction.") and one.bounded:
+    for estimate in found.estimates:
+        name = estimate.path.partition(".")[2]
+        if estimate.path.startswith("friction.") and estimate.bounded:
             # some of hundreds of 95 % intervals do not contain the truth; twice as wide ones do
-            assert abs(one.value - getattr(own, name)) < 2.0 * one.half_width, one
-        elif one.path.startswith("friction."):
-            assert one.reason
+            assert abs(estimate.value - getattr(own, name)) < 2.0 * estimate.half_width, estimate
+        elif estimate.path.startswith("friction."):
+            assert estimate.reason
 
 
 @pytest.mark.slow
@@ -74,7 +74,7 @@ def test_segments_give_the_share_of_a_memory_as_the_whole_record_does(memory, na
     # joined straight over 4 ms, the force would err by as much as positions do
     found, noise = fitted(own, type(own), 3.0, share=1e-5, segment=1.0, step=2e-3)
     assert found.rms < 1.05 * noise  # four times the noise where segments begin unbent
-    (share,) = (one for one in found.estimates if one.path == f"friction.{name}")
+    (share,) = (estimate for estimate in found.estimates if estimate.path == f"friction.{name}")
     assert abs(share.value - getattr(own, name)) < 2.0 * share.half_width
     # one turn tells most of it: of a standard error of 0.02 the interval makes 0.2
     assert share.low > 0.0

@@ -74,8 +74,8 @@ def test_a_cart_that_goes_one_way_is_nothing_to_correct(name):
     """No force was measured whose zero a level could be confused with."""
     mechanism, length, rate, noise = CASES[name]
     seen = record(mechanism, length, rate, noise)
-    (one,) = check(seen, mechanism=mechanism).of("reversals")
-    assert (one.severity, one.sentence) == (
+    (finding,) = check(seen, mechanism=mechanism).of("reversals")
+    assert (finding.severity, finding.sentence) == (
         "info",
         "No reversals: the motion goes forward only.",
     )
@@ -160,7 +160,9 @@ def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
     choice = RouteChoice.of(route, mechanism, seen, RecordSettings())
     assert choice.settings.segment == pytest.approx(np.ptp(seen.time))
     assert choice.settings.resolution >= 100 * choice.settings.segment
-    assert not [one for one in check(seen, mechanism=mechanism).findings if one.kind == "drive"]
+    assert not [
+        finding for finding in check(seen, mechanism=mechanism).findings if finding.kind == "drive"
+    ]
 
 
 def test_times_before_the_drive_begins_are_refused():

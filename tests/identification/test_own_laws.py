@@ -88,13 +88,13 @@ def table():
 
 def contains(found, path, true, widen=1.0):
     """Whether an interval, widened about its value, holds the truth, and tells something."""
-    (one,) = (e for e in found.estimates if e.path == path)
-    assert one.low < one.high
-    assert one.high - one.low < true
+    (estimate,) = (e for e in found.estimates if e.path == path)
+    assert estimate.low < estimate.high
+    assert estimate.high - estimate.low < true
     return (
-        one.value - widen * (one.value - one.low)
+        estimate.value - widen * (estimate.value - estimate.low)
         <= true
-        <= (one.value + widen * (one.high - one.value))
+        <= (estimate.value + widen * (estimate.high - estimate.value))
     )
 
 

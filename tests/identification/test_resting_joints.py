@@ -69,9 +69,9 @@ def test_a_joint_that_rests_spoils_nothing_of_its_neighbour(joint, rest):
 def test_a_joint_rests_at_uneven_times_as_at_even_ones(rest, jitter):
     (even,), (uneven,) = (
         joint_pieces(
-            JointTorques.of(ARM, []), ARM, resting("elbow", rest, jitter=one), hold="first"
+            JointTorques.of(ARM, []), ARM, resting("elbow", rest, jitter=value), hold="first"
         )
-        for one in (0.0, jitter)
+        for value in (0.0, jitter)
     )
     assert [one.resting.all() for one in uneven.motions] == [False, True]
     # steps of time that differ count among those of the motion: 6.5 % at 0.45
@@ -100,7 +100,7 @@ def test_rests_between_motions_are_found_at_uneven_times(jitter):
 def test_a_joint_that_rests_is_no_fault_of_a_record_in_which_another_moves():
     found = check(resting("elbow", "constant"), mechanism=ARM)
     assert found.worst == "info"
-    (said,) = (one for one in found.findings if "rests" in one.sentence)
+    (said,) = (finding for finding in found.findings if "rests" in finding.sentence)
     assert said.record == "elbow"
 
 
@@ -114,7 +114,7 @@ def test_a_joint_may_rest_in_one_of_several_records():
     for name in JOINTS:
         level = found.estimate(f"friction.{name}.kinetic_coefficient").value
         assert level == pytest.approx(TRUTH[name].kinetic_coefficient, rel=0.02)
-    assert not any("rests" in one for one in found.sentences)
+    assert not any("rests" in sentence for sentence in found.sentences)
 
 
 @pytest.mark.parametrize("rest", RESTS)
@@ -142,9 +142,9 @@ def test_jitter_does_not_set_the_filter_of_joints_that_move():
     still = record(1)
     t, q, u = parts(still)
     jittered = {**q, "elbow": q["elbow"] * 0.0 + COUNT * (np.arange(len(t)) % 90 == 0)}
-    one = fit(ARM, BOTH, Measurement(time=t, position=jittered, force=u), settings=QUICK)
+    fitted = fit(ARM, BOTH, Measurement(time=t, position=jittered, force=u), settings=QUICK)
     other = fit(
         ARM, BOTH, Measurement(time=t, position={**q, "elbow": 0.0 * t}, force=u), settings=QUICK
     )
     # positions of the elbow differ by a ninetieth of a count in the mean
-    assert one.rms == pytest.approx(other.rms, rel=1e-3)
+    assert fitted.rms == pytest.approx(other.rms, rel=1e-3)

@@ -115,10 +115,10 @@ def test_travels_at_several_settings_are_saved_with_the_first_and_the_file_says_
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     far = Measurement(travel=0.45, uncertainty=0.005, overrides={"mechanism.compression": 0.15})
     near = Measurement(travel=0.20, uncertainty=0.005)
-    one, two = (
+    fitted, two = (
         fit(block, Coulomb, Measurement(trials=trials)) for trials in ((near,), (far, near))
     )
-    assert not one.to_toml().startswith("#")
+    assert not fitted.to_toml().startswith("#")
     assert two.to_toml().startswith("# The mechanism is that of the first of 2 settings.\n")
     two.save(tmp_path / "law.toml")
     assert load_rig(tmp_path / "law.toml").mechanism.compression == 0.15

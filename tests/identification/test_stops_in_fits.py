@@ -32,7 +32,7 @@ def filmed(rig, level, seed, t_end=2.0):
 def level_of(rig, record):
     """Return the estimate of the level from a start that is a third off, and the residual."""
     found = fit(rig, Coulomb(kinetic_coefficient=0.16), record)
-    (level,) = (one for one in found.estimates if one.path == LEVEL)
+    (level,) = (estimate for estimate in found.estimates if estimate.path == LEVEL)
     return level, found.rms
 
 

@@ -51,7 +51,7 @@ def intervals(request):
 
 def test_nominal_intervals_cover_the_truth(intervals):
     found, records = intervals
-    bounded = [one for one in found if one["bounded"]]
+    bounded = [entry for entry in found if entry["bounded"]]
     assert len(bounded) >= 4 * records
     for kind in ("jackknife", "bootstrap"):
         hits = sum(one[kind] for one in bounded)
@@ -62,23 +62,25 @@ def test_nominal_intervals_cover_the_truth(intervals):
 @pytest.mark.parametrize("records", RECORDS)
 def test_nominal_intervals_by_inverse_dynamics_cover_the_truth(records):
     found = judged(records, FAST_TRUTHS, 3, route="inverse-dynamics")
-    bounded = [one for one in found if one["bounded"]]
+    bounded = [entry for entry in found if entry["bounded"]]
     assert len(bounded) >= 4 * records
-    assert sum(one["jackknife"] for one in bounded) / len(bounded) >= LOWEST[records]
+    assert sum(entry["jackknife"] for entry in bounded) / len(bounded) >= LOWEST[records]
     # masses by themselves: fewer than 9 of 12, or 4 of 6, hold with a probability of 0.2 %
-    masses = [one["jackknife"] for one in bounded if one["path"] == "mechanism.inertia"]
+    masses = [entry["jackknife"] for entry in bounded if entry["path"] == "mechanism.inertia"]
     assert sum(masses) >= {6: 4, 12: 9}[records]
 
 
 def test_intervals_as_if_residuals_were_independent_do_not(intervals):
-    naive = [one["naive"] for one in intervals[0] if one["bounded"]]
+    naive = [interval["naive"] for interval in intervals[0] if interval["bounded"]]
     # the bound above would catch them by far
     assert sum(naive) / len(naive) < 0.6
 
 
 def test_estimates_are_known_to_a_few_percent(intervals):
     relative = [
-        one["relative"] for one in intervals[0] if one["bounded"] and "offset" not in one["path"]
+        interval["relative"]
+        for interval in intervals[0]
+        if interval["bounded"] and "offset" not in interval["path"]
     ]
     # intervals that hold everything would cover too
     assert np.median(relative) < 0.1
@@ -165,7 +167,7 @@ def test_the_summary_counts_coverage():
 @pytest.mark.slow
 def test_intervals_cover_for_every_smooth_law():
     truths = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-drag")
-    bounded = [one for one in judged(40, truths, 5) if one["bounded"]]
-    hits = sum(one["jackknife"] for one in bounded)
+    bounded = [entry for entry in judged(40, truths, 5) if entry["bounded"]]
+    hits = sum(entry["jackknife"] for entry in bounded)
     # target 90 to 99 %; 40 records know it to some 3 %
     assert hits / len(bounded) >= 0.87

@@ -195,7 +195,7 @@ def both(first, second, **doubts):
 
 def test_what_each_trial_sets_averages_and_what_they_share_does_not():
     shared = fit(AXIS, CoulombViscous, both(20.0, 20.0, parameter_uncertainties={N: 0.4}))
-    records = [replace(one, overrides={N: 20.0}) for one in both(20.0, 20.0).trials]
+    records = [replace(trial, overrides={N: 20.0}) for trial in both(20.0, 20.0).trials]
     anew = fit(AXIS, CoulombViscous, Measurement(trials=records, parameter_uncertainties={N: 0.4}))
     own = fit(
         AXIS,
@@ -210,16 +210,16 @@ def test_what_each_trial_sets_averages_and_what_they_share_does_not():
 
 def test_trials_that_differ_by_no_more_than_their_loads_do_share_a_law():
     """Loads of 20 N that are 2 % too small and too large, each set to 2 %."""
-    trials = [replace(one, overrides={N: 20.0}) for one in both(19.6, 20.4).trials]
+    trials = [replace(trial, overrides={N: 20.0}) for trial in both(19.6, 20.4).trials]
     sure = compare_trials(AXIS, CoulombViscous, Measurement(trials=trials))
     set_to = Measurement(trials=trials, parameter_uncertainties={N: 0.4})
     assert not sure.shared
     assert compare_trials(AXIS, CoulombViscous, set_to).shared
     # a load that all trials share makes no difference between them
-    one = Measurement(
+    measurement = Measurement(
         trials=[replace(t, overrides={}) for t in trials], parameter_uncertainties={N: 0.4}
     )
-    assert not compare_trials(AXIS, CoulombViscous, one).shared
+    assert not compare_trials(AXIS, CoulombViscous, measurement).shared
 
 
 def test_uncertainties_without_effect_are_refused():

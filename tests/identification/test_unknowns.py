@@ -64,10 +64,10 @@ def test_a_level_below_the_one_it_stands_above_has_no_surplus():
 
 
 def test_the_level_that_is_stood_on_may_be_known_and_not_looked_for():
-    one = FreeParameters((ABOVE,), {"friction.kinetic_coefficient": 2.0})
-    np.testing.assert_allclose(one.coordinates(np.array([2.75])), [0.75])
-    np.testing.assert_allclose(one.values(np.array([0.75])), [2.75])
-    np.testing.assert_allclose(one.slopes(np.array([0.75])), [[1.0]])
+    parameters = FreeParameters((ABOVE,), {"friction.kinetic_coefficient": 2.0})
+    np.testing.assert_allclose(parameters.coordinates(np.array([2.75])), [0.75])
+    np.testing.assert_allclose(parameters.values(np.array([0.75])), [2.75])
+    np.testing.assert_allclose(parameters.slopes(np.array([0.75])), [[1.0]])
 
 
 def test_other_starts_change_nothing_else():

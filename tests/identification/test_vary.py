@@ -197,4 +197,4 @@ def test_features_hold_the_mass_unless_it_is_varied_as_fit_does(pulled):
     fixed = fit_features(heavy, Coulomb, pulled, fixed={"mass": 0.03, "static_coefficient": 0.32})
     assert fixed.mechanism.mass == 0.03
     assert fixed.law.static_coefficient == 0.32
-    assert [one.path for one in fixed.estimates] == ["friction.kinetic_coefficient"]
+    assert [estimate.path for estimate in fixed.estimates] == ["friction.kinetic_coefficient"]

@@ -60,10 +60,10 @@ def test_stated_uncertainties_widen_bands_and_intervals_and_no_law(verdict):
     v = [0.3, 1.0]
     sizes = [np.subtract(one.band(v).high, one.band(v).low) for one in (verdict, wide)]
     assert (sizes[1] > 1.2 * sizes[0]).all()
-    given = {one.path: one.value for one in verdict.parameters}
-    for one in wide.parameters:
-        assert one.path.startswith("friction.")  # what is stated is no estimate
-        assert one.value == pytest.approx(given[one.path], rel=0.02)
+    given = {estimate.path: estimate.value for estimate in verdict.parameters}
+    for parameter in wide.parameters:
+        assert parameter.path.startswith("friction.")  # what is stated is no estimate
+        assert parameter.value == pytest.approx(given[parameter.path], rel=0.02)
     heavier = select(Axis(inertia=1.1 * INERTIA), None, record(1))
     band = wide.band(v)
     curve = heavier.named_curve(v)
@@ -83,14 +83,14 @@ def test_records_whose_friction_differs_are_said_to_differ():
             record(k, replace(LAW, kinetic_coefficient=factor)) for k, factor in enumerate(factors)
         )
         found = select(AXIS, None, Measurement(trials=trials))
-        return any("records differ" in one for one in found.words.cannot_tell)
+        return any("records differ" in sentence for sentence in found.words.cannot_tell)
 
     assert said((0.9, 1.0, 1.1))
     assert not said((1.0, 1.0, 1.0))
 
 
 def test_every_draw_of_a_verdict_is_in_its_sample(verdict):
-    count = sum(len(one.coefficients) for one in verdict.judgement.ensemble.draws())
+    count = sum(len(draw.coefficients) for draw in verdict.judgement.ensemble.draws())
     laws = verdict.sample(count)
     share = np.mean([one.name.startswith("table") for one in laws])
     assert share == pytest.approx(verdict.curve_share, abs=0.3)
@@ -104,7 +104,7 @@ def test_lugre_is_compared_by_the_bristles_of_its_balance():
     )
     found = select(AXIS, ["lugre"], record(5, truth))
     assert found.law.name == "lugre"
-    assert any("damping of bristles" in one for one in found.words.cannot_tell)
+    assert any("damping of bristles" in sentence for sentence in found.words.cannot_tell)
     with pytest.raises(InputError, match="memories of Dahl and LuGre"):
         select(AXIS, ["bouc-wen"], record(5, truth))
 

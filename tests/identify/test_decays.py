@@ -36,7 +36,11 @@ def verdict():
 
 def test_the_level_of_a_decay_is_known_to_a_percent(verdict):
     assert verdict.family == ("level",)
-    (interval,) = [one for one in verdict.parameters if one.path.endswith("kinetic_coefficient")]
+    (interval,) = [
+        parameter
+        for parameter in verdict.parameters
+        if parameter.path.endswith("kinetic_coefficient")
+    ]
     assert interval.low < LEVEL < interval.high
     assert interval.high - interval.low < 0.02 * LEVEL
 
@@ -150,7 +154,7 @@ def test_a_constant_force_of_a_decay_is_no_friction():
 
 
 def test_a_free_motion_says_that_its_friction_goes_with_the_inertia(verdict):
-    assert any("friction over inertia only" in one for one in verdict.words.cannot_tell)
+    assert any("friction over inertia only" in sentence for sentence in verdict.words.cannot_tell)
 
 
 def test_the_ends_of_few_swings_do_not_bias_the_level():
@@ -205,7 +209,11 @@ def test_a_block_that_comes_to_rest_within_its_record_has_coulomb_friction(noise
     x = x + noise * np.random.default_rng(3).normal(size=len(t))
     found = select(Axis(inertia=1.0), None, Measurement(time=t, position=x))
     assert found.family == ("level",)
-    (interval,) = (one for one in found.parameters if one.path.endswith("kinetic_coefficient"))
+    (interval,) = (
+        parameter
+        for parameter in found.parameters
+        if parameter.path.endswith("kinetic_coefficient")
+    )
     # of noise of a micrometre the interval is 2e-5 wide, and so is the error of the filter
     assert interval.low - 1e-4 * friction <= friction <= interval.high + 1e-4 * friction
 
@@ -217,7 +225,11 @@ def test_swings_that_stop_within_their_record_have_the_level_that_stops_them(see
     x = np.interp(t, moving.time, moving.position)
     x = x + NOISE * np.random.default_rng(seed).normal(size=len(t))
     found = select(RIG, None, Measurement(time=t, position=x, turning=True))
-    (interval,) = (one for one in found.parameters if one.path.endswith("kinetic_coefficient"))
+    (interval,) = (
+        parameter
+        for parameter in found.parameters
+        if parameter.path.endswith("kinetic_coefficient")
+    )
     assert interval.low < LEVEL < interval.high
 
 
@@ -229,7 +241,7 @@ def test_a_decay_has_a_figure_at_any_rate(rate):
 
 
 def test_a_row_of_a_swing_knows_the_largest_speed_of_that_swing():
-    both = [RecordsProblem(records_of(RIG, swings(start=one))).rows for one in (0.3, 0.15)]
+    both = [RecordsProblem(records_of(RIG, swings(start=value))).rows for value in (0.3, 0.15)]
     for rows in both:
         first = rows.swing[: len(rows.swing) // 4]
         assert np.all(np.diff(first) <= 0.02 * first[0])

@@ -102,7 +102,7 @@ def test_steady_motion_is_as_uncertain_as_its_place():
 
 
 def test_nothing_material_is_left_of_the_law_that_made_a_record():
-    assert not any(one.stated for one in of_record(0.0).patterns())
+    assert not any(pattern.stated for pattern in of_record(0.0).patterns())
 
 
 def test_as_many_tables_of_the_law_stand_out_as_chance_lets():
@@ -113,7 +113,7 @@ def test_as_many_tables_of_the_law_stand_out_as_chance_lets():
         order = random.permutation(len(v))
         friction = 2.0 + 0.5 * v[order] + 0.05 * random.normal(size=len(v))
         problem = problem_of(friction, v[order], temperature=random.uniform(20.0, 30.0, len(v)))
-        chances.append(min(one.p for one in explored(problem, LAW, 0.05).patterns()))
+        chances.append(min(pattern.p for pattern in explored(problem, LAW, 0.05).patterns()))
     # binomial of 120: standard deviations .037 at .2 and .02 at .05
     assert np.mean(np.array(chances) <= 0.2) == pytest.approx(0.2, abs=0.08)
     assert np.mean(np.array(chances) <= 0.05) < 0.1
@@ -151,9 +151,9 @@ def test_rounding_decides_nothing():
     )
     again = select(AXIS, None, other)
     assert again.words == bent().words
-    for one, two in zip(bent().patterns, again.patterns, strict=True):
-        assert (one.feature, one.p, one.stated) == (two.feature, two.p, two.stated)
-        assert one.share == pytest.approx(two.share, abs=1e-9)
+    for pattern, two in zip(bent().patterns, again.patterns, strict=True):
+        assert (pattern.feature, pattern.p, pattern.stated) == (two.feature, two.p, two.stated)
+        assert pattern.share == pytest.approx(two.share, abs=1e-9)
 
 
 def test_nothing_is_said_of_the_rounding_that_an_exact_law_leaves():

@@ -56,10 +56,10 @@ def test_the_law_of_each_joint_is_named_and_its_band_holds_the_friction(verdict)
 def test_links_are_found_with_the_laws(verdict):
     found = verdict.best.fit
     for name in LINEAR:
-        one = found.estimate(f"mechanism.{name}")
-        assert one.low <= getattr(ARM, name) <= one.high
-        assert one.high - one.low < 0.1 * getattr(ARM, name)
-        assert getattr(found.mechanism, name) == one.value
+        estimate = found.estimate(f"mechanism.{name}")
+        assert estimate.low <= getattr(ARM, name) <= estimate.high
+        assert estimate.high - estimate.low < 0.1 * getattr(ARM, name)
+        assert getattr(found.mechanism, name) == estimate.value
     level = found.estimate("friction.elbow.kinetic_coefficient")
     assert level.low <= TRUTH["elbow"].kinetic_coefficient <= level.high
 
@@ -104,9 +104,9 @@ def test_a_report_has_a_figure_for_each_joint_and_the_laws_as_a_rig_file(verdict
 def test_laws_of_different_kinds_are_named_over_two_records(seed):
     several = [record(10 * seed + k, {**TRUTH, "shoulder": STRIBECK}) for k in range(2)]
     found = select(GUESSED, None, Measurement(trials=tuple(several)), vary=LINEAR)
-    kept = {name: {one.name for one in own.candidates if one.outcome}
+    kept = {name: {candidate.name for candidate in own.candidates if candidate.outcome}
             for name, own in found.joints.items()}  # fmt: skip
-    assert all("stribeck" in one for one in kept["shoulder"])
+    assert all("stribeck" in text for text in kept["shoulder"])
     assert "coulomb-viscous" in kept["elbow"]
     assert covered(found, "shoulder", STRIBECK) >= 0.93
     assert covered(found, "elbow", TRUTH["elbow"]) >= 0.93
@@ -130,7 +130,7 @@ def test_a_late_force_of_one_joint_is_a_cause_at_that_joint():
     late = np.interp(t - 0.01, t, forces["elbow"])
     given = Measurement(time=t, position=places, force={**forces, "elbow": late})
     found = select(ARM, None, given)
-    named = {one.term for one in found.joints["elbow"].causes}
+    named = {cause.term for cause in found.joints["elbow"].causes}
     assert named & {"lag", "delay", "latency"}
     assert not found.joints["shoulder"].causes
 

@@ -117,7 +117,9 @@ def test_lengths_of_bristles_are_continuous():
     _, balance = judged(length=0.004)
     refined = Observer(balance).refined()
     lengths = [
-        dict(one)["level"][0] for one in refined.comparison.structures if "level" in dict(one)
+        dict(structure)["level"][0]
+        for structure in refined.comparison.structures
+        if "level" in dict(structure)
     ]
     assert min(abs(x / 0.004 - 1.0) for x in lengths) < 0.02
 

@@ -146,5 +146,7 @@ def test_a_motion_that_lags_is_no_delay_of_the_recorded_force():
     )
     assert "latency" in found.family
     assert "delay" not in found.family
-    (inertia,) = [one for one in found.parameters if one.path == "mechanism.inertia"]
+    (inertia,) = [
+        parameter for parameter in found.parameters if parameter.path == "mechanism.inertia"
+    ]
     assert inertia.low_any < INERTIA < inertia.high_any

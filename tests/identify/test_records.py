@@ -162,8 +162,8 @@ def test_weight_of_a_pendulum_is_no_friction():
 
 
 def test_gain_of_the_force_and_inertia_are_one_group_where_the_inertia_is_given():
-    one = axis()
-    problem = RecordsProblem([one.__class__(**{**one.__dict__, "inertia": INERTIA})])
+    axis_ = axis()
+    problem = RecordsProblem([axis_.__class__(**{**axis_.__dict__, "inertia": INERTIA})])
     search = Search(problem).run()
     comparison = compare(search)
     assert set(problem_names(comparison)) == {"level", "viscous"}

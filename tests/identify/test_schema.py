@@ -83,7 +83,10 @@ def test_the_document_of_a_verdict_is_what_the_schema_says(content):
     over = "setting" if content["route"] == "travel" else "velocity"
     assert len({len(band[name]) for name in (over, "low", "median", "high")}) == 1
     # the shares of the laws that are listed and that of the measured curve are of one ensemble
-    assert sum(one["share"] for one in content["candidates"]) + content["curve_share"] <= 1.0 + 1e-9
+    assert (
+        sum(entry["share"] for entry in content["candidates"]) + content["curve_share"]
+        <= 1.0 + 1e-9
+    )
     assert content["candidates"][0]["law"] == content["closest"]
 
 

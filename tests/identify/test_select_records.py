@@ -60,7 +60,7 @@ def verdict():
 def test_law_inertia_and_levels_of_an_axis_lie_in_their_intervals(verdict):
     assert {"level", "viscous"} <= set(verdict.family)
     truth = {"inertia": INERTIA, "kinetic_coefficient": 1.0, "viscous_coefficient": 0.3}
-    found = {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+    found = {parameter.path.rpartition(".")[2]: parameter for parameter in verdict.parameters}
     for name, value in truth.items():
         assert found[name].low_any <= value <= found[name].high_any
         assert found[name].value == pytest.approx(value, rel=0.05)
@@ -129,7 +129,7 @@ def moved(friction, *, axis=AXIS, seed=0, noise=1e-5, length=8.0, held=True):
 
 
 def intervals(verdict):
-    return {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+    return {parameter.path.rpartition(".")[2]: parameter for parameter in verdict.parameters}
 
 
 def assert_holds(verdict, truth):
@@ -190,7 +190,7 @@ def test_friction_that_is_recorded_late_is_a_delay_with_its_size():
     friction = np.interp(t - 0.02, t, 2.0 * np.sign(v) + 3.0 * v)
     friction += 0.02 * np.random.default_rng(1).normal(size=t.size)
     verdict = select(AXIS, None, Measurement(time=t, position=x, friction=friction))
-    late = [one for one in verdict.intervals if one.path in ("delay", "lag")]
+    late = [interval for interval in verdict.intervals if interval.path in ("delay", "lag")]
     assert abs(late[0].value) == pytest.approx(0.02, rel=0.1)
 
 

@@ -85,9 +85,11 @@ def test_a_ratio_is_said_in_words(rig, gain, said):
     time, angle, torque = swinging(rig)
     record = Measurement(time=time, position=angle, force=gain * torque)
     verdict = select(ARM, None, record, settings=HELD)
-    (cause,) = [one for one in verdict.words.cannot_tell if "given: " in one]
+    (cause,) = [sentence for sentence in verdict.words.cannot_tell if "given: " in sentence]
     assert said in cause
-    (size,) = [one for one in verdict.intervals if one.path in ("mechanism", "force_gain")]
+    (size,) = [
+        interval for interval in verdict.intervals if interval.path in ("mechanism", "force_gain")
+    ]
     assert size.low < (1.15 if gain == 1.0 else gain) < size.high
 
 
@@ -95,12 +97,12 @@ def test_a_ratio_of_one_is_what_is_given():
     time, angle, torque = swinging(replace(ARM, gravity=1.15 * ARM.gravity))
     verdict = select(ARM, None, Measurement(time=time, position=angle, force=torque), settings=HELD)
     (cause,) = verdict.causes
-    one = Estimate(
+    estimate = Estimate(
         path="mechanism", quantity=Quantity("g"), value=1.01, low=0.98, high=1.04, interval="95 %"
     )
     words = "consistent with what is given"
-    assert words in cause_sentence(cause, one, _words())
-    assert words not in cause_sentence(cause, replace(one, low=1.005), _words())
+    assert words in cause_sentence(cause, estimate, _words())
+    assert words not in cause_sentence(cause, replace(estimate, low=1.005), _words())
 
 
 def _words():
@@ -116,9 +118,9 @@ def test_all_laws_that_are_counted_are_in_the_table():
     friction = np.sign(v) * (2.0 + np.abs(v)) + noise
     verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
     assert len(verdict.set) > 6  # more than the table has otherwise
-    shown = {one.structure for one in verdict.candidates}
+    shown = {candidate.structure for candidate in verdict.candidates}
     assert shown >= set(verdict.judgement.comparison.set)
-    told = [one for one in verdict.candidates if one.outcome]
+    told = [candidate for candidate in verdict.candidates if candidate.outcome]
     assert len(told) == len(verdict.set)
     assert laws_section(verdict).heading.startswith(f"{len(told)} laws")
 
@@ -128,11 +130,11 @@ def test_all_laws_that_are_counted_are_in_the_table():
     [(0.24, 0.262, "0.250 ± 0.011"), (0.24, 0.31, "0.250 (0.240 to 0.310)"), (0.25, 0.25, "0.25")],
 )
 def test_an_interval_that_is_skewed_is_stated(low, high, said):
-    one = Estimate(
+    estimate = Estimate(
         path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), value=0.25,
         low=low, high=high, interval="95 %",
     )  # fmt: skip
-    assert one.plus_minus == said
+    assert estimate.plus_minus == said
 
 
 @pytest.mark.parametrize("verb", ["select", "fit"])
@@ -181,8 +183,8 @@ def test_one_robot_has_one_hold():
     quick, slow = coordinate(1.3, 0.01), coordinate(0.15, 0.4)
     (alone,) = with_hold(RecordsProblem, [slow], None)
     both = with_hold(RecordsProblem, [quick, slow], None)
-    assert [one.records[0].held for one in both] == [False, False]
-    assert len({one.records[0].hold_doubt for one in both}) == 1
+    assert [record.records[0].held for record in both] == [False, False]
+    assert len({record.records[0].hold_doubt for record in both}) == 1
     assert both[1].records[0].hold_doubt < alone.records[0].hold_doubt
     assert "samples (standard deviation)" in hold_sentence(held=True, doubt=0.5)
 
@@ -229,7 +231,10 @@ def test_a_static_level_that_no_row_tells_is_said_to_be_open():
         assert not static.bounded
         assert static.value == found.law.static_coefficient
         assert static.value == pytest.approx(found.law.kinetic_coefficient)
-        assert any("static coefficient (mu_s) is not identified" in one for one in found.sentences)
+        assert any(
+            "static coefficient (mu_s) is not identified" in sentence
+            for sentence in found.sentences
+        )
     given = replace(law, static_coefficient=2.5)  # an assumption stays
     assert fit(Axis(inertia=0.5), given, record).law.static_coefficient == 2.5
 
@@ -253,9 +258,13 @@ def test_a_pendulum_of_which_only_the_rate_is_known_accuses_nothing(start):
     verdict = select(ARM, None, Measurement(time=t, velocity=rate, turning=True))
     (record,) = verdict.judgement.problem.records
     assert record.began == pytest.approx(start, abs=0.01)
-    assert any("taken to begin at" in one for one in verdict.words.cannot_tell)
-    assert not [one for one in verdict.causes if one.asserted]
-    (level,) = [one for one in verdict.parameters if one.path.endswith("kinetic_coefficient")]
+    assert any("taken to begin at" in sentence for sentence in verdict.words.cannot_tell)
+    assert not [cause for cause in verdict.causes if cause.asserted]
+    (level,) = [
+        parameter
+        for parameter in verdict.parameters
+        if parameter.path.endswith("kinetic_coefficient")
+    ]
     assert level.low_any < 0.03 < level.high_any
 
 
@@ -345,7 +354,7 @@ def test_parameters_of_what_is_no_law_have_their_symbols_and_units():
     noise = 0.003 * np.random.default_rng(5).normal(size=len(v))
     friction = np.sign(v) * (0.31 - 0.008 * np.log(np.abs(v) / 1e-5)) + noise
     verdict = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction))
-    found = {one.quantity.symbol: one for one in verdict.closest.fit.estimates}
+    found = {estimate.quantity.symbol: estimate for estimate in verdict.closest.fit.estimates}
     assert found["v_0"].quantity.unit == "m/s"
     assert found["a"].low < found["a"].value < found["a"].high < 0.0
 
@@ -356,8 +365,8 @@ def test_a_law_of_another_power_of_the_load_says_at_which_load_it_stands():
     noise = 0.02 * np.random.default_rng(3).normal(size=len(v))
     table = Measurement(velocity=v, friction=0.3 * load**0.7 + 2.0 * v + noise, load=load)
     verdict = select(Axis(inertia=1.0), None, table)
-    assert any("levels are those at 20 N" in one for one in verdict.words.cannot_tell)
-    assert any("levels are those at 20 N" in one for one in verdict.best.fit.remarks)
+    assert any("levels are those at 20 N" in sentence for sentence in verdict.words.cannot_tell)
+    assert any("levels are those at 20 N" in remark for remark in verdict.best.fit.remarks)
 
 
 def test_cards_show_the_digits_of_their_intervals_and_what_they_are():
@@ -386,7 +395,7 @@ def test_a_motor_that_swings_a_weight_is_proposed_as_a_pendulum(tmp_path, locate
     rig = load_rig(tmp_path / "arm.toml")
     vary = ["friction.*", "mechanism.mass", "mechanism.inertia"]
     verdict = select(rig.mechanism, None, rig.measurement, vary=vary, settings=HELD)
-    found = {one.path: one for one in verdict.closest.fit.estimates}
+    found = {estimate.path: estimate for estimate in verdict.closest.fit.estimates}
     mass = found["mechanism.mass"]
     assert mass.quantity.unit == "kg"
     assert mass.value * rig.mechanism.length == pytest.approx(1.2 * 0.4, rel=0.03)
@@ -421,7 +430,7 @@ def test_a_level_that_no_load_changes_is_stated_and_part_of_the_law():
     noise = 0.05 * np.random.default_rng(3).normal(size=len(v))
     table = Measurement(velocity=v, friction=2.0 + 0.1 * load + noise, load=load)
     verdict = select(Axis(inertia=1.0), None, table)
-    found = {one.path: one for one in verdict.closest.fit.estimates}
+    found = {estimate.path: estimate for estimate in verdict.closest.fit.estimates}
     assert found["adhesion"].low < 2.0 < found["adhesion"].high
     assert "with a level that no load changes" in verdict.words.verdict
     mean = verdict.judgement.problem.frame.load
@@ -437,7 +446,7 @@ def test_a_drift_is_what_friction_changes_by_over_a_table_in_newtons():
     noise = 0.02 * np.random.default_rng(4).normal(size=24)
     table = Measurement(velocity=v, friction=(0.2 + rise) * load + noise, load=load)
     verdict = select(Axis(inertia=1.0), None, table)
-    (drift,) = [one for one in verdict.closest.fit.estimates if one.path == "drift"]
+    (drift,) = [estimate for estimate in verdict.closest.fit.estimates if estimate.path == "drift"]
     mean = verdict.judgement.problem.frame.load
     assert drift.value == pytest.approx(0.1 * mean, rel=0.1)
 
@@ -461,7 +470,7 @@ def test_a_level_that_depends_on_a_temperature_is_stated_where_it_was_measured()
     friction = 10.0 - 0.05 * (warm - 20.0) + 3.0 * v + noise
     table = Measurement(velocity=v, friction=friction, inputs={"temperature": warm})
     verdict = select(Axis(inertia=1.0), ["level * linear[temperature] + viscous"], table)
-    (said,) = (one for one in verdict.words.cannot_tell if "the median" in one)
+    (said,) = (sentence for sentence in verdict.words.cannot_tell if "the median" in sentence)
     assert "temperature 42.5 °C" in said
     low, high = map(float, re.search(r"\((\S+) to (\S+)\)", said).groups())
     assert low < 10.0 - 0.05 * 22.5 < high < low + 0.3
@@ -476,7 +485,7 @@ def test_two_loads_are_answered_by_a_third_one():
     load = np.where(np.arange(20) % 3 == 0, 40.0, load)
     friction = (0.5 * load**0.8 + v) * noise
     three = select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=friction, load=load))
-    assert not any("third load" in one for one in three.words.measure_next)
+    assert not any("third load" in sentence for sentence in three.words.measure_next)
 
 
 def test_a_body_without_friction_has_no_law_of_that_name():
@@ -497,7 +506,7 @@ def test_a_parameter_that_is_not_identified_has_no_number():
     found = fit(
         Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=(4.0 + 3.0 * v) * noise)
     )
-    left = [one for one in found.estimates if not one.bounded]
+    left = [estimate for estimate in found.estimates if not estimate.bounded]
     assert left
     assert all("not identified" in str(one) and "N" not in str(one) for one in left)
     said = " ".join(found.sentences)

@@ -91,8 +91,8 @@ def test_the_band_opens_beyond_the_measured_speeds(verdict):
 
 def test_the_band_that_holds_all_along_is_wider(verdict):
     v = np.geomspace(0.01, 1.0, 30)
-    one, all_along = verdict.band(v), verdict.band(v, all_along=True)
-    assert (all_along.high - all_along.low > one.high - one.low).all()
+    estimate, all_along = verdict.band(v), verdict.band(v, all_along=True)
+    assert (all_along.high - all_along.low > estimate.high - estimate.low).all()
 
 
 def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
@@ -103,13 +103,14 @@ def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
     held = []
     for seed in range(5):
         found = Judgement.of(TableProblem.of(AXIS, table(stribeck, seed=seed)))
-        assert {one.low_any <= one.low <= one.high <= one.high_any for one in found.intervals} == {
-            True
-        }
+        assert {
+            interval.low_any <= interval.low <= interval.high <= interval.high_any
+            for interval in found.intervals
+        } == {True}
         held += [
-            one.low_any <= truth[name] <= one.high_any
-            for one in found.intervals
-            if (name := one.path.rpartition(".")[2]) in truth
+            interval.low_any <= truth[name] <= interval.high_any
+            for interval in found.intervals
+            if (name := interval.path.rpartition(".")[2]) in truth
         ]
     assert np.mean(held) > 0.85  # of 240 such intervals, 97 % held
 
@@ -124,11 +125,11 @@ def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
     v = np.concatenate([-SPEEDS[::-1], SPEEDS[::2]])
     read = table(lambda x: stribeck(x) + 0.3, v, seed=4)
     mirrored = Measurement(velocity=-v[::-1], friction=-np.asarray(read.friction)[::-1])
-    one, other = (select(AXIS, None, m).band([0.05, 0.5]) for m in (read, mirrored))
+    estimate, other = (select(AXIS, None, m).band([0.05, 0.5]) for m in (read, mirrored))
     back = select(AXIS, None, mirrored).band([-0.05, -0.5])
-    assert one.low.shape == other.low.shape
-    np.testing.assert_allclose(back.median, -one.median, rtol=0.01)
-    np.testing.assert_allclose(back.low, -one.high, rtol=0.02)
+    assert estimate.low.shape == other.low.shape
+    np.testing.assert_allclose(back.median, -estimate.median, rtol=0.01)
+    np.testing.assert_allclose(back.low, -estimate.high, rtol=0.02)
 
 
 def test_friction_in_other_units_scales_the_band(verdict):
@@ -201,8 +202,8 @@ def test_an_outlier_anywhere_does_not_change_the_law_and_is_said(row):
     verdict = select(AXIS, [Coulomb, CoulombViscous], Measurement(velocity=v, friction=friction))
     assert verdict.family == ("level", "viscous")
     assert [*verdict.judgement.outliers] == [row]
-    for one, true in zip(verdict.parameters, (4.0, 6.0), strict=True):
-        assert one.low <= true <= one.high
+    for parameter, true in zip(verdict.parameters, (4.0, 6.0), strict=True):
+        assert parameter.low <= true <= parameter.high
 
 
 def test_a_reading_alone_at_an_end_may_be_friction():
@@ -220,7 +221,11 @@ def test_noise_in_proportion_to_friction_is_seen_and_weighs_the_readings():
     verdict = select(AXIS, None, Measurement(velocity=v, friction=10.0 * v * relative))
     spread = 1.0 / verdict.judgement.regression.weights
     assert 30.0 < spread[-1] / spread[0] < 150.0
-    (slope,) = (one for one in verdict.parameters if one.path.endswith("viscous_coefficient"))
+    (slope,) = (
+        parameter
+        for parameter in verdict.parameters
+        if parameter.path.endswith("viscous_coefficient")
+    )
     assert 9.8 < slope.low < slope.high < 10.2
 
 
@@ -248,7 +253,7 @@ def test_a_level_is_stated_at_the_usual_values_of_all_its_inputs():
     inputs = {"temperature": warm, "pressure": pressed}
     friction += 0.02 * random.normal(size=len(v))
     verdict = select(AXIS, None, Measurement(velocity=v, friction=friction, inputs=inputs))
-    (said,) = (one for one in verdict.words.cannot_tell if "for inputs of 0" in one)
+    (said,) = (sentence for sentence in verdict.words.cannot_tell if "for inputs of 0" in sentence)
     assert "40" in said
     assert "55" in said
     assert re.search(r"it is (9\.9|10)", said)
@@ -259,7 +264,9 @@ def test_the_exponent_of_the_load_is_a_parameter():
     v = np.repeat(np.geomspace(0.01, 1.0, 8), 3)
     read = 0.5 * load**0.67 + 0.01 * np.random.default_rng(1).normal(size=24)
     found = select(AXIS, None, Measurement(velocity=v, friction=read, load=load))
-    exponent = next(one for one in found.parameters if one.path == "load_exponent")
+    exponent = next(
+        parameter for parameter in found.parameters if parameter.path == "load_exponent"
+    )
     assert exponent.low <= 0.67 <= exponent.high
     band = found.band([0.1, 0.1], load=[7.0, 15.0])
     truth = 0.5 * np.array([7.0, 15.0]) ** 0.67
@@ -281,7 +288,7 @@ def test_a_drift_in_the_order_of_measuring_is_named_where_the_order_tells_it():
     drift = np.linspace(0.0, 0.4, 30)
     read = 2.0 + 3.0 * v + drift + 0.01 * np.random.default_rng(1).normal(size=30)
     found = select(AXIS, None, Measurement(velocity=v, friction=read))
-    assert [one.term for one in found.causes] == ["drift"]
+    assert [cause.term for cause in found.causes] == ["drift"]
 
 
 def test_advice_that_is_followed_narrows_the_band():
@@ -295,8 +302,8 @@ def test_advice_that_is_followed_narrows_the_band():
     )
     v = np.geomspace(0.01, 1.0, 40)
     widths = [
-        float(np.mean(one.high - one.low))
-        for one in (before.band(v), select(AXIS, None, both).band(v))
+        float(np.mean(estimate.high - estimate.low))
+        for estimate in (before.band(v), select(AXIS, None, both).band(v))
     ]
     assert before.shrinks < 0.9
     assert widths[1] < 0.9 * widths[0]
@@ -390,10 +397,12 @@ def test_a_verdict_is_a_document_and_its_law_a_rig_file(verdict):
 
 def test_the_named_law_has_the_values_of_a_fit_with_it(verdict):
     found = fit(AXIS, Stribeck, table(stribeck))
-    own = {one.path: one.value for one in verdict.parameters}
-    for one in found.estimates:
-        if one.path in own:
-            assert own[one.path] == pytest.approx(one.value, abs=1.5 * one.half_width)
+    own = {parameter.path: parameter.value for parameter in verdict.parameters}
+    for estimate in found.estimates:
+        if estimate.path in own:
+            assert own[estimate.path] == pytest.approx(
+                estimate.value, abs=1.5 * estimate.half_width
+            )
 
 
 def test_the_held_out_losses_are_those_of_fits_without_each_block():

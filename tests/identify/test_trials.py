@@ -47,7 +47,10 @@ def judged(measurement, hold=None):
 
 
 def intervals(verdict):
-    ends = {one.path.rpartition(".")[2]: (one.low, one.high) for one in verdict.parameters}
+    ends = {
+        parameter.path.rpartition(".")[2]: (parameter.low, parameter.high)
+        for parameter in verdict.parameters
+    }
     return [ends[name] for name in ("inertia", "kinetic_coefficient", "viscous_coefficient")]
 
 

@@ -63,17 +63,17 @@ def test_laws_that_are_not_told_apart_have_other_names(verdict):
     assert len(verdict.set) > 1
     others = verdict.sentence.partition("tell it from ")[2]
     assert others
-    assert verdict.closest.title.lower() not in {one.strip(". ") for one in others.split(",")}
+    assert verdict.closest.title.lower() not in {text.strip(". ") for text in others.split(",")}
 
 
 def test_the_page_says_nothing_twice(verdict):
     origin = Origin(title="Axis", data="a table", file="axis.toml")
     sections = [make() for make in verdict_sections(verdict, origin, "")]
-    text = [str(one.blocks) for one in sections if one is not None]
+    text = [str(section.blocks) for section in sections if section is not None]
     for line in verdict.words.cannot_tell + verdict.words.measure_next:
         assert sum(line.replace("$", "") in part.replace("$", "") for part in text) == 1
     long = SimpleNamespace(words=SimpleNamespace(cannot_tell=("a",) * MOST + ("b",)))
-    assert [one.value for one in remarks_section(long).blocks[0].items] == ["b"]
+    assert [estimate.value for estimate in remarks_section(long).blocks[0].items] == ["b"]
 
 
 def test_shares_of_the_table_of_laws_include_the_measured_curve(verdict):
@@ -107,13 +107,13 @@ def test_a_size_without_an_interval_has_none():
     cause = Cause(
         term="delay", title="delay of the force", share=0.4, left=0.01, explained=0.9, needed=True
     )
-    one = Estimate(
+    estimate = Estimate(
         path="delay", quantity=delay, value=-0.00436, low=-0.00436, high=-0.00436, interval="95 %"
     )
-    assert cause_sentence(cause, one, WORDS).startswith(
+    assert cause_sentence(cause, estimate, WORDS).startswith(
         "Delay of the force: $t_d$ = −0.0044 s: it takes 40 % off"
     )
-    known = replace(one, low=-0.005, high=-0.004)
+    known = replace(estimate, low=-0.005, high=-0.004)
     doubted = cause_sentence(replace(cause, explained=0.4), known, WORDS)
     assert doubted.endswith("it may be something else.")
     assert "not told apart" in cause_sentence(replace(cause, needed=False), known, WORDS)

@@ -50,8 +50,8 @@ def page(rows, **more):
         rows,
         cells=more,
         scale=Scale(1e3, "mm"),
-        colour=lambda one: "c1" if one.name == "dahl" else "muted",
-        chosen=lambda one: one.name == "dahl",
+        colour=lambda column: "c1" if column.name == "dahl" else "muted",
+        chosen=lambda column: column.name == "dahl",
         caption="",
     )
 
@@ -59,7 +59,7 @@ def page(rows, **more):
 def test_each_medium_has_the_columns_that_have_a_name_for_it():
     assert list(data_row(COLUMNS, ROWS[0])) == ["law", "score", "loss"]
     assert terminal_table(COLUMNS, ROWS)[0] == ["law", "error"]
-    assert [one.head for one in page(ROWS).columns] == ["model", "error\nmm", ""]
+    assert [column.head for column in page(ROWS).columns] == ["model", "error\nmm", ""]
 
 
 def test_a_terminal_says_the_unit_in_the_cell_and_a_page_in_the_heading():
@@ -88,11 +88,11 @@ def test_a_page_draws_the_errors_of_several_laws_with_bars_that_end_at_0():
     bar, dot = table.rows[0].cells[2].marks
     assert (bar.at, bar.to, dot.at, dot.colour) == (0.0, 3.0, 1.0, "c1")  # 1 mm ± 2 mm
     assert table.rows[2].cells[2] == RowPlot(marks=())
-    assert [one.head for one in page(ROWS[:1]).columns] == ["model", "error\nmm"]
+    assert [column.head for column in page(ROWS[:1]).columns] == ["model", "error\nmm"]
 
 
 def test_a_page_may_say_a_cell_otherwise():
-    (first, *_) = page(ROWS, model=lambda one: f"**{one.name}**").rows
+    (first, *_) = page(ROWS, model=lambda row: f"**{row.name}**").rows
     assert first.cells[0] == "**dahl**"
 
 
@@ -114,7 +114,7 @@ def test_a_terminal_and_a_page_show_the_same_error_of_a_law_on_velocity_steps():
     heads, ((_, free, error, rate, second),) = terminal_table(OF_STEPS, [judged])
     assert heads == ["law", "free", "held-out error", "a − b", "second record"]
     assert (free, rate, second) == ("—", "—", "0.00200")
-    score = next(one for one in OF_STEPS if one.key == "score").on_page(judged)
+    score = next(step for step in OF_STEPS if step.key == "score").on_page(judged)
     assert error == f"{score.value} {score.doubt}"
 
 
@@ -122,10 +122,10 @@ def test_a_law_on_features_shows_what_it_misses_and_says_why_it_has_no_score():
     fit = SimpleNamespace(
         estimates=(1, 2), score=0.05, held_out_errors={"frequency": -0.03, "mean": 0.04}
     )
-    one = FeatureCandidate(
+    candidate = FeatureCandidate(
         name="coulomb", title="Coulomb", fit=fit, score_error=0.01, second={"mean": 0.08}
     )
-    heads, (row,) = terminal_table(OF_FEATURES, [one])
+    heads, (row,) = terminal_table(OF_FEATURES, [candidate])
     assert heads == ["law", "free", "held-out, %", "frequency", "mean", "deviation", "second"]
     assert row == ["coulomb", "2", "5.0 ± 1.0", "−3 %", "+4 %", "—", "8 %"]
     without = FeatureCandidate(name="dahl", title="Dahl", fit=None, dropped="not fitted")
@@ -135,7 +135,7 @@ def test_a_law_on_features_shows_what_it_misses_and_says_why_it_has_no_score():
 
 @pytest.mark.parametrize("columns", [OF_FEATURES, OF_STEPS])
 def test_keys_and_headings_of_a_kind_stand_once(columns):
-    for names in ([one.key for one in columns], [one.title for one in columns],
-                  [one.page for one in columns]):  # fmt: skip
+    for names in ([column.key for column in columns], [column.title for column in columns],
+                  [column.page for column in columns]):  # fmt: skip
         given = [name for name in names if name]
         assert len(set(given)) == len(given)

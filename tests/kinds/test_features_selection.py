@@ -115,7 +115,7 @@ def test_a_verdict_is_plain_numbers(verdict):
 
 
 def test_other_speeds_are_ordered_by_how_far_the_laws_part(verdict):
-    apart = [one.separation for one in verdict.speeds]
+    apart = [speed.separation for speed in verdict.speeds]
     assert apart == sorted(apart, reverse=True)
     assert set(verdict.speeds[0].predicted) == {"coulomb", "stribeck"}
 
@@ -216,7 +216,7 @@ def test_friction_under_a_load_point_takes_rate_and_state_laws():
 
 @pytest.mark.slow  # the seed is that of `fit_features`
 def test_seeds_of_settings_reach_the_search(record):
-    one, two = (
+    fitted, two = (
         fit(
             STATED,
             Coulomb,
@@ -226,9 +226,9 @@ def test_seeds_of_settings_reach_the_search(record):
         )
         for seed in (0, 1)
     )
-    assert one.runs != two.runs or one.mechanism.mass != two.mechanism.mass
+    assert fitted.runs != two.runs or fitted.mechanism.mass != two.mechanism.mass
     # three features fix three numbers, whatever the start; features are read to 0.2 %
-    assert one.mechanism.mass == pytest.approx(two.mechanism.mass, rel=0.005)
+    assert fitted.mechanism.mass == pytest.approx(two.mechanism.mass, rel=0.005)
 
 
 def shifted(found, **errors):
@@ -309,12 +309,14 @@ def test_levels_that_another_law_has_otherwise_are_told_for_the_law_that_is_name
     row = pulled_sliders.pulled(7901, 6)
     assert row["truth"] == "stribeck"
     assert (row["named"], row["ties"]) == ("coulomb", ["stribeck"])
-    assert all(one["held"] for one in row["intervals"])
+    assert all(entry["held"] for entry in row["intervals"])
 
 
 def test_what_a_law_that_is_not_told_apart_leaves_open_is_said(verdict):
     best = verdict.best
-    assert [one.path for one in best.alone] == [one.path for one in best.fit.estimates]
+    assert [estimate.path for estimate in best.alone] == [
+        estimate.path for estimate in best.fit.estimates
+    ]
     for own, whole in zip(best.alone, best.fit.estimates, strict=True):
         assert whole.low <= own.low <= own.high <= whole.high
     assert any("if Coulomb friction" in line for line in verdict.words.settles)
@@ -324,10 +326,10 @@ def test_a_saved_law_keeps_the_covariance_of_a_level_that_other_laws_leave_open(
     fit = verdict.best.fit
     # as if another law left the static level open
     found = [
-        replace(one, low=-math.inf, high=math.inf, reason="another law leaves it open")
-        if one.path == "friction.static_coefficient"
-        else one
-        for one in fit.estimates
+        replace(estimate, low=-math.inf, high=math.inf, reason="another law leaves it open")
+        if estimate.path == "friction.static_coefficient"
+        else estimate
+        for estimate in fit.estimates
     ]
     alone = fit.alone or fit.estimates
     opened = replace(fit, estimates=tuple(found), alone=alone)
@@ -338,7 +340,7 @@ def test_a_saved_law_keeps_the_covariance_of_a_level_that_other_laws_leave_open(
     assert "static_coefficient" in known.covariance_of
     draws = known.draw(opened.law, 400, seed=1)
     level = draws["friction.static_coefficient"]
-    (own,) = [one for one in alone if one.path == "friction.static_coefficient"]
+    (own,) = [estimate for estimate in alone if estimate.path == "friction.static_coefficient"]
     # its spread if the law holds, by 400 draws to 7 % and more, as the valid range cuts some off
     assert np.std(level) == pytest.approx((own.high - own.low) / 3.92, rel=0.5)
     assert known.kept == ()
@@ -350,8 +352,8 @@ def test_bristles_of_a_stiffness_that_nobody_gave_leave_the_static_level_open():
     row = pulled_sliders.pulled(7901, 7)
     assert row["truth"] == "lugre"
     assert "lugre" in row["ties"]
-    assert [one["path"] for one in row["intervals"]] == ["friction.kinetic_coefficient"]
-    assert all(one["held"] for one in row["intervals"])
+    assert [entry["path"] for entry in row["intervals"]] == ["friction.kinetic_coefficient"]
+    assert all(entry["held"] for entry in row["intervals"])
 
 
 @pytest.mark.slow
@@ -359,4 +361,4 @@ def test_other_values_with_the_same_features_are_searched_for():
     # Stribeck friction: its three numbers give these features at kinetic levels from 0.09 to 0.19
     row = pulled_sliders.pulled(7902, 1)
     assert row["named"] == row["truth"] == "stribeck"
-    assert all(one["held"] for one in row["intervals"])
+    assert all(entry["held"] for entry in row["intervals"])

@@ -170,7 +170,7 @@ NAGATA = {
 def test_the_law_of_nagata_is_that_of_an_integration_of_coefficient_and_state(more):
     truth, k = law(**NAGATA, **more), 2e3
     effects = np.array([b for b, _ in truth.states])
-    distances = np.array([one for _, one in truth.states])
+    distances = np.array([state for _, state in truth.states])
     V_0 = truth.reference_velocity
 
     def rates(_, y):
@@ -287,9 +287,9 @@ def test_other_forms_are_recovered_from_their_own_data(name):
     assert found.law.name == name
     assert found.rmse == pytest.approx(3e-4, rel=0.1)
     # intervals are 1 to 2 % of the values here
-    for one in found.estimates:
-        if one.path.startswith("friction."):
-            assert one.value == pytest.approx(getattr(truth, one.path[9:]), rel=0.05)
+    for estimate in found.estimates:
+        if estimate.path.startswith("friction."):
+            assert estimate.value == pytest.approx(getattr(truth, estimate.path[9:]), rel=0.05)
     assert found.rate.value == pytest.approx(truth.rate, abs=1e-4)
 
 
@@ -633,9 +633,11 @@ def test_intervals_hold_the_truth_where_noise_is_autocorrelated(steps):
     for seed in range(30):
         made = record(law(), noise=5e-4, seed=seed, memory=0.3, **steps)
         found = fitted(made, drift="none", starts=1)
-        for one in (*found.estimates, found.rate):
-            if one.quantity.symbol in truth:
-                held[one.quantity.symbol] += one.low <= truth[one.quantity.symbol] <= one.high
+        for estimate in (*found.estimates, found.rate):
+            if estimate.quantity.symbol in truth:
+                held[estimate.quantity.symbol] += (
+                    estimate.low <= truth[estimate.quantity.symbol] <= estimate.high
+                )
     assert min(held.values()) >= 27, held
 
 

@@ -243,8 +243,8 @@ def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():
 def test_the_least_residual_has_words_on_every_route():
     table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
     asked = Request(mechanism=Axis(inertia=1.0), measurement=table)
-    words = {one.routes[0]: one.residual_text(0.012, asked) for one in kinds()}
-    assert all("12" in one or "1.2" in one for one in words.values())
+    words = {kind.routes[0]: kind.residual_text(0.012, asked) for kind in kinds()}
+    assert all("12" in word or "1.2" in word for word in words.values())
     assert (
         words.items()
         >= {

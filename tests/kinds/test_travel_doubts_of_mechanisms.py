@@ -159,8 +159,8 @@ def test_intervals_cover_the_truth_in_95_of_100_sets():
         s = k * x**2 / (2.0 * 0.25 * m * 9.81) + 0.001 * draw.normal(size=3)
         for i, stated in enumerate((doubts, {})):
             readings = travels(settings, s, parameter_uncertainties=stated)
-            (one,) = fit(BLOCK, Coulomb, readings).estimates
-            hits[i] += one.low <= 0.25 <= one.high
+            (estimate,) = fit(BLOCK, Coulomb, readings).estimates
+            hits[i] += estimate.low <= 0.25 <= estimate.high
     assert hits[0] / 200 >= 0.91
     assert hits[1] / 200 < 0.7  # the readings alone promise too much
 
@@ -182,12 +182,12 @@ def test_sources_are_those_of_the_scatter_that_residuals_show():
         for x, one in zip(np.repeat([0.06, 0.08, 0.1], 2), s, strict=True)
     )
     fitted = fit(BLOCK, Coulomb, Measurement(trials=trials, parameter_uncertainties={K: 1.0}))
-    (one,) = fitted.estimates
+    (estimate,) = fitted.estimates
     scatter = math.sqrt(sum(r * r for r in fitted.residuals) / 5)
     weight = math.sqrt(sum(p * p for p in fitted.predicted))
     # errors are tried on a grid, and may grow with the travel
-    assert one.sources["readings"] / one.value == pytest.approx(scatter / weight, rel=0.5)
-    assert one.sources[K] / one.value == pytest.approx(0.01, rel=1e-2)
+    assert estimate.sources["readings"] / estimate.value == pytest.approx(scatter / weight, rel=0.5)
+    assert estimate.sources[K] / estimate.value == pytest.approx(0.01, rel=1e-2)
 
 
 def test_without_uncertainties_of_the_rig_nothing_changes():
@@ -206,8 +206,8 @@ def test_a_law_that_is_moved_more_by_the_settings_is_not_taken_for_that():
     """
     settings = np.array([0.06, 0.08, 0.1])
     reading = travels(settings, 0.2 * (settings / 0.1) ** 1.5, parameter_uncertainties={X: 0.0045})
-    one, other = (fit(BLOCK, law, reading) for law in (Coulomb, Viscous))
-    assert other.chi_square - one.chi_square > 5.02  # the 97.5 % quantile, one degree of freedom
+    fitted, other = (fit(BLOCK, law, reading) for law in (Coulomb, Viscous))
+    assert other.chi_square - fitted.chi_square > 5.02  # the 97.5 % quantile, one degree of freedom
     verdict = select(BLOCK, [Coulomb, Viscous], reading)
     assert {*verdict.set} == {("coulomb",), ("viscous",)}
 

@@ -25,8 +25,8 @@ FOUR = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity", "visco
 def travels(rig, law, path, settings):
     found = []
     for setting in settings:
-        one = vary(rig, "mechanism", {path: setting})
-        ends = simulate(one, law, t_end=10.0).at((0.0, 10.0))[slip_of(one)]
+        changed = vary(rig, "mechanism", {path: setting})
+        ends = simulate(changed, law, t_end=10.0).at((0.0, 10.0))[slip_of(changed)]
         found.append(float(ends[1] - ends[0]))
     return np.array(found)
 
@@ -94,8 +94,8 @@ def test_intervals_hold_a_law_that_explains_the_travels_as_well_along_a_valley_t
     for law in (truth, other):
         left = np.sum(((read - travels(rig, law, path, settings)) / error) ** 2)
         assert left < found.chi_square + 3.84  # the 95 % quantile of chi-square
-        for one in found.estimates:
-            assert one.low <= getattr(law, one.path.rpartition(".")[2]) <= one.high
+        for estimate in found.estimates:
+            assert estimate.low <= getattr(law, estimate.path.rpartition(".")[2]) <= estimate.high
 
 
 def test_nuisances_that_take_up_the_noise_do_not_make_it_small():

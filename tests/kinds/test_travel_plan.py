@@ -55,24 +55,26 @@ def filled(sheet: Plan, travels, parameter_uncertainties=None, sigma=SIGMA) -> M
 
 def test_what_one_per_cent_costs_is_said_beside_what_is_needed_better():
     sheet = plan(BLOCK, "coulomb", uncertainty=0.0005)
-    one = next(one for one in sheet.preparations if one.path == K)
-    assert one.needed < 0.001 * one.value
-    before, after = percentages(one.rough)
+    estimate = next(preparation for preparation in sheet.preparations if preparation.path == K)
+    assert estimate.needed < 0.001 * estimate.value
+    before, after = percentages(estimate.rough)
     # mu is in proportion to k: 1 % of it beside the readings' part, of which mass and compression
     # add a quarter each to the variance, as k did when it was known as needed
-    readings = 1.0 / (2.0 * one.needed / one.value)  # 1 % over what the readings leave, in 0.01
+    readings = 1.0 / (
+        2.0 * estimate.needed / estimate.value
+    )  # 1 % over what the readings leave, in 0.01
     closed = before * math.sqrt((1.5 + (0.01 * readings) ** 2) / 1.75)
     assert after == pytest.approx(closed, rel=0.05)
     same = plan(
         BLOCK,
         "coulomb",
-        parameter_uncertainties={"stiffness": 0.01 * one.value},
+        parameter_uncertainties={"stiffness": 0.01 * estimate.value},
         uncertainty=0.0005,
     )
     (level,) = [e.estimate for e in same.expectations]
     # the interval of that plan is of draws, which scatter
     assert 50.0 * (level.high - level.low) / level.value == pytest.approx(after, rel=0.4)
-    stated = next(one for one in same.preparations if one.path == K)
+    stated = next(preparation for preparation in same.preparations if preparation.path == K)
     assert re.search(r"interval of \$mu_k\$ stays at ± [0-9.]+ % of the value", stated.rough)
 
 
@@ -83,8 +85,8 @@ def percentages(text):
 
 def test_what_is_needed_to_more_than_one_per_cent_has_no_such_remark():
     sheet = plan(BLOCK, "coulomb", uncertainty=0.02)
-    assert all(one.needed >= 0.01 * one.value for one in sheet.preparations)
-    assert [one.rough for one in sheet.preparations] == [""] * 3
+    assert all(preparation.needed >= 0.01 * preparation.value for preparation in sheet.preparations)
+    assert [preparation.rough for preparation in sheet.preparations] == [""] * 3
 
 
 @pytest.mark.parametrize(
@@ -98,7 +100,7 @@ def test_what_is_needed_to_more_than_one_per_cent_has_no_such_remark():
 )
 def test_the_scatter_of_repeats_is_the_uncertainty(readings, stated, expected, freedom):
     known = {} if stated is None else {"uncertainty": stated}
-    trials = tuple(Measurement(travel=one, **known) for one in readings)
+    trials = tuple(Measurement(travel=reading, **known) for reading in readings)
     sheet = plan(BLOCK, "coulomb", Measurement(trials=trials))
     assert sheet.uncertainty == pytest.approx(expected, rel=1e-6)
     assert (sheet.repeated, sheet.assumed) == (freedom, False)
@@ -140,7 +142,7 @@ def test_needed_uncertainties_are_half_the_readings_part():
     n = sheet.repeats
     readings = SIGMA / math.sqrt(n * np.sum(TRAVELS**2))
     by_hand = math.sqrt(n * np.sum((2.0 * TRAVELS**2 / SETTINGS) ** 2)) / (n * np.sum(TRAVELS**2))
-    needed = {one.path: one.needed for one in sheet.preparations}
+    needed = {preparation.path: preparation.needed for preparation in sheet.preparations}
     assert needed[K] / 145.0 == pytest.approx(0.5 * readings, rel=1e-3)
     assert needed[M] / 0.82 == pytest.approx(0.5 * readings, rel=1e-3)
     assert needed[X] == pytest.approx(0.5 * readings / by_hand, rel=1e-3)
@@ -171,7 +173,7 @@ def test_a_planned_set_rules_the_rival_out_in_nine_of_ten_cases():
     sheet = plan(BLOCK, laws, uncertainty=sigma)
     assert sheet.tellings[0].repeats is not None
     law = sheet.laws["coulomb-viscous"]
-    known = {one.path: one.needed for one in sheet.preparations}
+    known = {preparation.path: preparation.needed for preparation in sheet.preparations}
     for _ in range(25):
         k, m = 145.0 + known[K] * draw.normal(), 0.82 + known[M] * draw.normal()
 
@@ -192,14 +194,14 @@ def test_expected_intervals_are_those_of_a_filled_sheet(three):
         run = simulate(SpringBlock(mass=0.82, stiffness=145.0, compression=x), law, t_end=10.0)
         return float(run.at(run.span)["x"][-1])
 
-    known = {one.path: one.needed for one in three.preparations}
+    known = {preparation.path: preparation.needed for preparation in three.preparations}
     verdict = select(BLOCK, [*three.laws], filled(three, travel, known))
     found = next(c.fit for c in verdict.candidates if c.name == "coulomb-viscous")
     expected = [e.estimate for e in three.expectations if e.law == "coulomb-viscous"]
-    for one, other in zip(found.estimates, expected, strict=True):
-        assert one.value == pytest.approx(other.value, rel=1e-2)
+    for estimate, other in zip(found.estimates, expected, strict=True):
+        assert estimate.value == pytest.approx(other.value, rel=1e-2)
         # limits are of draws, which scatter
-        assert one.half_width == pytest.approx(other.half_width, rel=0.25)
+        assert estimate.half_width == pytest.approx(other.half_width, rel=0.25)
 
 
 def test_stated_uncertainties_count_and_are_judged():
@@ -209,12 +211,12 @@ def test_stated_uncertainties_count_and_are_judged():
         uncertainty=SIGMA,
         parameter_uncertainties={"stiffness": 5.0, "mass": 1e-4},
     )
-    said = {one.path: one.verdict for one in sheet.preparations}
+    said = {preparation.path: preparation.verdict for preparation in sheet.preparations}
     assert said[K] == "5 N/m, too large"
     assert said[M] == "0.1 g, sufficient"
     assert said[X] == "not stated"
-    (one,) = (e.estimate for e in sheet.expectations if e.identified)
-    assert one.sources[K] / one.value == pytest.approx(5.0 / 145.0, rel=1e-3)
+    (estimate,) = (e.estimate for e in sheet.expectations if e.identified)
+    assert estimate.sources[K] / estimate.value == pytest.approx(5.0 / 145.0, rel=1e-3)
 
 
 def test_what_no_travel_tells_has_another_way():
@@ -264,7 +266,10 @@ def test_a_push_is_planned_by_its_level():
     for row in sheet.settings:
         expected = (row.value - f) * 0.01 * row.value / (2.0 * f)
         assert row.predicted["coulomb"] == pytest.approx(expected, rel=1e-6)
-    assert {one.path for one in sheet.preparations} >= {"mechanism.mass", "mechanism.drive.level"}
+    assert {preparation.path for preparation in sheet.preparations} >= {
+        "mechanism.mass",
+        "mechanism.drive.level",
+    }
 
 
 def test_settings_at_which_the_block_hardly_moves_are_left_out():
@@ -340,20 +345,20 @@ def test_settings_span_the_trials_and_the_present_one():
     sheet = plan(
         BLOCK, ["coulomb"], measurement=measured(path=X, x100=0.36, x120=0.519), settings=3
     )
-    assert [one.value for one in sheet.settings] == pytest.approx([0.08, 0.1, 0.12])
+    assert [setting.value for setting in sheet.settings] == pytest.approx([0.08, 0.1, 0.12])
     assert "of the trials and of the rig, 80 to 120 mm" in sheet.range_source
 
 
 def test_one_trial_at_the_present_setting_gives_no_range():
     sheet = plan(BLOCK, ["coulomb"], measurement=measured(path=X, x80=0.231))
-    assert [one.value for one in sheet.settings] == pytest.approx(SETTINGS)
+    assert [setting.value for setting in sheet.settings] == pytest.approx(SETTINGS)
     assert "The trials and the rig have one compression" in sheet.range_source
 
 
 def test_a_given_range_is_taken_and_needs_no_source():
     done = measured(path=X, x100=0.36, x120=0.519)
     sheet = plan(BLOCK, ["coulomb"], measurement=done, between=(0.05, 0.09), settings=2)
-    assert [one.value for one in sheet.settings] == pytest.approx([0.05, 0.09])
+    assert [setting.value for setting in sheet.settings] == pytest.approx([0.05, 0.09])
     assert sheet.range_source == ""
 
 
@@ -361,13 +366,13 @@ def test_what_trials_vary_is_what_is_set():
     """The plan set the compression to shares of the stiffness: travels are k x_0^2 / (2 mu m g)."""
     done = measured(path=K, x100000=0.159, x200000=0.318)
     sheet = plan(BLOCK, Coulomb(kinetic_coefficient=0.25), measurement=done, settings=3)
-    assert {one.path for one in sheet.settings} == {K}
-    assert [one.value for one in sheet.settings] == pytest.approx([100.0, 150.0, 200.0])
+    assert {estimate.path for estimate in sheet.settings} == {K}
+    assert [estimate.value for estimate in sheet.settings] == pytest.approx([100.0, 150.0, 200.0])
     level = sheet.laws["coulomb"].kinetic_coefficient
-    for one in sheet.settings:
-        expected = one.value * 0.08**2 / (2.0 * level * 0.82 * 9.81)
-        assert one.predicted["coulomb"] == pytest.approx(expected, rel=1e-6)
-    (spring,) = (one.how for one in sheet.preparations if one.path == K)
+    for setting in sheet.settings:
+        expected = setting.value * 0.08**2 / (2.0 * level * 0.82 * 9.81)
+        assert setting.predicted["coulomb"] == pytest.approx(expected, rel=1e-6)
+    (spring,) = (preparation.how for preparation in sheet.preparations if preparation.path == K)
     assert "its length changes by 80 mm" in spring
 
 
@@ -390,7 +395,7 @@ def test_trials_on_an_incline_leave_the_compression_of_a_level_rig_to_be_set():
     sheet = plan(
         BLOCK, ["coulomb"], measurement=Measurement(trials=(done, Measurement(travel=0.23)))
     )
-    assert {one.path for one in sheet.settings} == {X}
+    assert {setting.path for setting in sheet.settings} == {X}
 
 
 def test_a_law_under_which_the_body_creeps_on_is_left_out_and_named():
@@ -420,23 +425,27 @@ def test_equal_travels_are_called_equal_whatever_the_rig_is_known_to():
         "plain": Coulomb(kinetic_coefficient=0.25),
         "static": Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3),
     }
-    (one,) = plan(BLOCK, laws).tellings
-    assert one.alike
-    assert one.repeats is None
-    assert one.obstacle == "Not distinguishable by travels: both laws predict the same"
+    (telling,) = plan(BLOCK, laws).tellings
+    assert telling.alike
+    assert telling.repeats is None
+    assert telling.obstacle == "Not distinguishable by travels: both laws predict the same"
 
 
 def test_what_no_number_of_repeats_separates_is_said(three):
     sheet = plan(BLOCK, ["coulomb", "stribeck"], uncertainty=SIGMA)
-    (one,) = sheet.tellings
-    assert one.repeats is None
-    assert not one.alike
-    assert one.obstacle == "Not distinguished by 10 runs at each setting"
+    (telling,) = sheet.tellings
+    assert telling.repeats is None
+    assert not telling.alike
+    assert telling.obstacle == "Not distinguished by 10 runs at each setting"
 
 
 def test_a_stiff_spring_is_pressed_and_not_loaded_with_a_tonne():
     heavy = SpringBlock(mass=250.0, stiffness=9e4, compression=0.12)
-    (how,) = (one.how for one in plan(heavy, ["coulomb"]).preparations if one.path == K)
+    (how,) = (
+        preparation.how
+        for preparation in plan(heavy, ["coulomb"]).preparations
+        if preparation.path == K
+    )
     # 9e4 N/m x 0.12 m = 10,800 N: 1.1 tonnes
     assert how.startswith(
         "Compress the spring by 0.12 m against a load cell (range at least 10,800"

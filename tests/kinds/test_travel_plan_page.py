@@ -76,9 +76,11 @@ def test_page_and_terminal_have_the_same_rows(sheet, page):
 def test_a_parameter_has_an_interval_or_is_not_identified(sheet):
     (values,) = (table for table in tables_of(sheet) if table.name == "values")
     assert len(values.rows) == len(sheet.expectations)
-    for row, one in zip(values.rows, sheet.expectations, strict=True):
-        assert row.cells[-1] == (one.estimate.range if one.identified else "not identified")
-        assert row.muted == (not one.identified)
+    for row, expectation in zip(values.rows, sheet.expectations, strict=True):
+        assert row.cells[-1] == (
+            expectation.estimate.range if expectation.identified else "not identified"
+        )
+        assert row.muted == (not expectation.identified)
 
 
 def test_no_law_told_apart_is_a_section_without_a_table():

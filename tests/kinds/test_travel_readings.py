@@ -70,11 +70,11 @@ def test_mean_velocities_are_fitted_as_the_travels_that_they_stand_for():
     by_speed = fit(CAPSULE, TRUTH, readings("mean_velocity", speeds, 2e-3 / END), t_end=END)
     # the same numbers but for the rounding of a quotient and a product
     np.testing.assert_allclose(by_speed.measured, by_travel.measured, rtol=1e-15)
-    (one,), (other,) = by_speed.estimates, by_travel.estimates
-    assert (one.value, one.low, one.high) == pytest.approx(
+    (estimate,), (other,) = by_speed.estimates, by_travel.estimates
+    assert (estimate.value, estimate.low, estimate.high) == pytest.approx(
         (other.value, other.low, other.high), rel=1e-9
     )
-    assert one.low < 0.18 < one.high
+    assert estimate.low < 0.18 < estimate.high
 
 
 def test_travels_per_cycle_at_several_periods_need_one_end_time_only():
@@ -126,13 +126,13 @@ def test_the_last_digit_of_a_mean_velocity_is_that_of_the_velocity():
 
 
 def test_the_offset_of_a_travel_is_subtracted():
-    one = fit(BLOCK, Coulomb, Measurement(travel=0.25, offset={"travel": 0.05}))
-    assert one.measured == pytest.approx((0.20,))
+    fitted = fit(BLOCK, Coulomb, Measurement(travel=0.25, offset={"travel": 0.05}))
+    assert fitted.measured == pytest.approx((0.20,))
 
 
 def test_an_array_of_travels_is_repeats_of_one_run():
     together = fit(BLOCK, Coulomb, Measurement(travel=[0.20, 0.202], uncertainty=1e-3))
-    apart = [Measurement(travel=one, uncertainty=1e-3) for one in (0.20, 0.202)]
+    apart = [Measurement(travel=value, uncertainty=1e-3) for value in (0.20, 0.202)]
     other = fit(BLOCK, Coulomb, Measurement(trials=tuple(apart)))
     assert together.law == other.law
     assert together.measured == (0.20, 0.202)
@@ -340,7 +340,7 @@ def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
         )
     )
     verdict = select(SLOPE, [Coulomb, Viscous], measured, t_end=5.0)
-    coulomb, viscous = sorted(verdict.candidates, key=lambda one: one.name)
+    coulomb, viscous = sorted(verdict.candidates, key=lambda candidate: candidate.name)
     assert verdict.best.name == "coulomb"
     assert not coulomb.dropped
     assert "does not bring the body to rest: at t_end = 5 s it still moves" in viscous.dropped
@@ -349,7 +349,9 @@ def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
 def test_a_plan_leaves_out_what_does_not_come_to_rest():
     sheet = plan(SLOPE, [Coulomb, CoulombViscous, Viscous], t_end=5.0)
     assert "viscous" not in sheet.laws
-    assert any("Viscous friction does not bring the body to rest" in one for one in sheet.remarks)
+    assert any(
+        "Viscous friction does not bring the body to rest" in remark for remark in sheet.remarks
+    )
     with pytest.raises(InputError, match=r"Viscous friction does not bring the body to rest"):
         plan(SLOPE, [Viscous], t_end=5.0)
 
@@ -408,10 +410,10 @@ def fit_to_many():
 def test_many_mean_speeds_separate_a_capsules_stiffness_damping_force_and_friction():
     found = fit_to_many()
     truth = {"mu_k": 0.06, "k": 60.0, "c": 0.8, "F_1": 4.0}
-    for one in found.estimates:
+    for estimate in found.estimates:
         # two half-widths are four standard errors: one estimate of 16,000 is farther off
-        assert one.bounded
-        assert abs(one.value - truth[one.quantity.symbol]) < 2.0 * one.half_width
+        assert estimate.bounded
+        assert abs(estimate.value - truth[estimate.quantity.symbol]) < 2.0 * estimate.half_width
     assert found.mechanism.stiffness == found.estimates[1].value
 
 
@@ -427,7 +429,7 @@ def test_intervals_reach_over_other_values_that_fit_as_well():
 def test_one_setting_of_a_capsule_tells_a_combination_only_and_says_so():
     same = speeds(6, periods=(0.5, 0.5001), duties=(0.5, 0.5001))
     found = fit(pushed(85.0, 0.5, 3.0), Coulomb, same, vary=TOLD, t_end=2.0)
-    assert not any(one.bounded for one in found.estimates)
+    assert not any(estimate.bounded for estimate in found.estimates)
     assert len(found.told_apart) >= 3  # of the mechanism
     assert "is not identified: the trials" in str(found.told_apart)
 
@@ -437,7 +439,7 @@ def test_what_scales_with_all_else_is_not_identified_however_many_trials_there_a
     everything = (*TOLD, "capsule_mass", "inner_mass")
     found = fit(pushed(60.0, 0.8, 4.0), Coulomb, speeds(12), vary=everything, t_end=2.0)
     scaled = [e for e in found.estimates if e.path.startswith("mechanism.")]
-    assert not any(one.bounded for one in scaled)
+    assert not any(estimate.bounded for estimate in scaled)
 
 
 @pytest.mark.parametrize(

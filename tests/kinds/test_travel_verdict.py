@@ -202,8 +202,8 @@ def test_trials_that_differ_in_two_parameters_have_no_band_over_one():
     law = Coulomb(kinetic_coefficient=0.2)
     trials = []
     for mass, speed in ((1.0, 1.0), (2.0, 1.5), (1.5, 2.0)):
-        one = replace(rig, mass=mass, stiffness=0.0)
-        run = simulate(one, law, t_end=10.0, y0={"v": speed})
+        changed = replace(rig, mass=mass, stiffness=0.0)
+        run = simulate(changed, law, t_end=10.0, y0={"v": speed})
         trials.append(
             Measurement(
                 travel=float(run["x"][-1]), uncertainty=0.001, initial={"v": speed},

@@ -80,7 +80,7 @@ def test_select_takes_velocity_steps_by_itself(machine, steps, verdict):
     direct = select_rate_state(machine, laws, steps, settings=settings)
     assert verdict.to_dict() == direct.to_dict()
     single = select(machine, RateState(**vars_of(verdict)), steps, settings=settings)
-    assert [one.name for one in single.candidates] == ["logarithmic"]
+    assert [candidate.name for candidate in single.candidates] == ["logarithmic"]
 
 
 def vars_of(verdict):
@@ -100,7 +100,7 @@ def test_other_routes_say_what_they_need(machine, steps):
 def test_the_page_of_a_verdict_is_whole(verdict):
     page = verdict_page(verdict, Origin(title="Gouge", data="two steps"), remark="From a mine.")
     assert page.title == "Friction model selection: Gouge"
-    ids = [one.id for one in page.sections]
+    ids = [section.id for section in page.sections]
     assert (ids[0], ids[-1]) == ("verdict", "reproduce")
     assert {"friction", "scores", "parameters", "residuals", "record"} < set(ids)
     text = render(page)
@@ -112,7 +112,7 @@ def test_the_page_of_a_verdict_is_whole(verdict):
 def test_a_report_has_no_rig_file_and_leaves_no_earlier_one(verdict, tmp_path):
     folder = tmp_path / "report"
     page = write_report(verdict, folder, title="Gouge")
-    assert {one.name for one in folder.glob("[!.]*")} == {"index.html", "verdict.json"}
+    assert {path.name for path in folder.glob("[!.]*")} == {"index.html", "verdict.json"}
     told = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
     assert (told["route"], told["best"], told["rig"]) == ("rate-state", "logarithmic", "Gouge")
     with pytest.raises(InputError, match="overwrite=True"):
@@ -186,7 +186,7 @@ def test_select_writes_page_and_verdict_but_no_rig_file(run, tmp_path):
     code, out, err = run("select", "steps.toml", *BOTH, *ONCE, "-o", "report")
     assert code == 0, err
     assert "friction logarithmic in speed" in out
-    assert {one.name for one in (tmp_path / "report").glob("[!.]*")} == {
+    assert {path.name for path in (tmp_path / "report").glob("[!.]*")} == {
         "index.html",
         "verdict.json",
     }

@@ -81,7 +81,9 @@ def state(rig):
     """Return coordinates and rates of a rig that are all different, held coordinates at 0."""
     q = {name: 0.02 + 0.03 * i for i, name in enumerate(rig.coordinates)}
     q_dot = {name: 0.1 - 0.07 * i for i, name in enumerate(rig.coordinates)}
-    held = dict.fromkeys((*rig.held(), *(n for one in rig.contacts() for n in one.normals)), 0.0)
+    held = dict.fromkeys(
+        (*rig.held(), *(n for contact in rig.contacts() for n in contact.normals)), 0.0
+    )
     return q | held, q_dot | held
 
 
@@ -89,7 +91,10 @@ def told_by(rig, t, q, q_dot, drives):
     """Return the inputs of each contact by the coordinate that slips."""
     found = rig.contact_inputs(t, q, q_dot, drives)
     contacts = rig.contacts()
-    return {one.slips[0]: found[one.name] if len(contacts) > 1 else found for one in contacts}
+    return {
+        contact.slips[0]: found[contact.name] if len(contacts) > 1 else found
+        for contact in contacts
+    }
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -152,7 +157,7 @@ def test_a_joint_of_an_arm_that_holds_itself_carries_twice_its_weight():
     rig = RIGS["arm"]
     q, still = {"shoulder": 0.4, "elbow": 0.3}, {"shoulder": 0.0, "elbow": 0.0}
     weights = rig.contact_inputs(0.0, q, still, {})
-    held = {f"{name}_drive": -one["gravity"] for name, one in weights.items()}
+    held = {f"{name}_drive": -weight["gravity"] for name, weight in weights.items()}
     for found in rig.contact_inputs(0.0, q, still, held).values():
         assert found["transmitted"] == pytest.approx(-2.0 * found["gravity"], rel=1e-14)
 
@@ -207,12 +212,12 @@ def test_both_sides_of_a_belt_that_holds_a_weight_transmit_twice_the_weight():
 
 def test_joints_of_a_serial_arm_that_holds_itself_carry_twice_their_weights():
     links = RIGS["serial"].links
-    rig = SerialArm(links=tuple(replace(one, torque=PUSH) for one in links))
+    rig = SerialArm(links=tuple(replace(link, torque=PUSH) for link in links))
     q = {f"q{i}": 0.3 - 0.2 * i for i in (1, 2, 3)}
     still = dict.fromkeys(q, 0.0)
     none = dict.fromkeys(rig.drives(), 0.0)
     weights = rig.contact_inputs(0.0, q, still, none)
-    held = {drive: -one["gravity"] for drive, one in zip(none, weights.values(), strict=True)}
+    held = {drive: -weight["gravity"] for drive, weight in zip(none, weights.values(), strict=True)}
     for found in rig.contact_inputs(0.0, q, still, held).values():
         assert found["transmitted"] == pytest.approx(-2.0 * found["gravity"], rel=1e-14)
 
@@ -220,7 +225,7 @@ def test_joints_of_a_serial_arm_that_holds_itself_carry_twice_their_weights():
 def test_a_foot_that_a_drive_holds_against_a_spring_sees_twice_its_force():
     rig = RIGS["feet"]
     found = rig.contact_inputs(0.0, {"x": 0.1}, {"x": 0.0}, {"drive": 5.0})
-    assert {one["transmitted"] for one in found.values()} == {10.0}
+    assert {entry["transmitted"] for entry in found.values()} == {10.0}
 
 
 def test_a_clutch_tells_how_far_it_has_slipped_and_no_force_which_its_own_friction_decides():

@@ -471,8 +471,8 @@ def test_every_number_of_every_profile_varies_alike_in_ensembles_and_in_single_r
             found = ensemble(cart, ROUGH, {name: values}, t_end=1.0, solver=PLAIN)
             for value, x, status in zip(values, found["x"], found.status, strict=True):
                 motor = Prescribed(profile=replace(profile, **{name: value}))
-                one = simulate(replace(cart, pendulum=motor), ROUGH, t_end=1.0, solver=PLAIN)
-                assert (float(x), status) == (float(one["x"][-1]), one.status), (profile, name)
+                run = simulate(replace(cart, pendulum=motor), ROUGH, t_end=1.0, solver=PLAIN)
+                assert (float(x), status) == (float(run["x"][-1]), run.status), (profile, name)
 
 
 @pytest.mark.parametrize(
@@ -505,8 +505,8 @@ def test_a_start_that_is_given_stays_where_it_is_as_the_profile_varies():
     found = ensemble(LIGHT, ROUGH, {"amplitude": [0.6, 0.7]}, t_end=1.0, y0=start, solver=PLAIN)
     for amplitude, x in zip((0.6, 0.7), found["x"], strict=True):
         motor = Prescribed(profile=replace(SWING, amplitude=amplitude))
-        one = simulate(replace(LIGHT, pendulum=motor), ROUGH, t_end=1.0, y0=start, solver=PLAIN)
-        assert float(x) == float(one["x"][-1])
+        run = simulate(replace(LIGHT, pendulum=motor), ROUGH, t_end=1.0, y0=start, solver=PLAIN)
+        assert float(x) == float(run["x"][-1])
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_equations_are_those_of_jacobians_and_christoffel_symbols(tmp_path, seed
     text = random_urdf(seed)
     robot = read(tmp_path, text).robot
     names = re.findall(r'<joint name="(\w+)" type="(?!fixed)', text)
-    order = [names.index(one.joint) for one in robot.joints]
+    order = [names.index(heading.joint) for heading in robot.joints]
     dice = np.random.default_rng(seed)
     q, v = dice.uniform(-2.0, 2.0, len(names)), dice.normal(size=len(names))
     mass, taken = equations_of(robot, q[order], v[order])
@@ -65,7 +65,7 @@ def test_equations_are_those_of_pinocchio(tmp_path, seed):
     data = model.createData()
     dice = np.random.default_rng(seed)
     q, v = dice.uniform(-2.0, 2.0, model.nq), dice.normal(size=model.nv)
-    order = [model.joints[model.getJointId(one.joint)].idx_q for one in robot.joints]
+    order = [model.joints[model.getJointId(joint.joint)].idx_q for joint in robot.joints]
     upper = np.triu(pinocchio.crba(model, data, q))
     expected = (upper + np.triu(upper, 1).T)[np.ix_(order, order)]
     mass, taken = equations_of(robot, q[order], v[order])
@@ -150,7 +150,7 @@ def test_a_description_gives_masses_friction_and_limits():
     found = read_urdf(DESK)
     arm = found.robot
     assert arm.coordinates == ("turret", "shoulder", "elbow")
-    assert [one.mass for one in arm.joints] == pytest.approx([1.2, 0.8, 0.65])
+    assert [joint.mass for joint in arm.joints] == pytest.approx([1.2, 0.8, 0.65])
     assert found.levels == {"turret": 0.25, "shoulder": 0.4, "elbow": 0.15}
     assert found.limits == {"shoulder": (-1.9, 1.9), "elbow": (-2.4, 2.4)}
     assert found.locked == {"flange": 0.0}
@@ -320,7 +320,7 @@ def test_joints_of_a_description_do_not_pass_their_limits():
     assert {one.coordinate: (one.lower_stop, one.upper_stop) for one in found.robot.joints} == {
         "turret": (None, None), **found.limits
     }  # fmt: skip
-    laws = {one.contact_name: Coulomb(kinetic_coefficient=0.05) for one in found.robot.joints}
+    laws = {joint.contact_name: Coulomb(kinetic_coefficient=0.05) for joint in found.robot.joints}
     run = simulate(found.robot, laws, t_end=2.0, y0={"shoulder": 0.5, "elbow": 0.6})
     assert run.certificate.certified
     assert any("hits stop" in event.reason for event in run.events)
@@ -341,13 +341,13 @@ def coupled(robot, multiples):
     """Return a robot whose motors turn with joints before them: by joint, multiples by joint."""
     joints = [
         dataclasses.replace(
-            one,
+            joint,
             lower_stop=None,
             upper_stop=None,
             armature=0.02,
-            coupling=multiples.get(one.joint, {}),
+            coupling=multiples.get(joint.joint, {}),
         )
-        for one in robot.joints
+        for joint in robot.joints
     ]
     return dataclasses.replace(robot, joints=tuple(joints))
 
@@ -356,7 +356,7 @@ def coupled(robot, multiples):
 def test_coupled_motors_have_the_energies_of_the_joints(tmp_path, seed):
     """T(x) = T(q) + armatures' and V(x) = V(q), and virtual work, with x = q + c q_before."""
     robot = read(tmp_path, random_urdf(seed, count=4, kinds=("revolute", "prismatic"))).robot
-    names = [one.joint for one in robot.joints]
+    names = [heading.joint for heading in robot.joints]
     factors = {names[2]: {names[0]: 0.7}, names[3]: {names[2]: -1.3, names[1]: 0.4}}
     plain, other = coupled(robot, {}), coupled(robot, factors)
     mix = np.eye(4)
@@ -384,7 +384,7 @@ def test_coupled_motors_have_the_energies_of_the_joints(tmp_path, seed):
 def test_a_coupled_arm_with_friction_balances_its_energy():
     arm = coupled(read_urdf(DESK).robot, {"elbow": {"shoulder": 1.0}})
     arm = dataclasses.replace(
-        arm, joints=tuple(dataclasses.replace(one, damping=0.0) for one in arm.joints)
+        arm, joints=tuple(dataclasses.replace(joint, damping=0.0) for joint in arm.joints)
     )
     run = simulate(
         arm,

@@ -88,9 +88,9 @@ def test_coupled_clutches_lock_and_slip_as_in_closed_form():
 def test_a_clutch_train_moves_as_the_same_train_that_is_written_by_hand():
     train, law, start = modelica_clutches()
     by_hand, laws, other = clutches()
-    one = run_of(train, law, 1.5, start)
+    run = run_of(train, law, 1.5, start)
     two = run_of(by_hand, laws, 1.5, other)
-    assert one["omega"][-1] == pytest.approx(two["w"][-1], rel=1e-8)
+    assert run["omega"][-1] == pytest.approx(two["w"][-1], rel=1e-8)
 
 
 def test_a_brake_stops_the_first_rotor_and_what_is_clutched_to_it():
@@ -129,12 +129,12 @@ def test_one_block_on_a_belt_is_a_towed_block_seen_from_the_belt():
     law = coulomb(0.7, 1.0)
     chain = BlockChain(blocks=1, mass=1.0, coupling=5.0, stiffness=2.0, speed=0.1)
     towed = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
-    one, other = (run_of(mechanism, law, 30.0) for mechanism in (chain, towed))
+    run, other = (run_of(mechanism, law, 30.0) for mechanism in (chain, towed))
     # the belt is at rest there: the spring's other end moves the other way
-    assert [e.t for e in one.events] == pytest.approx([e.t for e in other.events], abs=1e-12)
-    assert one["x1"][-1] == pytest.approx(-other["x"][-1], abs=1e-12)
-    assert one.contacts == ()
-    assert one.contact("block-1") is one
+    assert [e.t for e in run.events] == pytest.approx([e.t for e in other.events], abs=1e-12)
+    assert run["x1"][-1] == pytest.approx(-other["x"][-1], abs=1e-12)
+    assert run.contacts == ()
+    assert run.contact("block-1") is run
 
 
 def test_blocks_on_the_ground_rest_for_good_and_on_a_belt_that_stands_still_they_rest_too():
@@ -166,12 +166,12 @@ def test_a_cart_whose_wheels_and_pivot_rub():
 
 def test_a_cart_without_load_on_its_pivot_has_the_contact_that_it_always_had():
     swing = Torque(drive=Sine(amplitude=0.5, frequency=1.0))
-    one, other = (
+    cart, other = (
         PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pendulum=swing, **more)
         for more in ({}, {"pivot_load": 0.0})
     )
-    assert one == other
-    assert one.contacts() == (Contact(slip="x", normal="y"),)
+    assert cart == other
+    assert cart.contacts() == (Contact(slip="x", normal="y"),)
 
 
 def test_a_prescribed_swing_leaves_nothing_for_the_pivot_to_hold():
@@ -192,8 +192,8 @@ def test_a_belt_drive_whose_motor_and_load_rub_stops_where_work_and_momentum_say
     assert run.status is Status.AT_REST
     # 2 m/s^2 for 1 s, then -0.5 m/s^2; the belt gives some 5 N / 1e6 N/m
     assert run["x"][-1] == pytest.approx(5.0, abs=1e-4)
-    one = dataclasses.replace(axis, rubs="load")
-    both, alone = run_of(axis, {**laws, "motor": None}, 1.0), run_of(one, laws["load"], 1.0)
+    changed = dataclasses.replace(axis, rubs="load")
+    both, alone = run_of(axis, {**laws, "motor": None}, 1.0), run_of(changed, laws["load"], 1.0)
     assert both["x"][-1] == pytest.approx(alone["x"][-1], abs=1e-9)
 
 
@@ -314,9 +314,9 @@ def test_a_body_that_begins_where_its_loads_have_no_solution_says_so(height, spe
 @pytest.mark.parametrize("joints", [2, 3, 4, 6])
 def test_joints_that_break_away_in_one_instant_move_as_if_it_were_nearly_one(joints, gravity, tier):
     def run(share):
-        one = Link(mass=0.5, length=0.3, centre=0.15, inertia=0.015)
+        link = Link(mass=0.5, length=0.3, centre=0.15, inertia=0.015)
         links = tuple(
-            dataclasses.replace(one, torque=Sine(amplitude=1.0 + share * i, frequency=0.5))
+            dataclasses.replace(link, torque=Sine(amplitude=1.0 + share * i, frequency=0.5))
             for i in range(joints)
         )
         arm = SerialArm(links=links, gravity=gravity)

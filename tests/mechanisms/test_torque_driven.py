@@ -81,7 +81,7 @@ def faults(cart, law, run):
     if not len(t):
         return []
     c = run.at(t)
-    torque = np.array([cart.pendulum.drive.value(float(one)) for one in t])
+    torque = np.array([cart.pendulum.drive.value(float(moment)) for moment in t])
     limit = math.inf if cart.pendulum.limit is None else cart.pendulum.limit
     torque = np.clip(torque, -limit, limit)
     D, slipping, sticking, needed = forms(cart, law, c, torque)

@@ -78,7 +78,7 @@ def test_two_halves_with_soft_stops_do_what_one_mass_does(damping):
     assert len(own) > 10
     for whose in ("first", "second"):
         prefix = f"{whose} mass "
-        assert [one.removeprefix(prefix) for one in met if one.startswith(prefix)] == own
+        assert [text.removeprefix(prefix) for text in met if text.startswith(prefix)] == own
 
 
 def test_a_mass_that_moves_upwards_changes_the_normal_force():
@@ -92,7 +92,7 @@ def test_a_mass_that_moves_upwards_changes_the_normal_force():
     )  # fmt: skip
     run = simulate(body, ROUGH, t_end=1.0)
     t = np.linspace(0.0, 1.0, 101)
-    lifted = np.array([swing.profile.value(one) for one in t])
+    lifted = np.array([swing.profile.value(moment) for moment in t])
     np.testing.assert_allclose(run.at(t)["normal_force"], 1.0 * G + 0.5 + 0.2 * lifted, rtol=1e-11)
     np.testing.assert_allclose(run.at(t)["second_force"], 0.2 * (lifted + G), rtol=1e-9)
 

@@ -59,8 +59,8 @@ def by_jacobians(text, q, gravity=9.81):
     """
     root = ET.fromstring(text)
     joints = root.findall("joint")
-    moving = [one.get("name") for one in joints if one.get("type") != "fixed"]
-    where = {one.find("child").get("link"): one for one in joints}
+    moving = [joint.get("name") for joint in joints if joint.get("type") != "fixed"]
+    where = {joint.find("child").get("link"): joint for joint in joints}
     mass, height = np.zeros((len(moving),) * 2, dtype=complex), 0.0
     for link in root.findall("link"):
         chain = []

@@ -140,7 +140,7 @@ def test_no_search_returns_less_than_a_feasible_motion_it_could_begin_from(
     assert found.start.feasible == (start != "too strong")
     begins = [one for one in (found.start, found.three_phase) if one is not None and one.feasible]
     space = space_of(kind, WIDE_LIMITS, 6)
-    least = [one.value for one in begins if space.place(one.profile) is not None]
+    least = [begin.value for begin in begins if space.place(begin.profile) is not None]
     assert found.value >= max(least, default=-math.inf)
 
 

@@ -177,8 +177,10 @@ def test_stiff_bristle_laws_spring_back_as_an_independent_integrator_has_it(foun
 
 def test_each_misprint_acts_where_it_is_said_to(found):
     acting = {
-        one.form.equation: {outcome.test for outcome in one.outcomes if outcome.differs}
-        for one in found.consequences
+        consequence.form.equation: {
+            outcome.test for outcome in consequence.outcomes if outcome.differs
+        }
+        for consequence in found.consequences
     }
     assert acting == {
         # in steps so fine it creeps by less than is counted
@@ -192,7 +194,7 @@ def test_each_misprint_acts_where_it_is_said_to(found):
         "(9)": {"push", "backward"},
         "(10)": {"push", "backward"},
     }
-    by = {one.form.equation: one for one in found.consequences}
+    by = {consequence.form.equation: consequence for consequence in found.consequences}
     for equation, coast, push in (("(3)", -0.4715, -0.2779), ("(4)", -0.4715, -0.2779)):
         # of another loop of Heun's method, to four digits
         assert round(by[equation].outcome("coast").printed.criteria.travel, 4) == coast
@@ -203,7 +205,11 @@ def test_each_misprint_acts_where_it_is_said_to(found):
             seen = by[equation].outcome(test)
             assert not seen.with_rule.errs(seen.corrected)
     # viscous friction has no level to be held below
-    (free,) = [one.form.equation for one in found.consequences if one.outcome("hold") is None]
+    (free,) = [
+        consequence.form.equation
+        for consequence in found.consequences
+        if consequence.outcome("hold") is None
+    ]
     assert free == "(8)"
 
 
@@ -213,17 +219,20 @@ def test_what_is_seen_in_the_tests_is_the_equation_and_not_the_step(found, monke
     monkeypatch.setattr(misprints, "FINE_STEP", 0.5 * misprints.FINE_STEP)
     monkeypatch.setattr(misprints, "BRISTLE_STEP", 0.5 * misprints.BRISTLE_STEP)
     for coarse, fine in zip(found.consequences, consequences(found.values), strict=True):
-        for one, other in zip(coarse.outcomes, fine.outcomes, strict=True):
-            assert one.differs == other.differs
-            if not one.printed.diverged:
+        for outcome, other in zip(coarse.outcomes, fine.outcomes, strict=True):
+            assert outcome.differs == other.differs
+            if not outcome.printed.diverged:
                 # friction misses a step in which sgn 0 = 0, and a stop is noticed one step late
                 missed = misprints.FINE_STEP * found.values.mu_k * 9.81 * misprints.SECONDS
-                seen = one.printed.criteria  # a block that is driven backwards leaves a step later
+                seen = (
+                    outcome.printed.criteria
+                )  # a block that is driven backwards leaves a step later
                 late = misprints.FINE_STEP * max(abs(seen.travel), abs(seen.least_velocity), 0.5)
                 expected = pytest.approx(other.printed.criteria.travel, abs=missed + late)
                 assert seen.travel == expected
     travels = {
-        one.form.equation: one.outcome("backward").printed.criteria for one in found.consequences
+        consequence.form.equation: consequence.outcome("backward").printed.criteria
+        for consequence in found.consequences
     }
     # values of another Euler loop, at 0.02 ms
     assert round(travels["(6)"].travel, 3) == -1.725
@@ -231,10 +240,10 @@ def test_what_is_seen_in_the_tests_is_the_equation_and_not_the_step(found, monke
 
 
 def test_steps_of_10_ms_reach_the_printed_travel_that_the_exact_push_does_not(found):
-    steps = {one.row: one for one in found.step_travels}
+    steps = {travel.row: travel for travel in found.step_travels}
     assert set(steps) == {row.law for row in found.rig.published}
     # all five come out in steps, Table I kept; the two of Coulomb only where sgn 0 = 0
-    assert all(one.reached for one in steps.values())
+    assert all(step.reached for step in steps.values())
     coulomb, viscous = steps["coulomb"], steps["coulomb-viscous"]
     assert [round(one.static, 2) for one in (coulomb, viscous)] == [0.15, 0.15]
     assert [round(steps[name].travel, 2) for name in ("dahl", "lugre")] == [0.25, 0.13]
@@ -337,17 +346,17 @@ def test_the_step_from_the_energy_equation_to_a_choice_is_answered(page):
 
 
 def test_a_resting_body_never_starts_under_the_printed_switch(found):
-    for one in found.consequences:
-        if one.form.equation in ("(6)", "(7)", "(8)", "(9)", "(10)"):
-            assert one.outcome("push").printed.criteria.travel == 0
-            assert one.outcome("push").corrected.travel > 0.1
+    for consequence in found.consequences:
+        if consequence.form.equation in ("(6)", "(7)", "(8)", "(9)", "(10)"):
+            assert consequence.outcome("push").printed.criteria.travel == 0
+            assert consequence.outcome("push").corrected.travel > 0.1
 
 
 def test_equation_5_starts_from_rest_and_holds_below_its_static_level(found):
-    (one,) = [c for c in found.consequences if c.form.equation == "(5)"]
-    assert one.outcome("push").with_rule.criteria.travel > 0.1
-    assert one.outcome("hold").printed.criteria.travel == 0
-    assert one.outcome("backward").printed.diverged
+    (candidate,) = [c for c in found.consequences if c.form.equation == "(5)"]
+    assert candidate.outcome("push").with_rule.criteria.travel > 0.1
+    assert candidate.outcome("hold").printed.criteria.travel == 0
+    assert candidate.outcome("backward").printed.diverged
 
 
 def test_stick_slip_of_the_block_of_table_1_has_its_closed_form(found):
@@ -629,7 +638,7 @@ def test_equation_5_creeps_to_the_printed_travel_in_steps_of_10_ms(found, page):
 def test_table_2_has_the_sixth_model_and_a_column_in_the_steps_of_the_paper(found, page):
     rows = {row.law.name: row for row in found.table}
     assert list(rows)[-1] == "coulomb-viscous-static"
-    step = next(one for one in found.step_travels if one.row == "coulomb")
+    step = next(travel for travel in found.step_travels if travel.row == "coulomb")
     assert rows["coulomb"].coarse == {"zero": step.travel, "static": step.static}
     for name, row in rows.items():
         # forward Euler of bristles is stable up to 2 F_c / (sigma_0 v), v up to .77 m/s
@@ -645,9 +654,9 @@ def test_table_2_has_the_sixth_model_and_a_column_in_the_steps_of_the_paper(foun
 def test_every_number_of_the_misprint_table_has_its_values_on_the_page(found, page):
     section = page[page.index('id="equations"') : page.index('id="assumptions"')]
     text = words_of(section)
-    for one in found.consequences:
-        assert one.printed.name == one.form.name
-        assert one.corrected.name == one.form.corrected.name
+    for consequence in found.consequences:
+        assert consequence.printed.name == consequence.form.name
+        assert consequence.corrected.name == consequence.form.corrected.name
     by_equation = {one.form.equation: one for one in found.consequences}
     # not the values of Table II, where Stribeck and LuGre have no viscous part
     rows = {row.law.name: row.law for row in found.table}
@@ -696,7 +705,7 @@ def test_the_cart_without_a_rule_has_one_travel_on_the_page(found):
 
 def test_the_break_away_level_moves_the_first_cycle_of_the_cart_only(found):
     runs = {one.title: one for one in found.cart.break_away}
-    first = [one for title, one in runs.items() if title.startswith("$mu_k$ = 0.25")]
+    first = [run for title, run in runs.items() if title.startswith("$mu_k$ = 0.25")]
     assert len(first) == 4
     assert len({round(one.travels[0], 6) for one in first}) > 1
     for one in first:

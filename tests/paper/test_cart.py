@@ -61,9 +61,9 @@ def test_the_lowest_normal_force_is_where_the_swing_begins_to_brake(study):
     exact = study.run("exact")
     # the run is sampled at that instant: what remains is rounding of the angle in five cycles
     assert exact.least_normal_force == pytest.approx(n, rel=1e-10)
-    for one in study.choices:
+    for choice in study.choices:
         # the swing is prescribed, so that friction has no part in the normal force
-        assert one.least_normal_force == pytest.approx(n, rel=1e-10)
+        assert choice.least_normal_force == pytest.approx(n, rel=1e-10)
 
 
 def test_the_exact_cart_moves_by_the_checked_values(study):
@@ -173,7 +173,7 @@ def test_the_old_scheme_goes_to_nearly_the_same_place_as_the_exact_run(study):
         ("table-1", "table-1-exact", (0.160, 0.188), (7.3, 0.0)),
     ):
         runs = study.run(key), study.run(exact)
-        assert tuple(round(one.travel, 3) for one in runs) == travels
+        assert tuple(round(run.travel, 3) for run in runs) == travels
         assert runs[0].mean_return == pytest.approx(1e-3 * backs[0], abs=5e-5)
         assert runs[1].mean_return == pytest.approx(1e-3 * backs[1], abs=5e-6)
 
@@ -250,10 +250,10 @@ def test_the_rod_is_where_the_swing_says_in_fixed_steps_too(study):
 
 def test_the_chosen_laws_hold_the_cart_against_the_swing(study):
     # at rest the swing pulls back with less than the 0.35 that both laws hold
-    for one in study.choices:
-        assert one.mean_return == 0.0
-        assert one.least_velocity == 0.0
-        assert one.run.certificate.certified
+    for choice in study.choices:
+        assert choice.mean_return == 0.0
+        assert choice.least_velocity == 0.0
+        assert choice.run.certificate.certified
     # more friction and a viscous part in addition: less travel than in Fig. 2, in this order
     travels = [study.run(key).travels[-1] for key in ("exact", "selected", "paper")]
     assert travels == sorted(travels, reverse=True)
@@ -261,10 +261,10 @@ def test_the_chosen_laws_hold_the_cart_against_the_swing(study):
 
 def test_the_study_is_a_json_document_with_all_runs(study):
     told = json.loads(json.dumps(study.to_dict(), allow_nan=False))
-    assert [one["run"] for one in told["figure_2"]] == [one.key for one in study.runs]
-    assert [one["law"] for one in told["figure_11"]] == ["coulomb", "coulomb-viscous"]
+    assert [entry["run"] for entry in told["figure_2"]] == [run.key for run in study.runs]
+    assert [entry["law"] for entry in told["figure_11"]] == ["coulomb", "coulomb-viscous"]
     assert told["figure_2"][-1]["travel"] == study.run("exact").travel
-    assert [one["cause"] for one in told["backward_motion"]] == [s.key for s in study.shares]
+    assert [entry["cause"] for entry in told["backward_motion"]] == [s.key for s in study.shares]
 
 
 @pytest.mark.slow
@@ -306,11 +306,11 @@ def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study, pa
 def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study, page):
     period, end = study.period, study.choices[0].run.span[1]
     first, last = (end - share * period for share in STROKE)
-    for one in study.choices:
-        ends = one.run.at([first, last])["v"]
+    for choice in study.choices:
+        ends = choice.run.at([first, last])["v"]
         assert list(ends) == [0.0, 0.0]  # at rest before and after
-        inside = one.run.at(np.linspace(first, last, 500))["v"]
-        everywhere = one.run.at(np.linspace(0.0, end, 20_000))["v"]
+        inside = choice.run.at(np.linspace(first, last, 500))["v"]
+        everywhere = choice.run.at(np.linspace(0.0, end, 20_000))["v"]
         # the peak is a corner, which samples 0.7 ms apart miss by less than this
         assert inside.max() == pytest.approx(everywhere.max(), rel=1e-2)
     apart = [one.run.at(np.linspace(first, last, 500))["v"] for one in study.choices]
@@ -328,6 +328,6 @@ def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
 @pytest.mark.slow
 def test_a_cart_that_slips_back_is_said_to(page):
     weak = study_cart(None, Coulomb(kinetic_coefficient=0.15))
-    assert [one.key for one in weak.choices] == ["paper"]
+    assert [choice.key for choice in weak.choices] == ["paper"]
     assert "slips back in a cycle" in page_of(weak)
     assert "slips back in a cycle" not in page

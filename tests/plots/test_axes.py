@@ -126,10 +126,10 @@ def test_a_result_plots_itself_into_a_new_figure_and_is_not_shown(kind, results,
     assert settings() == before
     assert plt.get_fignums() == [1]
     panels = np.atleast_1d(drawn)
-    assert all(isinstance(one, Axes) for one in panels)
-    assert all(one.figure is plt.figure(1) for one in panels)
+    assert all(isinstance(panel, Axes) for panel in panels)
+    assert all(panel.figure is plt.figure(1) for panel in panels)
     assert isinstance(drawn, np.ndarray) == isinstance(results[kind], InPanels)
-    assert all(one.has_data() for one in panels)
+    assert all(panel.has_data() for panel in panels)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -141,7 +141,7 @@ def test_a_result_draws_on_the_axes_it_is_given_and_makes_no_figure(kind, result
     drawn = results[kind].plot(axes if count > 1 else axes[0])
     assert settings() == before
     assert list(np.atleast_1d(drawn)) == list(axes)
-    assert all(one.has_data() for one in axes)
+    assert all(ax.has_data() for ax in axes)
     assert plt.get_fignums() == [figure.number]
     figure.canvas.draw()
 
@@ -256,22 +256,22 @@ def test_every_plot_takes_what_it_draws_and_then_the_axes():
 
 def test_axes_of_the_wrong_kind_or_number_are_refused_before_anything_is_drawn(results):
     run = results["run"]
-    figure, (one, other) = plt.subplots(2)
+    figure, (subplot, other) = plt.subplots(2)
     with pytest.raises(
         InputError, match="has 3 panels: ax must be a sequence of 3 Axes or a Figure, got 1"
     ):
-        plots.plot_run(run, one)
+        plots.plot_run(run, subplot)
     with pytest.raises(InputError, match=r"has 3 panels.* got 2 Axes"):
-        plots.plot_run(run, [one, other])
-    for wrong in ("axes", 3, [], [one, "other"]):
+        plots.plot_run(run, [subplot, other])
+    for wrong in ("axes", 3, [], [subplot, "other"]):
         with pytest.raises(InputError, match="ax must be matplotlib Axes"):
             plots.plot_run(run, wrong)
-    assert not one.has_data()
+    assert not subplot.has_data()
     assert not other.has_data()
     with pytest.raises(
         InputError, match="has 1 panel: ax must be one Axes or a Figure, got 2 Axes"
     ):
-        plots.plot_friction_velocity(run, [one, other])
+        plots.plot_friction_velocity(run, [subplot, other])
     other.remove()
     with pytest.raises(InputError, match="was removed from its figure"):
         plots.plot_friction_velocity(run, other)
@@ -408,7 +408,11 @@ def test_a_verdict_of_a_record_is_plotted_as_its_band_with_the_law(results):
     verdict = results["record verdict"]
     ax = verdict.plot(Figure())
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("velocity, m/s", "friction, N")
-    shades = [one.get_paths()[0].vertices for one in ax.collections if len(one.get_paths()) == 1]
+    shades = [
+        collection.get_paths()[0].vertices
+        for collection in ax.collections
+        if len(collection.get_paths()) == 1
+    ]
     widest = max(shades, key=len)
     assert widest[:, 1].min() < verdict.friction.median.min()
 
@@ -424,8 +428,8 @@ def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):
 def test_estimates_are_a_table_with_a_row_each(results):
     found = results["record fit"]
     frame = found.to_dataframe()
-    assert list(frame["parameter"]) == [one.path for one in found.estimates]
-    assert list(frame["value"]) == [one.value for one in found.estimates]
+    assert list(frame["parameter"]) == [estimate.path for estimate in found.estimates]
+    assert list(frame["value"]) == [estimate.value for estimate in found.estimates]
     assert (frame["low"] <= frame["value"]).all()
     single = results["travel fit"].to_dataframe()
     assert single["symbol"].tolist() == ["mu_k"]
@@ -498,9 +502,14 @@ def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
     words = Wording(
         verdict="", lede="", settles=(), cannot_tell=(), measure_next=(), no_score="One only."
     )
-    one = BareCandidate(name="bare", title="Bare", fit=None)
+    candidate = BareCandidate(name="bare", title="Bare", fit=None)
     verdict = BareVerdict(
-        mechanism=None, measurement=None, words=words, candidates=(one,), best=None, ranked=False
+        mechanism=None,
+        measurement=None,
+        words=words,
+        candidates=(candidate,),
+        best=None,
+        ranked=False,
     )
     with pytest.raises(InputError, match=r"no law has a held-out error to plot\. One only\."):
         plots.plot_verdict(verdict)

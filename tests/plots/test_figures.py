@@ -155,8 +155,8 @@ def texts_of(svg, css_class):
 def test_a_figure_is_the_same_each_time(figures, name):
     draw, sizes, _ = figures[name]
     with wide_only():
-        one, other = (inline_svg(draw, alt=name, prefix=name, **sizes) for _ in range(2))
-    assert one == other
+        drawing, other = (inline_svg(draw, alt=name, prefix=name, **sizes) for _ in range(2))
+    assert drawing == other
 
 
 @pytest.mark.parametrize("name", NAMES)

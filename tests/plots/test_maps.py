@@ -139,7 +139,7 @@ def test_branches_are_solid_where_stable_and_dashed_where_not(branches):
             for line in axes.lines
             if line.get_linestyle() == style and len(line.get_xdata()) > 1
         )
-        wanted = sum((one.stable == kind).sum() for one in branches.branches)
+        wanted = sum((branch.stable == kind).sum() for branch in branches.branches)
         assert wanted <= shown <= wanted + 4 * len(branches.branches)
 
 

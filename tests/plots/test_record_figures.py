@@ -151,7 +151,7 @@ def test_the_chosen_law_is_the_one_that_is_called_chosen():
     for chosen in laws:
         axes = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen=chosen))[0]
         said = [text.get_text().replace("\n", " ") for text in axes.texts]
-        assert [one for one in said if one.startswith("chosen: ")] == [f"chosen: {chosen}"]
+        assert [text for text in said if text.startswith("chosen: ")] == [f"chosen: {chosen}"]
 
 
 @pytest.mark.parametrize("chosen", RISING)

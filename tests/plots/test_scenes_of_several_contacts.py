@@ -45,7 +45,7 @@ def test_every_contact_is_seen_in_the_colour_of_its_mode(name):
     mechanism = CASES[name]
     rates = dict.fromkeys(mechanism.rates, 0.5)
     run = run_of(mechanism, y0=rates)
-    names = {one.name for one in mechanism.contacts()} if run.contacts else {""}
+    names = {contact.name for contact in mechanism.contacts()} if run.contacts else {""}
     seen = set()
     for shape in shapes_of(mechanism, run, 0.2):
         if isinstance(shape, (Ball, Box)) and shape.fill == "mode":
@@ -82,7 +82,7 @@ def test_joints_of_an_arm_are_drawn_where_they_are():
     shapes = shapes_of(arm, run_of(arm, y0=start), 0.0)
     elbow = (0.3 * math.sin(0.4), -0.3 * math.cos(0.4))
     end = (elbow[0] + 0.2 * math.sin(-0.7), elbow[1] - 0.2 * math.cos(-0.7))
-    tip, _, second = (one.centre for one in shapes if isinstance(one, Ball))
+    tip, _, second = (shape.centre for shape in shapes if isinstance(shape, Ball))
     assert tip == pytest.approx(end)
     assert second == pytest.approx(elbow)
 

@@ -72,7 +72,7 @@ def test_a_trial_called_as_another_is_numbered_has_its_own_curve():
     slow = dataclasses.replace(second, velocity=0.1 * np.asarray(second.velocity))
     records = [dataclasses.replace(first, name="trial 2"), slow]
     again = compare_trials(Axis(inertia=1.0), CoulombViscous, Measurement(trials=tuple(records)))
-    assert [one.number for one in again.trials] == [0, 1]
+    assert [trial.number for trial in again.trials] == [0, 1]
     *_, curves = drawn(draw_trials(again))
     assert max(curves.get_lines()[0].get_xdata()) > 0.2  # m/s, of the faster trial
 

@@ -96,5 +96,5 @@ def test_cases_of_few_structures_share_their_equations():
 
 @pytest.mark.slow
 def test_twenty_thousand_random_cases_are_solved_or_say_why_not():
-    wrong = [one for one in outcomes(MANY, MANY.order(20_000)) if one.violations]
+    wrong = [outcome for outcome in outcomes(MANY, MANY.order(20_000)) if outcome.violations]
     assert not wrong, "\n\n".join(trouble(MANY, one) for one in wrong[:5])

@@ -155,12 +155,12 @@ def test_a_limit_that_is_passed_at_the_start_ends_the_run_there():
 
 
 def test_both_tiers_agree_to_the_last_bit():
-    one, other = (
+    run, other = (
         simulate(Swinging(), LAWS, t_end=1.0, y0=START, solver=EventDriven(tier=tier))
         for tier in ("python", "compiled")
     )
-    for name in one.names:
-        np.testing.assert_array_equal(one[name], other[name])
+    for name in run.names:
+        np.testing.assert_array_equal(run[name], other[name])
 
 
 class GuidedSlip(Swinging):

@@ -212,6 +212,6 @@ def test_ensembles_have_the_sensitivities_of_single_runs():
     )  # fmt: skip
     for level, end, slope in zip(levels, runs["end"], runs["slope"], strict=True):
         laws = {**ARM, "shoulder": coulomb(float(level), 0.45)}
-        one = simulate(Arm(), laws, t_end=3.0, y0=BENT, solver=PLAIN)
-        assert end == pytest.approx(one["elbow"][-1], rel=1e-12)
-        assert slope == pytest.approx(one.sensitivity("elbow", path)[-1], rel=1e-9)
+        run = simulate(Arm(), laws, t_end=3.0, y0=BENT, solver=PLAIN)
+        assert end == pytest.approx(run["elbow"][-1], rel=1e-12)
+        assert slope == pytest.approx(run.sensitivity("elbow", path)[-1], rel=1e-9)

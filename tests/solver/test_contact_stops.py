@@ -313,12 +313,12 @@ def test_bristles_at_a_stop_leave_it_as_they_do_alone():
 
 def test_both_tiers_agree_to_the_last_bit_and_ensembles_with_single_runs():
     settings = {"t_end": 2.0, "y0": {"shoulder": 0.8, "elbow": 0.8}}
-    one, other = (
+    run, other = (
         simulate(Knee(), JOINTS, solver=EventDriven(tier=tier), **settings)
         for tier in ("python", "compiled")
     )
-    for name in one.names:
-        np.testing.assert_array_equal(one[name], other[name])
+    for name in run.names:
+        np.testing.assert_array_equal(run[name], other[name])
     outputs = {
         "hits": EventCount("elbow hits stop"),
         "first": EventTimes("elbow hits stop"),

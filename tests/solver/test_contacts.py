@@ -104,7 +104,7 @@ def test_two_blocks_on_a_belt():
 def test_coupled_clutches_open_close_and_lock_as_in_closed_form():
     mechanism, laws, start = clutches()
     run = run_of(mechanism, laws, 1.5, start, tolerance=1e-12)
-    moving = [one for one in changes(run) if one[2] != 3]
+    moving = [change for change in changes(run) if change[2] != 3]
     times = {round(t, 9): (name, after) for t, name, _, after in moving}
     expected = {
         0.70962147469374666: ("clutch-2", 0),
@@ -265,18 +265,18 @@ def test_a_mirrored_chain_moves_as_its_mirror_image():
     names = [f"x{i}" for i in range(1, 5)]
     turned = {name: laws[other] for name, other in zip(names, names[::-1], strict=True)}
     back = {f"v{i}": start[f"v{5 - i}"] for i in range(1, 5)}
-    one, other = run_of(mechanism, laws, 10.0, start), run_of(mechanism, turned, 10.0, back)
-    assert len(one.events) == len(other.events)
+    run, other = run_of(mechanism, laws, 10.0, start), run_of(mechanism, turned, 10.0, back)
+    assert len(run.events) == len(other.events)
     for name, mirror in zip(names, names[::-1], strict=True):
-        assert one[name][-1] == pytest.approx(other[mirror][-1], abs=1e-12)
+        assert run[name][-1] == pytest.approx(other[mirror][-1], abs=1e-12)
 
 
 def test_the_other_direction_is_the_negative_of_it():
-    one = run_of(Arm(), ARM, 3.0, BENT)
+    run = run_of(Arm(), ARM, 3.0, BENT)
     other = run_of(Arm(), ARM, 3.0, {name: -value for name, value in BENT.items()})
-    assert [e.t for e in one.events] == [e.t for e in other.events]
-    for name in one.states:
-        np.testing.assert_array_equal(one[name], -other[name])
+    assert [e.t for e in run.events] == [e.t for e in other.events]
+    for name in run.states:
+        np.testing.assert_array_equal(run[name], -other[name])
 
 
 def test_a_run_that_is_cut_and_continued_ends_where_it_would_have():
@@ -504,7 +504,7 @@ def test_loads_that_two_feet_do_not_determine_are_refused():
 
         def contacts(self):
             return tuple(
-                dataclasses.replace(one, slip="x", normal="y") for one in super().contacts()
+                dataclasses.replace(contact, slip="x", normal="y") for contact in super().contacts()
             )
 
     laws = {"front": coulomb(0.6), "rear": coulomb(0.2)}
@@ -681,8 +681,8 @@ def test_a_switch_of_the_mechanism_follows_a_rate_that_stops():
 
 def test_laws_in_another_order_stay_with_their_contacts():
     turned = Laws(members=(("elbow", ARM["elbow"]), ("shoulder", ARM["shoulder"])))
-    one, other = (run_of(Arm(), laws, 1.0, BENT) for laws in (ARM, turned))
-    np.testing.assert_array_equal(one["elbow"], other["elbow"])
+    run, other = (run_of(Arm(), laws, 1.0, BENT) for laws in (ARM, turned))
+    np.testing.assert_array_equal(run["elbow"], other["elbow"])
 
 
 RESTING = LuGre(

@@ -18,7 +18,7 @@ SOFT = {"kinetic_coefficient": 0.5, "bristle_stiffness": 1e3}
 
 def said(run):
     assert run.certificate.certified
-    return [one for one in run.certificate.warnings if "friction drove" in one]
+    return [sentence for sentence in run.certificate.warnings if "friction drove" in sentence]
 
 
 def test_work_that_friction_did_is_the_integral_of_its_power_while_it_pushes():

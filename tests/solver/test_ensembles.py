@@ -226,10 +226,10 @@ def test_the_number_of_threads_changes_nothing(known, monkeypatch, workers):
 
 def test_threads_of_the_compiled_tier_change_nothing(monkeypatch):
     columns = {MU: MUS, "initial.x": 0.01}
-    one = ensemble(DECAY, LAW, columns, t_end=2.0, solver=PYTHON)
+    runs = ensemble(DECAY, LAW, columns, t_end=2.0, solver=PYTHON)
     monkeypatch.setattr(ensembles, "MOST_ROWS", 3)
     with ThreadPoolExecutor(5) as pool:
-        assert_same(ensemble(DECAY, LAW, columns, t_end=2.0, executor=pool), one)
+        assert_same(ensemble(DECAY, LAW, columns, t_end=2.0, executor=pool), runs)
 
 
 def test_any_executor_will_do(known, monkeypatch):

@@ -241,8 +241,8 @@ def test_ensembles_have_the_sensitivities_of_single_runs_beyond_impacts(name):
     )
     for rebound, slope in zip(rebounds, runs["slope"], strict=True):
         own = replace(rig, restitution=float(rebound))
-        one = simulate(own, law, t_end=t_end, y0=y0, solver=COMPILED)
-        assert slope == one.sensitivity("x", "kinetic_coefficient")[-1]
+        run = simulate(own, law, t_end=t_end, y0=y0, solver=COMPILED)
+        assert slope == run.sensitivity("x", "kinetic_coefficient")[-1]
 
 
 def test_the_inner_mass_that_kicks_a_capsule_at_rest_has_the_momentum_it_shares():

@@ -84,9 +84,9 @@ def test_a_growing_torque_lets_two_of_three_clutches_go_together(solver):
 
 def test_three_clutches_slip_and_stick_one_by_one():
     """Rotors at three speeds: the closing clutch sticks while both of its parts slip."""
-    one = TRIANGLE(J0=1.0, J1=1.0, J2=1.0)
+    triangle = TRIANGLE(J0=1.0, J1=1.0, J2=1.0)
     laws = {"c0": coulomb(1.0), "c1": coulomb(1.0), "c2": coulomb(3.0)}
-    run = simulate(one, laws, t_end=3.0, y0={"v0": 1.0, "v1": -2.0, "v2": 0.0}, solver=PLAIN)
+    run = simulate(triangle, laws, t_end=3.0, y0={"v0": 1.0, "v1": -2.0, "v2": 0.0}, solver=PLAIN)
     # c0 and c2 brake the first by 4 N m, c2 speeds the third up by 3 N m, less 1 N m of c1
     told = [(e.contact, e.from_mode, e.to_mode) for e in run.events]
     assert told == [("c2", 1, 0), ("c0", 1, 0), ("c1", -1, 0)]
@@ -309,11 +309,11 @@ def test_bristles_in_a_loop_need_no_decision():
         kinetic_coefficient=0.5, static_coefficient=0.7, stribeck_velocity=0.1,
         bristle_stiffness=50.0, bristle_damping=0.5, viscous_coefficient=0.1,
     )  # fmt: skip
-    one = TRIANGLE(J0=1.0, J1=2.0, J2=3.0, T0=1.0)
+    triangle = TRIANGLE(J0=1.0, J1=2.0, J2=3.0, T0=1.0)
     y0 = {"v0": 1.0, "v1": 0.0, "v2": -0.5}
     laws = {"c0": coulomb(0.2), "c1": coulomb(0.1), "c2": lugre}
     solver = replace(PLAIN, tolerance=1e-9)
-    run = simulate(one, laws, t_end=0.5, y0=y0, solver=solver)
+    run = simulate(triangle, laws, t_end=0.5, y0=y0, solver=solver)
     assert not run.events
 
     def rates(t, y):
@@ -415,14 +415,14 @@ GOING = (
 @pytest.mark.parametrize(("case", "levels", "y0"), GOING)
 def test_sensitivities_are_those_of_differences_of_runs(case, levels, y0):
     def run_with(path, change):
-        one, own = case, {name: list(pair) for name, pair in levels.items()}
+        changed, own = case, {name: list(pair) for name, pair in levels.items()}
         if path.startswith("mechanism."):
             field_name = path.removeprefix("mechanism.")
-            one = replace(case, **{field_name: getattr(case, field_name) + change})
+            changed = replace(case, **{field_name: getattr(case, field_name) + change})
         else:
             own[path.split(".")[1]]["static" in path] += change
         laws = {name: coulomb(*pair) for name, pair in own.items()}
-        return simulate(one, laws, t_end=6.9, y0=y0, solver=TIGHT)
+        return simulate(changed, laws, t_end=6.9, y0=y0, solver=TIGHT)
 
     paths = ("mechanism.J1", "mechanism.spring", "friction.c0.kinetic_coefficient",
              "friction.c0.static_coefficient")  # fmt: skip
@@ -467,8 +467,8 @@ def test_a_torque_that_rises_between_two_ticks_of_the_clock_lets_go_once(width):
         step = PiecewiseLinear(
             times=(0.0, start, start + width, 200.0), values=(0.0, 0.0, torque, torque)
         )
-        one = Turned(J0=1.0, J1=2.0, J2=3.0, torque=step)
-        run = simulate(one, LEVELS, t_end=start + 1.0, solver=PLAIN)
+        turned = Turned(J0=1.0, J1=2.0, J2=3.0, torque=step)
+        run = simulate(turned, LEVELS, t_end=start + 1.0, solver=PLAIN)
         assert [(e.contact, e.to_mode) for e in run.events] == [("c0", 1), ("c2", 1)]
         assert run["v0"][-1] == pytest.approx(torque - 3.5, rel=1e-8)  # but for the ramp
 

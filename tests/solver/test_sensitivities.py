@@ -79,7 +79,7 @@ def at(run, t, state, path):
 def test_every_sensitivity_is_that_of_the_variational_equations(rig, law):
     # steps of 1e-12 on both sides, through layers that enlarge them some thousand times; a broken
     # exponent has no Taylor series at v = 0, and collocation loses its order there
-    exponents = [name for name, one in fields_of(type(law)).items() if one.structural]
+    exponents = [name for name, quantity in fields_of(type(law)).items() if quantity.structural]
     whole = all(float(getattr(law, name)).is_integer() for name in exponents)
     assert mismatch(Case(rig, law, 1.3, (0.01, 0.2))) <= (1e-8 if whole else 5e-7)
 

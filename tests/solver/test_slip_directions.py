@@ -90,10 +90,10 @@ def test_ensembles_give_and_keep_the_same_coordinates():
         absolute, laws, {"initial.w1": np.array([10.0, 12.0])}, t_end=1.0, outputs=outputs,
         solver=PLAIN,
     )  # fmt: skip
-    one = simulate(absolute, laws, t_end=1.0, y0={"w1": 12.0}, solver=PLAIN)
-    assert runs["end"][1] == one["phi3"][-1]
-    np.testing.assert_array_equal(runs["some"][1], one.at([0.3, 0.8])["phi2"])
-    assert runs["top"][1] == pytest.approx(one.at(np.linspace(0, 1, 4001))["w2"].max(), abs=1e-5)
+    run = simulate(absolute, laws, t_end=1.0, y0={"w1": 12.0}, solver=PLAIN)
+    assert runs["end"][1] == run["phi3"][-1]
+    np.testing.assert_array_equal(runs["some"][1], run.at([0.3, 0.8])["phi2"])
+    assert runs["top"][1] == pytest.approx(run.at(np.linspace(0, 1, 4001))["w2"].max(), abs=1e-5)
 
 
 class Stack(MatrixMechanism):

@@ -85,12 +85,12 @@ def test_a_stiff_rotor_stops_and_goes_on_as_it_does_alone():
 
 
 def test_both_tiers_turn_stiff_at_the_same_step():
-    one, other = (
+    run, other = (
         simulate(
             Damped(), Coulomb(kinetic_coefficient=0.5), t_end=1.0, solver=EventDriven(tier=tier)
         )
         for tier in ("python", "compiled")
     )
-    assert np.array_equal(one.t, other.t)
-    for name in one.names:
-        assert np.array_equal(one[name], other[name])
+    assert np.array_equal(run.t, other.t)
+    for name in run.names:
+        assert np.array_equal(run[name], other[name])

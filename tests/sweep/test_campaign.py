@@ -61,7 +61,7 @@ def test_runs_do_not_depend_on_where_a_part_begins(kind, runs):
     for cut in (1, 5, len(design) - 1):
         parts = [design.rows(0, cut), design.rows(cut, len(design))]
         for path, values in whole.items():
-            np.testing.assert_array_equal(np.concatenate([one[path] for one in parts]), values)
+            np.testing.assert_array_equal(np.concatenate([part[path] for part in parts]), values)
 
 
 def test_a_grid_has_all_combinations_the_last_factor_fastest():
@@ -133,7 +133,7 @@ def test_runs_are_those_of_an_ensemble(tmp_path):
     for name in ("travel", "fastest"):
         np.testing.assert_array_equal(table[name], known[name])
     np.testing.assert_array_equal(table["rest.0"], known["rest"][:, 0])
-    assert table["status"].tolist() == [one.name for one in known.status]
+    assert table["status"].tolist() == [ending.name for ending in known.status]
     assert (found.certified, found.status, found.made) == (50, {"AT_REST": 50}, 50)
     assert len(found.parts) == 7
 
@@ -282,8 +282,8 @@ def test_a_manifest_names_no_file_outside_its_folder(name, tmp_path):
     victims = [tmp_path / "victim.parquet", tmp_path / "part-000000.parquet"]
     victims.append(tmp_path / "out/part-000000.parquet")
     victims[-1].parent.mkdir()
-    for one in victims:
-        one.write_text("precious")
+    for victim in victims:
+        victim.write_text("precious")
     (own / "runs/out").symlink_to(tmp_path / "out")
     told = json.loads((own / "manifest.json").read_text())
     told["parts"][0]["file"] = name.format(parent=tmp_path) if isinstance(name, str) else name
@@ -291,7 +291,7 @@ def test_a_manifest_names_no_file_outside_its_folder(name, tmp_path):
     said = refusal(small(seed=1), own)
     assert bool(said) == (name == "runs/out/part-000000.parquet"), said
     assert not said or "reached by a symbolic link" in said
-    assert [one.read_text() for one in victims] == ["precious"] * 3
+    assert [path.read_text() for path in victims] == ["precious"] * 3
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no symbolic links, no pipes")
@@ -596,7 +596,7 @@ def test_the_manifest_lists_what_is_there(tmp_path):
     told = json.loads((tmp_path / "runs/manifest.json").read_text())
     assert told["schema"] == "stickslip/campaign/1"
     assert told["runs"] == 50
-    assert {one["file"]: one["sha256"] for one in told["parts"]} == {
+    assert {entry["file"]: entry["sha256"] for entry in told["parts"]} == {
         name: digest for name, digest in files(found.folder).items() if name.startswith("runs/")
     }
 

@@ -25,7 +25,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
 from stickslip.study.sweep import continue_orbit, orbit_diagram, periodic_orbit
-from stickslip.study.sweep.bifurcation import period_of
+from stickslip.study.sweep.attractors import period_of
 from stickslip.study.sweep.orbits import return_map
 
 FREQUENCY = "mechanism.drive.drive.frequency"

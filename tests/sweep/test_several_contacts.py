@@ -63,9 +63,9 @@ def test_basins_of_one_of_two_axes_are_those_of_the_axis_alone():
     both = basins(pair, LAWS, {"a": starts, "a_dot": [0.0]}, coordinate="a", **settings)
     alone = basins(axis(drive, 100.0), LAW, {"x": starts, "v": [0.0]}, **settings)
     np.testing.assert_array_equal(both.index, alone.index)
-    for one, other in zip(both.attractors, alone.attractors, strict=True):
-        assert one.period == other.period
-        assert one.velocity == pytest.approx(other.velocity, abs=1e-12)
+    for attractor, other in zip(both.attractors, alone.attractors, strict=True):
+        assert attractor.period == other.period
+        assert attractor.velocity == pytest.approx(other.velocity, abs=1e-12)
 
 
 def test_contacts_along_one_coordinate_need_no_name_of_it():

@@ -32,7 +32,7 @@ from stickslip.study.sweep import (
     cycle_of,
     velocity_band,
 )
-from stickslip.study.sweep.bifurcation import cycles_in, period_of
+from stickslip.study.sweep.attractors import cycles_in, period_of
 from stickslip.study.sweep.parameter_grid import early_ends
 
 PLAIN = EventDriven(tier="python")
@@ -116,13 +116,13 @@ def test_a_mirrored_capsule_moves_the_other_way_as_fast():
     axis = {FREQUENCY: [3.5, 5.0]}
     law = Coulomb(kinetic_coefficient=0.05)
     settings = {"settle": 20, "cycles": 4, "solver": PLAIN}
-    one = average_velocity(capsule(upper_stop=0.02), law, axis, **settings)
+    moved = average_velocity(capsule(upper_stop=0.02), law, axis, **settings)
     turned = Torque(drive=Sine(amplitude=-1.0, frequency=4.0))
     other = average_velocity(capsule(lower_stop=-0.02, drive=turned), law, axis, **settings)
     # mirrored equations have mirrored rounding, but events are located from the other side
-    np.testing.assert_allclose(other.velocity, -one.velocity, rtol=1e-7)
-    assert one.velocity[0] > 0.01
-    assert one.velocity[1] < -0.005  # beyond resonance the same drive carries it back
+    np.testing.assert_allclose(other.velocity, -moved.velocity, rtol=1e-7)
+    assert moved.velocity[0] > 0.01
+    assert moved.velocity[1] < -0.005  # beyond resonance the same drive carries it back
 
 
 @pytest.mark.slow  # a mirrored drive, below, shows both directions
@@ -479,14 +479,14 @@ def test_a_thrown_pendulum_comes_to_hang_after_whole_turns():
 
 
 def test_a_motion_is_the_same_whatever_cycle_a_run_falls_into_it():
-    from stickslip.study.sweep.bifurcation import Attractor, _same
+    from stickslip.study.sweep.attractors import Attractor, _same
 
     points = np.array([[1.0], [2.0], [1.0], [2.0]])
-    one = Attractor(points=points, period=2, velocity=0.0, share=1.0)
+    attractor = Attractor(points=points, period=2, velocity=0.0, share=1.0)
     limit = np.array([1e-3])
-    assert _same(one, np.roll(points, 1, axis=0), 2, limit)
-    assert not _same(one, points + 0.1, 2, limit)
-    assert not _same(one, points, 1, limit)
+    assert _same(attractor, np.roll(points, 1, axis=0), 2, limit)
+    assert not _same(attractor, points + 0.1, 2, limit)
+    assert not _same(attractor, points, 1, limit)
 
 
 def test_wrong_counts_are_refused():

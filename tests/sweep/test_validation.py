@@ -60,7 +60,7 @@ def test_no_executor_changes_what_is_said(measured):
     mechanism = CART if measured.time is not None else BLOCK
     with ThreadPoolExecutor(2) as pool:
         own, other = (
-            validated(measured, mechanism=mechanism, executor=one) for one in (None, pool)
+            validated(measured, mechanism=mechanism, executor=value) for value in (None, pool)
         )
     assert own.to_dict() == other.to_dict()
 
@@ -72,12 +72,12 @@ def test_a_tenth_more_friction_is_seen_and_the_refit_names_it():
     assert seen.records[0].inside_with_noise < 0.2
     assert not seen.records[0].late
     found = fit(CART, LAW, measured, settings=RecordSettings(starts=1))
-    (one,) = compare_estimates(LAW, KNOWN, found)
-    assert one.agrees is False
-    assert "do not agree" in str(one)
+    (estimate,) = compare_estimates(LAW, KNOWN, found)
+    assert estimate.agrees is False
+    assert "do not agree" in str(estimate)
     # the fit is exact to the noise: a thousandth of the coefficient
-    assert one.difference == pytest.approx(0.02, abs=2e-4)
-    assert Refit(fit=found, parameters=(one,)).explains(seen)
+    assert estimate.difference == pytest.approx(0.02, abs=2e-4)
+    assert Refit(fit=found, parameters=(estimate,)).explains(seen)
 
 
 def test_the_zero_of_an_encoder_says_nothing_of_friction():
@@ -131,12 +131,12 @@ def test_the_band_of_a_travel_is_that_of_the_closed_form():
     known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.24, 0.26)})
     law = Coulomb(kinetic_coefficient=0.25)
     seen = validated(measured, known, law, BLOCK, count=2000)
-    (one,) = seen.travels
-    assert one.predicted == pytest.approx(0.5 / (9.81 * 0.25), rel=1e-8)
+    (travel,) = seen.travels
+    assert travel.predicted == pytest.approx(0.5 / (9.81 * 0.25), rel=1e-8)
     # quantiles of 2000 draws: 4 % of the half width
-    assert one.low == pytest.approx(0.5 / (9.81 * 0.26), rel=4e-3)
-    assert one.high == pytest.approx(0.5 / (9.81 * 0.24), rel=4e-3)
-    assert one.inside
+    assert travel.low == pytest.approx(0.5 / (9.81 * 0.26), rel=4e-3)
+    assert travel.high == pytest.approx(0.5 / (9.81 * 0.24), rel=4e-3)
+    assert travel.inside
     assert seen.agrees
     assert validated(Measurement(travel=0.25, uncertainty=0.001), known, law, BLOCK).agrees is False
 
@@ -150,10 +150,10 @@ def test_travels_without_a_stated_uncertainty_are_not_judged():
 
 def test_travels_per_cycle_are_compared_as_they_were_read():
     measured = Measurement(travel_per_cycle=0.056, uncertainty=1e-3)
-    (one,) = validated(measured, t_end=5.0 * float(SWING.period)).travels
+    (travel,) = validated(measured, t_end=5.0 * float(SWING.period)).travels
     # the reference cart: 24.8596 mm in the first cycle, 63.4659 mm in each further one
-    assert one.predicted == pytest.approx((0.0248596 + 4 * 0.0634659) / 5, abs=2e-8)
-    assert one.relative_error == pytest.approx((one.predicted - 0.056) / 0.056)
+    assert travel.predicted == pytest.approx((0.0248596 + 4 * 0.0634659) / 5, abs=2e-8)
+    assert travel.relative_error == pytest.approx((travel.predicted - 0.056) / 0.056)
 
 
 def test_uncertain_masses_widen_the_band_of_a_block():
@@ -171,16 +171,16 @@ def test_uncertainties_of_trials_are_drawn_for_each_and_shared_ones_once():
         Measurement(travel=0.5 / (9.81 * 0.25), uncertainty=1e-5, name=str(i)) for i in range(6)
     )
     shared = Measurement(trials=trials, parameter_uncertainties={"mechanism.mass": 0.02})
-    off = [dataclasses.replace(one, travel=one.travel * 1.03) for one in trials]
+    off = [dataclasses.replace(trial, travel=trial.travel * 1.03) for trial in trials]
     all_off = dataclasses.replace(shared, trials=tuple(off))
     assert validated(all_off, None, law, BLOCK).agrees is not False  # one heavier block
     alone = [
         dataclasses.replace(
-            one,
-            travel=one.travel * (1.03 if i % 2 else 0.97),
+            trial,
+            travel=trial.travel * (1.03 if i % 2 else 0.97),
             parameter_uncertainties={"mechanism.mass": 0.02},
         )
-        for i, one in enumerate(trials)
+        for i, trial in enumerate(trials)
     ]
     seen = validated(Measurement(trials=tuple(alone)), None, law, BLOCK)
     assert seen.agrees is not False  # six masses, each 1.5 standard uncertainties off
@@ -242,6 +242,6 @@ def test_intervals_of_other_laws_are_not_compared():
 
 def test_a_value_without_an_interval_cannot_be_compared():
     found = fit(BLOCK, Coulomb, Measurement(travel=0.2, uncertainty=0.001))
-    (one,) = compare_estimates(LAW, None, found)
-    assert one.agrees is None
-    assert "cannot be compared, the carried value has no interval" in str(one)
+    (estimate,) = compare_estimates(LAW, None, found)
+    assert estimate.agrees is None
+    assert "cannot be compared, the carried value has no interval" in str(estimate)

@@ -84,10 +84,10 @@ def run(options: SweepOptions) -> None:
     if options.rig is None:
         raise InputError("give a campaign file, or a rig file with --vary PATH=LOW:HIGH:N.")
     folder, count = options.output or Path("stickslip-campaign"), options.count
-    asked, cases = _read(options.rig, allow_import=options.allow_import)
+    plans, cases = _read(options.rig, allow_import=options.allow_import)
     if options.dry_run:
         shared = 1 if options.executor else count or os.cpu_count() or 1
-        _show_estimate(asked.estimate(), cases, shared, as_json=options.as_json)
+        _show_estimate(plans.estimate(), cases, shared, as_json=options.as_json)
         return
     begun = time.perf_counter()
     with (
@@ -101,13 +101,13 @@ def run(options: SweepOptions) -> None:
             bar(done, total)
             return not interrupts.stopped
 
-        one = Inline() if count == 1 else None
-        found = asked.run(folder, executor=pool or one, progress=progress, replace=options.force)
+        inline = Inline() if count == 1 else None
+        found = plans.run(folder, executor=pool or inline, progress=progress, replace=options.force)
     took = time.perf_counter() - begun
     if not found.complete:
-        note(f"{len(found)} of {len(asked)} runs are there: the same command goes on.")
+        note(f"{len(found)} of {len(plans)} runs are there: the same command goes on.")
         raise typer.Exit(CANCELLED)
-    indices = _indices(asked, found, cases)
+    indices = _indices(plans, found, cases)
     if options.as_json:
         rows = {index.output: index.to_dataframe().to_dict("records") for index in indices}
         content = {
@@ -128,10 +128,10 @@ def run(options: SweepOptions) -> None:
 
 
 def _indices(
-    asked: Campaign, found: CampaignRuns, cases: Sequence[str]
+    plans: Campaign, found: CampaignRuns, cases: Sequence[str]
 ) -> list[SensitivityIndices]:
     """Return the indices of each output that is one number, and write them beside the runs."""
-    if asked.whole.block == 1:
+    if plans.whole.block == 1:
         return []
     if len(cases) > 1:
         note("Sensitivity indices are of one case: make a campaign of each.")
@@ -141,8 +141,8 @@ def _indices(
     from stickslip.show.plots import draw_sensitivity, standalone_svg
 
     indices = []
-    for name in asked.outputs or found.units:
-        several = f"{name}.0" in found.units or name in asked.factors or name not in found.columns
+    for name in plans.outputs or found.units:
+        several = f"{name}.0" in found.units or name in plans.factors or name not in found.columns
         if several:
             continue
         try:
@@ -153,7 +153,7 @@ def _indices(
         table = pd.concat([index.to_dataframe().assign(output=index.output) for index in indices])
         size = (SIZE[0], SIZE[1] * len(indices))
         svg = standalone_svg(draw_sensitivity(indices), size=size, title="Sensitivity indices")
-        rows = table[["output", *(one for one in table if one != "output")]]
+        rows = table[["output", *(column for column in table if column != "output")]]
         files = {"sensitivity.csv": rows.to_csv(index=False), "sensitivity.svg": svg}
         write_files({found.folder / name: content for name, content in files.items()})
     return indices
@@ -219,7 +219,7 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
     _known(raw, KEYS, file)
     rigs = _named(raw, "rigs", file)
     laws = _named(raw, "laws", file) if "laws" in raw else {"": ""}
-    cases, told = [], []
+    cases, titles = [], []
     for rig_name, rig_text in rigs.items():
         for law_name, law_text in laws.items():
             source = None if rig_text == "demo" else path.parent / rig_text
@@ -234,14 +234,14 @@ def _read(path: Path, *, allow_import: bool) -> tuple[Campaign, list[str]]:
             cases.append(
                 Case(mechanism=rig.mechanism, law=friction, t_end=last, y0=start, labels=labels)
             )
-            told.append(f"{rig.heading}, {friction_title(chosen)} friction")
+            titles.append(f"{rig.heading}, {friction_title(chosen)} friction")
     campaign = Campaign(
         cases=tuple(cases),
         factors=_factors(raw.get("factors"), cases[0], file),
         outputs=_outputs(raw.get("outputs"), file),
         **{key: raw[key] for key in ("design", "runs", "seed", "part") if key in raw},
     )
-    return campaign, told
+    return campaign, titles
 
 
 def _known(table: object, known: Collection[str], where: str) -> None:
@@ -258,8 +258,8 @@ def _named(raw: Mapping[str, Any], key: str, file: str) -> dict[str, str]:
     given = raw.get(key)
     if isinstance(given, str):
         given = [given]
-    if isinstance(given, list) and given and all(isinstance(one, str) for one in given):
-        given = {Path(one).stem if one.endswith(".toml") else one: one for one in given}
+    if isinstance(given, list) and given and all(isinstance(law, str) for law in given):
+        given = {Path(law).stem if law.endswith(".toml") else law: law for law in given}
         if len(given) < len(raw[key]) and not isinstance(raw[key], str):
             raise InputError(f'{file}: {key} have equal names: give them as a = "...", b = "...".')
     if not (given and isinstance(given, dict) and all(isinstance(x, str) for x in given.values())):
@@ -293,7 +293,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
         for key, kinds, said in (("times", str, "the path of a factor"), ("log", bool, "a bool")):
             if key in own and not isinstance(own[key], kinds):
                 raise InputError(f"{at}: {key} must be {said}, got {own[key]!r}.")
-        needed = [one.name for one in dataclasses.fields(kind) if _needed(one)]
+        needed = [field.name for field in dataclasses.fields(kind) if _needed(field)]
         if lacking := [key for key in needed if key not in own]:
             raise InputError(f"{at} lacks {' and '.join(lacking)}.")
         if own.get("times"):
@@ -305,7 +305,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
             if key in ("number", "log", "times"):
                 read[key] = value
             elif key == "values" and isinstance(value, list):
-                read[key] = [_number(one, wanted, f"{at}: {key}") for one in value]
+                read[key] = [_number(text, wanted, f"{at}: {key}") for text in value]
             else:
                 read[key] = _number(value, wanted, f"{at}: {key}")
         try:
@@ -318,7 +318,7 @@ def _factors(table: object, case: Case, file: str) -> dict[str, Factor]:
 def _varying(case: Case) -> dict[str, Quantity]:
     """Return what may vary, by full path; what was not given as well, as in `ensemble`."""
     roots = ((cast("Any", case.mechanism), "mechanism"), (cast("Any", case.law), "friction"))
-    declared = {path: one for root in roots for path, one in all_paths(*root).items()}
+    declared = {path: measured for root in roots for path, measured in all_paths(*root).items()}
     ranges = {path: known for root in roots for path, known, _ in parameters(*root)}
     units = path_units(case.mechanism, cast("Any", case.law))
     return declared | {
@@ -368,7 +368,7 @@ def _outputs(table: object, file: str) -> dict[str, Output] | None:
         if "times" in own and not isinstance(own["times"], list):
             raise InputError(f"{at}: times must be a list, got {own['times']!r}.")
         read = {
-            key: [_number(one, TIME, f"{at}: {key}") for one in value]
+            key: [_number(text, TIME, f"{at}: {key}") for text in value]
             if isinstance(value, list)
             else _number(value, TIME, f"{at}: {key}")
             if key in TIMES

@@ -162,19 +162,19 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
     shared = Counter(f.sentence for f in findings if f.record and f.severity != "info")
     names = dict.fromkeys(finding.record for finding in findings if finding.record)
     for name in names:
-        first, *rest = [one for one in findings if one.record == name]
+        first, *rest = [finding for finding in findings if finding.record == name]
         said = [one for one in (first, *rest) if shared[one.sentence] == 1 or one.kind == RESTED]
         lines = [first.sentence] * (first not in said and first.severity == "info")
-        lines += [one.sentence for one in said]
+        lines += [finding.sentence for finding in said]
         if lines:
-            gravest = max(said, key=lambda one: SEVERITIES.index(one.severity), default=first)
+            gravest = max(said, key=lambda item: SEVERITIES.index(item.severity), default=first)
             yield replace(first, sentence=" ".join(lines), severity=gravest.severity)
-    for sentence in (one for one, number in shared.items() if number > 1):
-        same = [one for one in findings if one.sentence == sentence]
-        who = [one.record for one in same]
+    for sentence in (key for key, number in shared.items() if number > 1):
+        same = [finding for finding in findings if finding.sentence == sentence]
+        who = [finding.record for finding in same]
         everyone = len(who) == len(names)
         yield replace(same[0], record="all trials" if everyone else joined(who))
-    yield from (one for one in findings if not one.record)
+    yield from (finding for finding in findings if not finding.record)
 
 
 def _summary(findings: Sequence[Finding]) -> str:

@@ -144,8 +144,8 @@ def folder_of(output: Path | None, default: str, *, as_json: bool) -> Path | Non
 
 def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
     """Refuse to replace what the command reads, whatever may be replaced."""
-    for one in map(Path, inputs):
-        if output.exists() and one.exists() and output.samefile(one):
+    for path in map(Path, inputs):
+        if output.exists() and path.exists() and output.samefile(path):
             raise InputError(
                 f"{output} is read by this command, so it is not replaced: choose another -o."
             )
@@ -272,7 +272,7 @@ def _columns(given: Sequence[str]) -> dict[str, Column]:
             found[name] = [column]
         else:
             found[name].append(part.strip())
-    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
+    return {name: column_of(name, row[0] if len(row) == 1 else row) for name, row in found.items()}
 
 
 def _pairs(option: str, example: str, given: Sequence[str]) -> dict[str, str]:

@@ -18,7 +18,7 @@ def run_list(*, as_json: bool) -> None:
     if as_json:
         print_json(document("data", {"records": [_record(record) for record in records]}))
         return
-    rows = [[one.name, one.title, _short(one.licence), _places(one)] for one in records]
+    rows = [[file.name, file.title, _short(file.licence), _places(file)] for file in records]
     show_table("", ["name", "title", "licence", "where"], rows, whole=["name", "where"])
     stdout().print(
         "\nDetails of a record: stickslip data show NAME. Its table: stickslip data path NAME"

@@ -160,9 +160,9 @@ def _export_fmu(options: ExportOptions) -> None:
 def stated(given: Sequence[str]) -> dict[str, Given]:
     """Return contact inputs by name: numbers, or texts with a unit."""
     found: dict[str, Given] = {}
-    for one in given:
+    for text in given:
         name, value = terminal.pair_of(
-            one, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
+            text, '--at takes a contact input and its value, such as --at "temperature=35 degC"'
         )
         try:
             found[name] = float(value)
@@ -269,7 +269,7 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
     """Return joints, or joints by contact."""
     if not given:
         return None
-    pairs = dict(one.split("=", 1) for one in given if "=" in one)
+    pairs = dict(text.split("=", 1) for text in given if "=" in text)
     if not pairs:
         return given
     if len(pairs) != len(given):
@@ -281,17 +281,17 @@ def _paired(given: Sequence[str]) -> Sequence[str] | Mapping[str, str] | None:
 
 def _show(found: exports.Applied, output: Path) -> None:
     console = terminal.stdout()
-    names = ", ".join(one.joint for one in found.joints)
+    names = ", ".join(made.joint for made in found.joints)
     console.print(f"{output}: {found.path.name} with friction in {names}")
     for joint in found.joints:
         console.print(f"{joint.joint}: {joint.law}")
         for line in joint.sentences:
             console.print(f"  {line}")
-    rows = [row for one in found.joints for row in _rows(one)]
+    rows = [row for made in found.joints for row in _rows(made)]
     if rows:
         heads = ("joint", "motion", "settings", "travel", "error in MuJoCo", "simplified alone")
         terminal.show_table("", heads, rows)
-    replays = [row for one in found.joints for row in _replay_rows(one)]
+    replays = [row for made in found.joints for row in _replay_rows(made)]
     if replays:
         heads = (
             "joint", "on the record", "error of the force", "from the law", "error of the position",

@@ -130,7 +130,7 @@ def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
     It has `--quiet` as well, which none has to heed.
     """
     kinds = [
-        one.annotation for one in inspect.signature(function, eval_str=True).parameters.values()
+        field.annotation for field in inspect.signature(function, eval_str=True).parameters.values()
     ]
     single = [parameter for kind in (*kinds, QuietOption) for parameter in _parameters(kind)]
     several = [field.name for kind in kinds for field in fields(kind) if field.default == ()]
@@ -141,7 +141,7 @@ def _with_single_options(function: Callable[..., None]) -> Callable[..., None]:
         function(*(kind(**given) for kind in kinds))
 
     called.__signature__ = inspect.Signature(single)  # type: ignore[attr-defined]  # what typer reads
-    called.__annotations__ = {one.name: one.annotation for one in single}
+    called.__annotations__ = {parameter.name: parameter.annotation for parameter in single}
     return called
 
 
@@ -161,7 +161,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
         if hasattr(hint, "__metadata__"):
             info, plain = copy(hint.__metadata__[0]), hint.__origin__
         names = [one for one in (info.default, *(info.param_decls or ())) if isinstance(one, str)]
-        if isinstance(info, OptionInfo) and not any(one.startswith("--") for one in names):
+        if isinstance(info, OptionInfo) and not any(item.startswith("--") for item in names):
             names.append(f"--{name.replace('_', '-')}")
         info.param_decls, info.help = (
             tuple(names),

@@ -74,8 +74,8 @@ def _films(options: InitOptions, reading: data.Reading) -> None:
             {"file": str(run.file), "frequency": run.frequency, "travel": run.travel}
             for run in found.runs
         ]
-        told = {"rig": str(target), "films": runs, "doubts": list(found.doubts)}
-        print_json(document("init", told))
+        content = {"rig": str(target), "films": runs, "doubts": list(found.doubts)}
+        print_json(document("init", content))
         return
     typed = shlex.quote(str(target))
     low, high = 0.9 * found.runs[0].frequency, 1.1 * found.runs[-1].frequency

@@ -224,8 +224,8 @@ def _laws_to_fit(rig: Rig, name: str | None, kind: AnyKind) -> dict[str, Law]:
     for contact in contacts:
         known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
         only = known.named[0] if len(known.named) == 1 else kind.usual_law
-        one = known.name_of(names.get(contact) or (only if names or name is None else name))
-        found[contact] = None if one == "none" else known.laws.get(one) or one
+        key = known.name_of(names.get(contact) or (only if names or name is None else name))
+        found[contact] = None if key == "none" else known.laws.get(key) or key
     return found
 
 
@@ -259,10 +259,10 @@ def rig_with(
         known = {} if key.startswith(FRICTION) else all_paths(rig.mechanism, "mechanism")
         names = [*rig.named] if law is None else [law] if law in listed() else []
         for name in names:
-            known |= {f"{FRICTION}{one}": x for one, x in fields_of(law_type(name)).items()}
+            known |= {f"{FRICTION}{label}": x for label, x in fields_of(law_type(name)).items()}
         ends = [full for full in known if full.rpartition(".")[2] == error.name]
         if len(ends) == 1:  # a parameter with a default, which no line of the file names
-            again = {ends[0] if one == key else one: value for one, value in given.items()}
+            again = {ends[0] if label == key else label: value for label, value in given.items()}
             return load_rig(path, overrides=again, allow_import=allow_import)
         if ends:
             raise InputError(
@@ -393,7 +393,7 @@ def laws_drawn(
             )
             for law in laws[:count]
         ]
-        return [carried(one, rig.mechanism, load=load).law for one in own], error
+        return [carried(part, rig.mechanism, load=load).law for part in own], error
     if known is None:
         raise InputError(
             "--ensemble needs laws to draw: give the law.toml that `stickslip select` writes as"
@@ -633,9 +633,9 @@ def _law_quantities(law: Any) -> Mapping[str, Quantity]:
         return fits.law_quantities(law)
     return {
         path.replace("friction.", f"friction.{contact}.", 1): quantity
-        for contact, one in law.items()
+        for contact, friction in law.items()
         for path, quantity in fits.law_quantities(
-            specification(one).law if isinstance(one, str) else one
+            specification(friction).law if isinstance(friction, str) else friction
         ).items()
     }
 
@@ -676,15 +676,15 @@ def show_estimates(estimates: Sequence[fits.Estimate]) -> None:
     """Print parameters with their intervals, and why one is not bounded."""
     rows = [
         [
-            one.path,
-            one.quantity.symbol,
-            within(one.value, one.low, one.high),
-            unit_text(one.quantity.unit),
-            one.range,
+            parameter.path,
+            parameter.quantity.symbol,
+            within(parameter.value, parameter.low, parameter.high),
+            unit_text(parameter.quantity.unit),
+            parameter.range,
         ]
-        for one in estimates
+        for parameter in estimates
     ]
-    kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
+    kinds = ", ".join(dict.fromkeys(parameter.interval for parameter in estimates))
     heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
     terminal.show_table("", heads, rows, whole=heads[1:])
     for estimate in estimates:
@@ -726,8 +726,8 @@ def show_trials(comparison: fits.TrialComparison | None) -> None:
         for name in comparison.conditions:
             value = trial.conditions.get(name)
             row.append(significant(value, 4) if isinstance(value, float) else value or "")
-        for one, error in zip(trial.estimates, trial.errors, strict=True):
+        for parameter, error in zip(trial.estimates, trial.errors, strict=True):
             known = math.isfinite(error)
-            row += [significant(one.value, 4), one.range if known else "open"]
+            row += [significant(parameter.value, 4), parameter.range if known else "open"]
         rows.append([terminal.plain(cell) for cell in row])
     terminal.show_table("", heads, rows, whole=heads)

@@ -51,7 +51,7 @@ def run_select(options: SelectOptions) -> None:
         if value is not None:
             kinds.refuse_unused(kind, {"executor": option}, request)
     if options.enforce and not kind.has_criteria:
-        users = [one for one in kinds.kinds() if one.has_criteria]
+        users = [family for family in kinds.kinds() if family.has_criteria]
         raise InputError(f"--enforce {kinds.unused_text(kind, users)}")
     request = replace(request, laws=laws_of(rig, options.laws))
     verdict = _selected(kind, request, options.count or 1, options.executor)
@@ -98,13 +98,13 @@ def laws_of(
     """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
     if names is None:
         return rig.laws or None
-    asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
-    if "" in asked:
+    wanted = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
+    if "" in wanted:
         raise InputError(
             f"--laws takes names of laws with commas between them, such as coulomb,viscous, got"
             f" {names!r}."
         )
-    return [rig.laws.get(name) or name for name in map(rig.name_of, asked)]
+    return [rig.laws.get(name) or name for name in map(rig.name_of, wanted)]
 
 
 def _selected(
@@ -243,7 +243,7 @@ def _fitted(kind: kinds.AnyKind, request: kinds.Request) -> Fit:
     law: kinds.Law = request.law
     name = _name(law)
     several = isinstance(law, Mapping)
-    laws = [one for one in law.values() if one is not None] if several else [law]
+    laws = [friction for friction in law.values() if friction is not None] if several else [law]
     kinds.refuse_uninformed(kind, laws, request.mechanism, request.measurement)
     law, vary = kind.law_and_parameters(law, request.vary, request.fixed or ())
     with inputs.watching([name], kind, request) as watch:
@@ -257,8 +257,8 @@ def _fitted(kind: kinds.AnyKind, request: kinds.Request) -> Fit:
 def _name(law: kinds.Law) -> str:
     """Return the name of a law, or of those of the contacts."""
     if isinstance(law, Mapping):
-        names = {contact: _name(one) for contact, one in law.items() if one is not None}
-        return ", ".join(f"{contact}={one}" for contact, one in names.items())
+        names = {contact: _name(fitted) for contact, fitted in law.items() if fitted is not None}
+        return ", ".join(f"{contact}={name}" for contact, name in names.items())
     return law if isinstance(law, str) else law.name
 
 

@@ -40,7 +40,7 @@ def _all(*, as_json: bool) -> None:
         print_json(document("models", found))
         return
     rows = [
-        [name, one.title, str(one.composition or "")] for name, one in friction.listed().items()
+        [name, law.title, str(law.composition or "")] for name, law in friction.listed().items()
     ]
     show_table("", ["law", "title", "composition"], rows)
     stdout().print()
@@ -102,9 +102,9 @@ def _one(name: str, *, as_json: bool) -> None:
     console.print(f"{formula_text(law.formula)}\n", soft_wrap=True)
     _show_parameters(law)
     console.print()
-    for asked in law.inputs:
-        told = CONTACT_INPUTS[asked]
-        text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
+    for wanted in law.inputs:
+        told = CONTACT_INPUTS[wanted]
+        text = f"Contact input {wanted} [{told.unit}]: {told.meaning}"
         console.print(text, soft_wrap=True)
     for heading, text in friction.said_of(law):
         console.print(f"{heading}: {text}")

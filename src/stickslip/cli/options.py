@@ -33,7 +33,7 @@ def _rig(context: typer.Context, given: Path | None) -> Path | None:
             f" one for a data file; {name} demo takes the rig that comes with the package."
         )
     if is_data_file(given):
-        typed, own = (shlex.quote(str(one)) for one in (given, given.with_suffix(".toml")))
+        typed, own = (shlex.quote(str(path)) for path in (given, given.with_suffix(".toml")))
         raise InputError(
             f"{given} is a data file, not a rig file: `stickslip init {typed}` writes one for it;"
             f" then {name} {own}."

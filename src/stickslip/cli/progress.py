@@ -275,13 +275,13 @@ class Searching(_ByLaw):
     """A bar that counts laws, with the least residual of the one in work.
 
     Callable as ``watch(name, residual)``; the answer is whether to go on. Residuals are put into
-    words by `told`.
+    words by `wording`.
 
     Parameters
     ----------
     names : sequence of str
         Laws in the order of the work.
-    told : callable
+    wording : callable
         Returns the text of a residual [SI].
     interrupts : Interrupts
         Counts Ctrl-C, which ends the search.
@@ -292,13 +292,13 @@ class Searching(_ByLaw):
     def __init__(
         self,
         names: Sequence[str],
-        told: Callable[[float], str],
+        wording: Callable[[float], str],
         interrupts: Interrupts,
         *,
         longest_first: bool = False,
     ) -> None:
         super().__init__(names, longest_first=longest_first)
-        self._told, self._interrupts = told, interrupts
+        self._told, self._interrupts = wording, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:
         """Note how close a law has come; what is no law is validation."""
@@ -322,15 +322,15 @@ class Improving(_Shown):
 
     Parameters
     ----------
-    told : callable
+    wording : callable
         Returns the text of the best value so far [SI].
     interrupts : Interrupts
         Counts Ctrl-C, which ends the search.
     """
 
-    def __init__(self, told: Callable[[float], str], interrupts: Interrupts) -> None:
+    def __init__(self, wording: Callable[[float], str], interrupts: Interrupts) -> None:
         super().__init__()
-        self._told, self._interrupts = told, interrupts
+        self._told, self._interrupts = wording, interrupts
         self._task = self._bars.add_task("Searching ", total=None, runs="")
 
     def __call__(self, search: str, done: int, total: int, best: float) -> bool:

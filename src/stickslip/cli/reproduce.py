@@ -136,8 +136,8 @@ def _show_ranks(found: PaperAudit) -> None:
             *(
                 ""
                 if key == "published" and row.published.travel is None
-                else str(one.get(row.law.name, "rejected"))
-                for key, one in ranks
+                else str(rank.get(row.law.name, "rejected"))
+                for key, rank in ranks
             ),
         ]
         for row in found.table
@@ -201,14 +201,14 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
     rows = [
         [
             figure,
-            one.title,
-            significant(one.travel, 3),
-            significant(1e3 * one.travels[-1], 3),
-            significant(1e3 * one.mean_return, 2),
-            significant(1e3 * one.least_velocity, 2),
+            part.title,
+            significant(part.travel, 3),
+            significant(1e3 * part.travels[-1], 3),
+            significant(1e3 * part.mean_return, 2),
+            significant(1e3 * part.least_velocity, 2),
         ]
         for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
-        for one in runs
+        for part in runs
     ]
     origin = "as given" if study.given else "our assumptions"
     title = (
@@ -251,7 +251,7 @@ def run_benchmark(options: BenchmarkOptions) -> None:
         _list(chosen, as_json=options.as_json)
         return
     chosen = _with_data(chosen)
-    asked = None if peers is None else [one.strip() for one in peers.split(",") if one.strip()]
+    wanted = None if peers is None else [text.strip() for text in peers.split(",") if text.strip()]
     with (
         Interrupts() as interrupts,
         Drawing("Running", "fits") as bar,
@@ -264,7 +264,7 @@ def run_benchmark(options: BenchmarkOptions) -> None:
             return not interrupts.stopped
 
         found = run(
-            [one.name for one in chosen], folder, peers=asked, executor=pool, progress=progress
+            [task.name for task in chosen], folder, peers=wanted, executor=pool, progress=progress
         )
     if not found.rows:
         console.note("No fit is there yet: the same command begins again.")
@@ -288,19 +288,19 @@ def run_benchmark(options: BenchmarkOptions) -> None:
 def _with_data(chosen: Sequence[Task]) -> list[Task]:
     """Return the tasks whose records are there, or could be got; say licences, and what is not."""
     found = []
-    for one in chosen:
-        record = one.dataset
+    for task in chosen:
+        record = task.dataset
 
         def told(text: str, licence: str = record.licence) -> None:
             console.note(f"{text} (licence: {licence})")
 
         try:
-            for file in one.files:
+            for file in task.files:
                 record.path(file, report=told)
         except InputError as error:
-            console.note(f"{one.name}: left out: {error}")
+            console.note(f"{task.name}: left out: {error}")
         else:
-            found.append(one)
+            found.append(task)
     if not found:
         raise InputError("there is no record for any of the tasks: stickslip data list")
     return found
@@ -310,18 +310,18 @@ def _list(chosen: Sequence[Task], *, as_json: bool) -> None:
     if as_json:
         rows = [
             {
-                "name": one.name,
-                "title": one.title,
-                "record": one.record,
-                "licence": one.dataset.licence,
-                "fitted": one.fitted,
-                "judged": one.judged,
-                "metric": one.metric.text,
-                "unit": one.metric.unit,
+                "name": task.name,
+                "title": task.title,
+                "record": task.record,
+                "licence": task.dataset.licence,
+                "fitted": task.fitted,
+                "judged": task.judged,
+                "metric": task.metric.text,
+                "unit": task.metric.unit,
             }
-            for one in chosen
+            for task in chosen
         ]
         console.print_json(document("benchmark-tasks", {"tasks": rows}))
         return
-    cells = [[one.name, one.title, one.fitted, one.judged, one.metric.text] for one in chosen]
+    cells = [[task.name, task.title, task.fitted, task.judged, task.metric.text] for task in chosen]
     console.show_table("", ["task", "what", "fitted", "judged", "metric"], cells, whole=["task"])

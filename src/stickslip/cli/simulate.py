@@ -200,7 +200,7 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, options: SimulateOptions) -> Ran:
 
 def _told(rig: Rig, friction: Friction) -> Rig:
     """Return a rig that tells its laws what only its first record has of contact inputs."""
-    names = tuple(one.name for one in rig.mechanism.contacts())
+    names = tuple(contact.name for contact in rig.mechanism.contacts())
     laws = assigned(names, friction)
 
     def lacking(mechanism: mechanisms.Mechanism) -> set[str]:
@@ -241,7 +241,7 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, options: Simu
     assert options.program is not None
     name, _, changes = options.program.partition(":")
     kind: type[Program] = named(PROGRAMS, name, "program")
-    values = dict(one.partition("=")[::2] for one in changes.split(",") if one)
+    values = dict(part.partition("=")[::2] for part in changes.split(",") if part)
     known, numbers = {field.name: field for field in fields(kind)}, fields_of(kind)
     for key in values:
         named(known, key, f"setting of {name}")
@@ -670,15 +670,15 @@ def _cycles_line(ran: Ran, period: float, name: str, *, alone: bool) -> str:
     cycles = sweep.cycles_in(ran.run, ran.rig.mechanism, period, coordinate=name)
     if not cycles:
         return ""
-    one, unit = cycles[-1], ran.run.units[name]
-    settled = len(cycles) > 1 and one.repeats(cycles[-2])
+    cycle, unit = cycles[-1], ran.run.units[name]
+    settled = len(cycles) > 1 and cycle.repeats(cycles[-2])
     which = "the only cycle" if len(cycles) == 1 else f"the last of {len(cycles)} cycles"
     when = " per cycle, once the motion has settled" if settled else f" in {which}"
     of = "" if alone else f" of {name}"
-    mean = quantity(one.advance / one.period, f"{unit}/s", 4)
+    mean = quantity(cycle.advance / cycle.period, f"{unit}/s", 4)
     return (
-        f"\nTravel{of}{when}: {quantity(one.advance, unit, 3)}; mean velocity {mean}, back-slip"
-        f" {quantity(one.back_slip, unit, 3)}"
+        f"\nTravel{of}{when}: {quantity(cycle.advance, unit, 3)}; mean velocity {mean}, back-slip"
+        f" {quantity(cycle.back_slip, unit, 3)}"
     )
 
 
@@ -738,8 +738,8 @@ def _show_band(band: sweep.Band) -> None:
         cycles = band.travels_by_cycle[name]
         rows.append([f"travel{of}", *_cells(travel, unit)])
         rows += [
-            [f"cycle {k + 1}{of}", *_cells(one, unit)]
-            for k, one in enumerate(cycles)
+            [f"cycle {k + 1}{of}", *_cells(spread, unit)]
+            for k, spread in enumerate(cycles)
             if k in (0, len(cycles) - 1)
         ]
         rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
@@ -752,5 +752,5 @@ def _show_band(band: sweep.Band) -> None:
 
 def _cells(spread: sweep.Spread, unit: str) -> list[str]:
     factor, unit = scale_of([spread.median, spread.low, spread.high], unit)
-    median, low, high = (factor * one for one in (spread.median, spread.low, spread.high))
+    median, low, high = (factor * value for value in (spread.median, spread.low, spread.high))
     return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]

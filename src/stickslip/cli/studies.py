@@ -99,7 +99,16 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
             )
         turns = found.reversals().tolist() if len(found.axes) == 1 else []
         content = _map_content(found, turns)
-    _write_map(found, measured, output, figure)
+    from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
+
+    if isinstance(found, VelocityBand):
+        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
+        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
+    else:
+        drawing = draw_velocity_map(found)
+        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
         files = [str(output), str(figure)]
         terminal.print_json(
@@ -151,29 +160,11 @@ def _map_content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
         "unit": found.unit,
         "velocity": found.velocity.tolist(),
         "status": np.reshape(
-            [one.name for one in found.status.ravel().tolist()], found.status.shape
+            [ending.name for ending in found.status.ravel().tolist()], found.status.shape
         ).tolist(),
         "early_ends": list(found.early_ends()),
         "reversals": list(turns),
     }
-
-
-def _write_map(
-    found: VelocityMap | VelocityBand,
-    measured: Sequence[tuple[float, float]],
-    output: Path,
-    figure: Path,
-) -> None:
-    from stickslip.show.plots import draw_velocity_band, draw_velocity_map, standalone_svg
-
-    if isinstance(found, VelocityBand):
-        drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
-        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
-    else:
-        drawing = draw_velocity_map(found)
-        units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
-    svg = standalone_svg(drawing, size=MAP_SIZE, title="Mean velocity")
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
 
 
 def _show_band(found: VelocityBand, measured: Sequence[tuple[float, float]]) -> None:
@@ -620,7 +611,7 @@ def _inputs(texts: Sequence[str]) -> dict[str, list[float]]:
     for text in texts:
         name, equals, values = text.partition("=")
         try:
-            found[name.strip()] = [float(one) for one in values.split(",")]
+            found[name.strip()] = [float(text) for text in values.split(",")]
         except ValueError:
             equals = ""
         if not equals:
@@ -638,16 +629,16 @@ def _write(found: Characterization, report: Path) -> None:
 
 
 def _show(found: Characterization) -> None:
-    for i, one in enumerate(found.all):
+    for i, law in enumerate(found.all):
         if i:
             terminal.stdout().print()
-        terminal.stdout().print(one.title, style="bold")
-        terminal.stdout().print(f"{one.law}")
-        if one.matched:
-            terminal.stdout().print(one.matched)
-        names = [name for name in TESTS if name in one.results or name in one.failed]
+        terminal.stdout().print(law.title, style="bold")
+        terminal.stdout().print(f"{law.law}")
+        if law.matched:
+            terminal.stdout().print(law.matched)
+        names = [name for name in TESTS if name in law.results or name in law.failed]
         terminal.show_table(
-            "", ["test", "result"], [[name, terminal.plain(one.told(name))] for name in names]
+            "", ["test", "result"], [[name, terminal.plain(law.told(name))] for name in names]
         )
-        for name, why in one.failed.items():
+        for name, why in law.failed.items():
             terminal.stdout().print(f"{name}: {why}")

@@ -85,7 +85,7 @@ def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
 
 def _unasked() -> list[type[FrictionLaw]]:
     """Return the laws that are tried where none is named."""
-    return [known_laws()[name] for name, one in listed().items() if not one.on_request]
+    return [known_laws()[name] for name, entry in listed().items() if not entry.on_request]
 
 
 def _of_registry(names: Sequence[str], laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
@@ -111,7 +111,7 @@ def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
         for field in dataclasses.fields(kind)
         if field.name in quantities and field.default is dataclasses.MISSING
     }
-    required = [one.name for one in dataclasses.fields(kind) if _is_required(one)]
+    required = [field.name for field in dataclasses.fields(kind) if _is_required(field)]
     if set(required) - values.keys():  # parts, of which there are no ordinary ones
         return
     yield kind(**values)
@@ -182,10 +182,10 @@ def run_doctor(options: JsonOption) -> None:
             "threads": _tried(_threads),
             "compiler": {"for FMUs": _compiler()},
             "data": _tried(_data),
-            "self-test": {name: _tried(partial(_self_test, one)) for name, one in TIERS.items()},
+            "self-test": {name: _tried(partial(_self_test, tier)) for name, tier in TIERS.items()},
         }
     facts = _without_home(facts)
-    failed = [tier for tier, one in facts["self-test"].items() if "error" in one]
+    failed = [tier for tier, fact in facts["self-test"].items() if "error" in fact]
     if options.as_json:
         print_json(document("doctor", facts))
     else:
@@ -199,7 +199,7 @@ def run_doctor(options: JsonOption) -> None:
 def _without_home(found: Any) -> Any:
     """Return facts with ~ for the folder of the user, whose name is nobody's business."""
     if isinstance(found, Mapping):
-        return {name: _without_home(one) for name, one in found.items()}
+        return {name: _without_home(value) for name, value in found.items()}
     if isinstance(found, list):
         return [*map(_without_home, found)]
     home = re.escape(str(Path.home()))
@@ -208,7 +208,7 @@ def _without_home(found: Any) -> Any:
 
 def _in_words(found: Any, between: str = "; ") -> str:
     if isinstance(found, Mapping):
-        return between.join(f"{name} {_in_words(one, ', ')}" for name, one in found.items())
+        return between.join(f"{name} {_in_words(value, ', ')}" for name, value in found.items())
     if isinstance(found, float):
         return f"{found:.2g}"
     return (", ".join(found) or "none") if isinstance(found, list) else str(found)
@@ -288,8 +288,8 @@ def _threads() -> Facts:
         "used": threads(),
         THREADS: os.environ.get(THREADS, "not set"),
         "linear algebra": [
-            f"{one['internal_api']} {one['version']} with {count(one['num_threads'], 'thread')}"
-            for one in threadpool_info()
+            f"{pool['internal_api']} {pool['version']} with {count(pool['num_threads'], 'thread')}"
+            for pool in threadpool_info()
         ],
     }
 

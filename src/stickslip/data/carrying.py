@@ -76,7 +76,7 @@ def carried_by_contact(
     >>> carried_by_contact(rig, chain).laws.names
     {'block-1': 'coulomb'}
     """
-    here = [one.name for one in mechanism.contacts()]
+    here = [contact.name for contact in mechanism.contacts()]
     if not rig.contacts:
         raise InputError(
             f"{rig.path} has no laws by contact, but {mechanism.name} has {', '.join(here)}: write"
@@ -253,11 +253,11 @@ def unfitted_bristles(
     ()
     """
     found = [
-        (path.removeprefix("friction."), one, value)
-        for path, one, value in parameters(law, "friction")
-        if _is_of_bristles(one) and value
+        (path.removeprefix("friction."), known_quantity, value)
+        for path, known_quantity, value in parameters(law, "friction")
+        if _is_of_bristles(known_quantity) and value
     ]
-    stiffness = [value for _, one, value in found if one.scale == "stiffness"]
+    stiffness = [value for _, known_quantity, value in found if known_quantity.scale == "stiffness"]
     fitted = () if known is None else known.intervals
     if not stiffness or distance == 0.0:
         return ()
@@ -266,8 +266,8 @@ def unfitted_bristles(
     if give < DECIDES * abs(distance):
         return ()
     return tuple(
-        f"${one.symbol}$ = {quantity(value, estimates.unit_on(mechanism, one))}"
-        for name, one, value in found
+        f"${measured.symbol}$ = {quantity(value, estimates.unit_on(mechanism, measured))}"
+        for name, measured, value in found
         if name not in fitted
     )
 
@@ -320,7 +320,7 @@ def _name(rig: Rig, law: str | None) -> str:
                     f" {rig.path} --law {law} -o law.toml`, and give that file, or write all values"
                     " into its table."
                 )
-            called = {table for table, one in rig.tables.items() if one in rig.laws}
+            called = {table for table, key in rig.tables.items() if key in rig.laws}
             raise UnknownNameError(f"law of {rig.path}:", law, {*rig.laws, *called})
         return name
     # The one that the file names, else the one that it has.
@@ -343,8 +343,8 @@ def _per_load(law: FrictionLaw) -> dict[str, float]:
     quantities = fields_of(type(law))
     return {
         name: float(getattr(law, name))
-        for name, one in quantities.items()
-        if one.per_load and getattr(law, name)
+        for name, known_quantity in quantities.items()
+        if known_quantity.per_load and getattr(law, name)
     }
 
 
@@ -355,7 +355,7 @@ def _check_divided(rig: Rig, forces: FrictionLaw, law: FrictionLaw, load: float)
     for speed in SPEEDS:
         wanted, got = float(before.steady(speed, 1.0)), float(after.steady(speed, load))
         if abs(got - wanted) > FRICTION_TOLERANCE * abs(wanted):
-            silent = [name for name, one in fields_of(type(law)).items() if not one.scale]
+            silent = [name for name, measured in fields_of(type(law)).items() if not measured.scale]
             raise InputError(
                 f"{rig.path}: the levels of {law.name} cannot be divided by {quantity(load, 'N')}:"
                 f" its friction at {quantity(speed, 'm/s')} would be {quantity(got, 'N')} instead"
@@ -416,9 +416,9 @@ def _about_viscosity(
     law: FrictionLaw, known: estimates.LawEstimates | None, turning: bool
 ) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
-        for path, one, value in parameters(law, "friction")
-        if one.unit.startswith("N") and value
+        f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
+        for path, known_quantity, value in parameters(law, "friction")
+        if known_quantity.unit.startswith("N") and value
     ]
     if not found:
         return []
@@ -435,9 +435,9 @@ def _about_viscosity(
 
 def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
-        for _, one, value in parameters(law, "friction")
-        if _is_of_bristles(one) and value
+        f"${known_quantity.symbol}$ = {number(value)} {turned(known_quantity.unit, turning)}"
+        for _, known_quantity, value in parameters(law, "friction")
+        if _is_of_bristles(known_quantity) and value
     ]
     if not found:
         return []
@@ -463,10 +463,10 @@ def _about_doubt(law: FrictionLaw | Laws, known: estimates.LawEstimates | None) 
     if known is None:
         return []
     symbols, values = {}, {}
-    for path, one, value in parameters(law, "friction"):
+    for path, known_quantity, value in parameters(law, "friction"):
         name = path.removeprefix("friction.")
         contact = name.rpartition(".")[0]
-        symbols[name] = f"${one.symbol}$" + (f" of {contact}" if contact else "")
+        symbols[name] = f"${known_quantity.symbol}$" + (f" of {contact}" if contact else "")
         values[name] = value
     said = []
     assumed = [

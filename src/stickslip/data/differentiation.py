@@ -225,7 +225,7 @@ def step_of(values: Array) -> float:
     # The least of all may be an accident of rounding, and that of nearly all several steps.
     guesses = (float(apart.min()), float(np.quantile(apart, 0.01, method="lower")))
     steps = [_common(levels - levels[0], apart, guess) for guess in guesses]
-    step = next((one for one in steps if one and span / one <= MOST_LEVELS), 0.0)
+    step = next((value for value in steps if value and span / value <= MOST_LEVELS), 0.0)
     return float(f"{step:.5g}")
 
 
@@ -339,8 +339,8 @@ def _picked(record: Measurement, rows: slice) -> Measurement:
         if isinstance(getattr(record, name), np.ndarray)
     }
     inputs = {
-        name: one[rows] if isinstance(one, np.ndarray) else one
-        for name, one in record.inputs.items()
+        name: array[rows] if isinstance(array, np.ndarray) else array
+        for name, array in record.inputs.items()
     }
     joints = {name: _picked(joint, rows) for name, joint in record.joints.items()}
     return replace(record, **columns, inputs=inputs, joints=joints)

@@ -179,7 +179,7 @@ class LawEstimates:
                 " law: give one number."
             )
         speeds = (
-            {f".{name}": one for name, one in said.items()}
+            {f".{name}": value for name, value in said.items()}
             if isinstance(said, Mapping)
             else ({} if said is None else {"": said})
         )
@@ -214,13 +214,13 @@ class LawEstimates:
             return [name for name in names if name.startswith(prefix)]
 
         def table(values: Mapping[str, T]) -> dict[str, T]:
-            return {one.removeprefix(prefix): values[one] for one in own(values)}
+            return {name.removeprefix(prefix): values[name] for name in own(values)}
 
         def short(names: Iterable[str]) -> tuple[str, ...]:
-            return tuple(one.removeprefix(prefix) for one in own(names))
+            return tuple(name.removeprefix(prefix) for name in own(names))
 
         # Rows and columns of the others are left out: the marginal distribution of a normal one.
-        rows = [self.covariance_of.index(one) for one in own(self.covariance_of)]
+        rows = [self.covariance_of.index(name) for name in own(self.covariance_of)]
         speed = self.largest_speed
         return dataclasses.replace(
             self,
@@ -412,7 +412,7 @@ class LawEstimates:
     def kept(self) -> tuple[str, ...]:
         """Parameters whose values draws keep."""
         drawn = self.drawn
-        return tuple(one for one in (*self.not_fitted, *self.not_identified) if one not in drawn)
+        return tuple(name for name in (*self.not_fitted, *self.not_identified) if name not in drawn)
 
     def draw(self, law: FrictionLaw | Laws, count: int, *, seed: int = 0) -> dict[str, Array]:
         """Return values (count,) of the parameters in `drawn`, by full path.
@@ -527,10 +527,10 @@ def equated(law: FrictionLaw) -> dict[str, tuple[str, str]]:
     {}
     """
     quantities = fields_of(type(law))
-    one = quantities.get(AT_REST)
-    if one is None or one.at_least is None or getattr(law, AT_REST) is not None:
+    quantity = quantities.get(AT_REST)
+    if quantity is None or quantity.at_least is None or getattr(law, AT_REST) is not None:
         return {}
-    return {AT_REST: (one.symbol, quantities[one.at_least].symbol)}
+    return {AT_REST: (quantity.symbol, quantities[quantity.at_least].symbol)}
 
 
 def _values(law: FrictionLaw | Laws) -> dict[str, float]:

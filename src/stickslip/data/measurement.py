@@ -575,11 +575,11 @@ class Measurement(Tabular, InPanels):
             return "travels"
         if self.joint_names():
             return "joints"
-        pulled = all({"pull", "friction"} <= {*one.quantities()} for one in records)
-        timed = all(one.time is not None for one in records)
+        pulled = all({"pull", "friction"} <= {*record.quantities()} for record in records)
+        timed = all(record.time is not None for record in records)
         if pulled and timed and not known & {"position", "velocity"}:
             return "velocity steps"
-        tables = all(one.kind == "friction-map" for one in records)
+        tables = all(record.kind == "friction-map" for record in records)
         return "tables" if tables else "records"
 
     @property
@@ -620,8 +620,8 @@ class Measurement(Tabular, InPanels):
         by_joint = dict.fromkeys(
             f"{name}.{joint}"
             for record in records
-            for joint, one in record.joints.items()
-            for name in one.quantities()
+            for joint, measured in record.joints.items()
+            for name in measured.quantities()
         )
         return (*plain, *by_joint)
 
@@ -668,8 +668,8 @@ class Measurement(Tabular, InPanels):
                 first, _, joint = name.partition(".")
                 held = getattr(record.joints[joint] if joint else record, first)
                 columns[f"{name} [{record.unit(name)}]"] = held
-            for joint, one in {"": record, **record.joints}.items():
-                for name, held in one.inputs.items():
+            for joint, measured in {"": record, **record.joints}.items():
+                for name, held in measured.inputs.items():
                     unit = unit_of_input(name, turning=record.turning)
                     columns[f"{name}{joint and '.'}{joint} [{unit}]"] = held
             # A record of single numbers is one row, which pandas wants an index for.
@@ -685,7 +685,7 @@ class Measurement(Tabular, InPanels):
         if self.trials:
             rows.append(("trials", len(self.trials)))
         if self.kind != "scalars":
-            sizes = [len(one.to_dataframe()) for one in records]
+            sizes = [len(record.to_dataframe()) for record in records]
             rows.append(("samples", " + ".join(map(str, sizes)) if len(sizes) < 6 else sum(sizes)))
         times = [record.time for record in records if record.time is not None]
         if times:
@@ -694,10 +694,10 @@ class Measurement(Tabular, InPanels):
         rows += [(name, self._extent(name)) for name in self.quantities()]
         rows += [(name, self._span_of_input(name)) for name in self.input_names()]
         changed = {
-            path: {one.overrides[path] for one in records if path in one.overrides}
-            for path in dict.fromkeys(path for one in records for path in one.overrides)
+            path: {record.overrides[path] for record in records if path in record.overrides}
+            for path in dict.fromkeys(path for record in records for path in record.overrides)
         }
-        different = dict.fromkeys(name for one in records for name in one.conditions)
+        different = dict.fromkeys(name for record in records for name in record.conditions)
         rows += [
             (path, f"{span(min(found), max(found), '1', 4)} [SI]")
             for path, found in changed.items()
@@ -712,12 +712,12 @@ class Measurement(Tabular, InPanels):
     def _extent(self, quantity_name: str) -> str:
         """Return the range of the values of a quantity, with its unit, and its uncertainty."""
         found = [record for record in self.records() if quantity_name in record.quantities()]
-        values = np.concatenate([np.atleast_1d(one.values(quantity_name)) for one in found])
+        values = np.concatenate([np.atleast_1d(record.values(quantity_name)) for record in found])
         text = span(float(values.min()), float(values.max()), self.unit(quantity_name))
         doubts = {
-            with_unit(one.uncertainty[quantity_name], self.unit(quantity_name))
-            for one in found
-            if quantity_name in one.uncertainty
+            with_unit(record.uncertainty[quantity_name], self.unit(quantity_name))
+            for record in found
+            if quantity_name in record.uncertainty
         }
         kind = found[0].uncertainty_kind
         return f"{text}, uncertainty {' or '.join(sorted(doubts))} ({kind})" if doubts else text
@@ -736,7 +736,7 @@ class Measurement(Tabular, InPanels):
     def _is_long(self) -> bool:
         """Whether there is more than one number of a quantity."""
         held = (getattr(self, name) for name in QUANTITIES)
-        return self.time is not None or any(isinstance(one, np.ndarray) for one in held)
+        return self.time is not None or any(isinstance(value, np.ndarray) for value in held)
 
     def condition(self, name: str, unit: str) -> float | None:
         """Return a condition in a unit, whatever its own is; None if there is no such number.
@@ -832,7 +832,7 @@ def _with_own_inputs(
 ) -> Mapping[str, Measurement]:
     """Return joints with the contact inputs that are given by joint."""
     given: Any = record.inputs
-    tables = {name: one for name, one in given.items() if isinstance(one, Mapping)}
+    tables = {name: value for name, value in given.items() if isinstance(value, Mapping)}
     found = dict(joints)
     for name, table in tables.items():
         for joint, values in table.items():
@@ -887,8 +887,8 @@ def _joints(record: Measurement) -> Mapping[str, Measurement]:
 
 def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
     """Return joints that were made before, which must have the times of their record."""
-    for joint, one in record.joints.items():
-        if not np.array_equal(np.asarray(one.time), np.asarray(record.time)):
+    for joint, measured in record.joints.items():
+        if not np.array_equal(np.asarray(measured.time), np.asarray(record.time)):
             raise InputError(f"joint {joint!r} must have the times of its record.")
     return dict(record.joints)
 
@@ -914,7 +914,7 @@ def levels_at(mechanism: Mechanism) -> Levels:
     """
     contacts, load = mechanism.contacts(), mechanism.__dataclass_fields__.get("load")
     left = load is not None and load.default == 1.0 == vars(mechanism)["load"]
-    if not (all(one.load == 1.0 for one in contacts) if len(contacts) > 1 else left):
+    if not (all(contact.load == 1.0 for contact in contacts) if len(contacts) > 1 else left):
         return "per load"
     return "torques" if slips_by_angle(mechanism) else "forces"
 

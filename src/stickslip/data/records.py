@@ -475,7 +475,7 @@ class _Files:
         if _is_table(path):
             return self.one(_table(path), name or "table")
         given: list[Any] = list(path) if isinstance(path, Iterable) else [path]
-        if not all(isinstance(one, str | PathLike) or _is_table(one) for one in given):
+        if not all(isinstance(item, str | PathLike) or _is_table(item) for item in given):
             raise InputError(_no_file(path))
         return self.several(given, name)
 
@@ -485,15 +485,15 @@ class _Files:
             raise InputError("load_measurement needs at least one file, got an empty list.")
         if any(map(_is_table, paths)):
             parts = [
-                self.one(_table(one), f"table {place}") if _is_table(one) else self.one(one, "")
-                for place, one in enumerate(paths, 1)
+                self.one(_table(path), f"table {place}") if _is_table(path) else self.one(path, "")
+                for place, path in enumerate(paths, 1)
             ]
             return Measurement(trials=tuple(r for part in parts for r in part.records()), name=name)
         stems = [Path(path).stem for path in paths]
         # Files of one name in several folders are told apart by these.
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
         read = [self.one(path, own) for path, own in zip(paths, names, strict=True)]
-        trials = tuple(record for one in read for record in one.records())
+        trials = tuple(record for trial in read for record in trial.records())
         return Measurement(trials=trials, name=name)
 
     def one(self, path: "str | Path | pd.DataFrame", name: str) -> Measurement:
@@ -615,8 +615,8 @@ class _Files:
         """Return the columns of quantities without those of channels that were off."""
         found = [name for name in wanted if name in frame.names]
         named = ("time", *self.reading.columns)
-        told = [name for name in found if name in named or not frame.is_empty(name)]
-        return told if {*told} - {"time"} else found
+        filled = [name for name in found if name in named or not frame.is_empty(name)]
+        return filled if {*filled} - {"time"} else found
 
     def _joint_columns(self, frame: "Frame") -> Iterator[str]:
         """Yield the columns by joint that are read: those that are named, and those that fit.

@@ -299,7 +299,7 @@ class Rig(metaclass=Described):
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
         uncertainties = {
-            mechanisms.canonical_path(self.mechanism, name): one for name, one in stated
+            mechanisms.canonical_path(self.mechanism, name): value for name, value in stated
         }
         object.__setattr__(self, "parameter_uncertainties", uncertainties)
         if self.measurement is not None and uncertainties:
@@ -350,13 +350,13 @@ class Rig(metaclass=Described):
         """
         if not self.contacts:
             raise InputError(f"{self.heading} has no laws by contact: see Rig.laws.")
-        asked = names if isinstance(names, Mapping) else dict.fromkeys(self.contacts, names)
-        for contact in asked:
+        wanted = names if isinstance(names, Mapping) else dict.fromkeys(self.contacts, names)
+        for contact in wanted:
             if contact not in self.contacts:
                 raise UnknownNameError("contact", contact, self.contacts)
         try:
             return {
-                contact: None if known is None else known.chosen(contact, asked.get(contact))
+                contact: None if known is None else known.chosen(contact, wanted.get(contact))
                 for contact, known in self.contacts.items()
             }
         except InputError as error:
@@ -474,25 +474,25 @@ class Rig(metaclass=Described):
 
 
 def estimated_law(
-    asked: str | Mapping[str, str],
+    named: str | Mapping[str, str],
     known: Mapping[str, friction.FrictionLaw],
     contacts: Mapping[str, KnownLaws | None],
 ) -> friction.FrictionLaw | friction.Laws:
     """Return the law that estimates name, or those that they name by contact."""
     rubbing = {name: own for name, own in contacts.items() if own is not None}
     if rubbing:
-        names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
+        names = named if isinstance(named, Mapping) else dict.fromkeys(rubbing, named)
         _check_names("contact in estimates.law", names, rubbing)
         return friction.Laws(
             members=tuple((name, rubbing[name].chosen(name, law)) for name, law in names.items())
         )
-    if not isinstance(asked, str):
+    if not isinstance(named, str):
         raise InputError(
-            f"estimates.law names laws by contact, {', '.join(asked)}, but no contact has a table"
+            f"estimates.law names laws by contact, {', '.join(named)}, but no contact has a table"
             ' of its own: name one law, such as law = "coulomb".'
         )
-    _check_names("law in estimates.law", [asked], known)
-    return known[asked]
+    _check_names("law in estimates.law", [named], known)
+    return known[named]
 
 
 def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> None:
@@ -681,7 +681,7 @@ def with_voltage(mechanism: mechanisms.Mechanism, record: Measurement, hold: str
     if seen is None:
         return record
     motor: Any = mechanisms.motor_of(set_up)
-    told, _ = seen.commands(motor.loop, motor.largest_voltage)
+    voltages, _ = seen.commands(motor.loop, motor.largest_voltage)
     acts = seen.time + motor.loop.delay
     last = np.searchsorted(acts, np.asarray(record.time) + SAME * motor.loop.period, side="right")
-    return replace(record, voltage=np.where(last > 0, told[np.maximum(last - 1, 0)], 0.0))
+    return replace(record, voltage=np.where(last > 0, voltages[np.maximum(last - 1, 0)], 0.0))

@@ -278,7 +278,9 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if isinstance(law, Mapping):
-        law = {contact: None if one is None else _with_values(one) for contact, one in law.items()}
+        law = {
+            contact: None if item is None else _with_values(item) for contact, item in law.items()
+        }
     elif not isinstance(law, PrintedForm | Laws):
         law = _with_values(law)
     names = tuple(contact.name for contact in checked_contacts(mechanism))
@@ -300,8 +302,8 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
         )
     found = assigned(names, law)
     own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
-    for contact, one in own.items():
-        _check_inputs(mechanism, contact, one)
+    for contact, member in own.items():
+        _check_inputs(mechanism, contact, member)
     return found
 
 
@@ -388,10 +390,10 @@ def initial_state(
         for name in y0:
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
-        told = {**mechanism.start(), **y0}
-        if not told:
+        begin = {**mechanism.start(), **y0}
+        if not begin:
             return [0.0] * len(names)
-        y0 = [told.get(name, 0.0) for name in names]
+        y0 = [begin.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
         raise InputError(f"y0 must be a mapping by state name or a sequence, got {y0!r}.")
     if len(y0) != len(names):

@@ -324,7 +324,7 @@ class Trajectory(InPanels):
         if name == self.only_contact and not self.contacts:
             return self
         if name not in self.contacts:
-            known = self.contacts or [one for one in (self.only_contact,) if one]
+            known = self.contacts or [key for key in (self.only_contact,) if key]
             raise UnknownNameError("contact", name, known)
         own = {f"{kind}:{name}": kind for kind in ("friction", "normal_force", "mode")}
         # States of bristles of other contacts stay, as states of the run.

@@ -90,12 +90,12 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     made = [_turned(function) if rotary else function for function in _Writer(law).functions()]
     # Inputs go behind the load, wherever a function has it.
     places = {
-        one.name: 1 + [v.name for v in one.inputs].index("load")
-        for one in made
-        if law.inputs and any(v.name == "load" for v in one.inputs)
+        function.name: 1 + [v.name for v in function.inputs].index("load")
+        for function in made
+        if law.inputs and any(v.name == "load" for v in function.inputs)
     }
     inputs = input_variables(law, rotary=rotary)
-    return tuple(_informed(one, places, inputs) for one in made) if places else tuple(made)
+    return tuple(_informed(part, places, inputs) for part in made) if places else tuple(made)
 
 
 def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
@@ -103,10 +103,10 @@ def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
     return tuple(
         Variable(
             name=name,
-            unit=turned(CONTACT_INPUTS[one].unit, rotary),
-            meaning=_lowered(CONTACT_INPUTS[one].meaning.rstrip(".")),
+            unit=turned(CONTACT_INPUTS[key].unit, rotary),
+            meaning=_lowered(CONTACT_INPUTS[key].meaning.rstrip(".")),
         )
-        for name, one in law.inputs.items()
+        for name, key in law.inputs.items()
     )
 
 
@@ -126,17 +126,17 @@ def _informed(
     def passed(body: Body) -> Body:
         return tuple(map(of, body))
 
-    def of(one: Statement) -> Statement:
-        match one:
+    def of(step: Statement) -> Statement:
+        match step:
             case Call():
                 symbols = tuple(se.Symbol(v.name) for v in inputs)
-                return replace(one, arguments=with_inputs(one.arguments, one.function, symbols))
+                return replace(step, arguments=with_inputs(step.arguments, step.function, symbols))
             case Branch():
-                return replace(one, yes=passed(one.yes), no=passed(one.no))
+                return replace(step, yes=passed(step.yes), no=passed(step.no))
             case Repeat():
-                return replace(one, body=passed(one.body))
+                return replace(step, body=passed(step.body))
             case _:
-                return one
+                return step
 
     own = with_inputs(function.inputs, function.name, inputs)
     return replace(function, inputs=own, body=passed(function.body))
@@ -167,7 +167,7 @@ def rotary_words(text: str) -> str:
     return text
 
 
-def turned_variable(one: Variable) -> Variable:
+def turned_variable(variable: Variable) -> Variable:
     """Return a variable of a body that slides as that of one that turns.
 
     Examples
@@ -176,10 +176,10 @@ def turned_variable(one: Variable) -> Variable:
     Variable(name='inertia', unit='kg m^2', meaning='moment of inertia of the body', positive=False)
     """
     return replace(
-        one,
-        name=ROTARY_NAMES.get(one.name, one.name),
-        unit=one.unit if one.name == "load" else turned(one.unit),
-        meaning=rotary_words(one.meaning),
+        variable,
+        name=ROTARY_NAMES.get(variable.name, variable.name),
+        unit=variable.unit if variable.name == "load" else turned(variable.unit),
+        meaning=rotary_words(variable.meaning),
     )
 
 
@@ -292,7 +292,7 @@ class _Writer:
         )
 
     def _break_away(self) -> Function:
-        ahead, back = (one.subs({LOAD: NORMAL}) for one in self.law.break_away)
+        ahead, back = (item.subs({LOAD: NORMAL}) for item in self.law.break_away)
         level = ("level",)
         return Function(
             name="break_away",
@@ -382,8 +382,8 @@ class _Writer:
         z, end = self.states[place], se.Symbol(self.ends[place])
         slip = self.law.slip
         rates = [side[1 + place].subs({LOAD: NORMAL}) for side in (slip.ahead, slip.back)]
-        slopes = [collapsed(-one.diff(z)) for one in rates]
-        if not any(z in one.free_symbols for one in slopes):
+        slopes = [collapsed(-rate.diff(z)) for rate in rates]
+        if not any(z in slope.free_symbols for slope in slopes):
             names = ("rate", "drop")
             pairs = zip(rates, slopes, strict=True)
             # Rates affine in the deflection: the implicit step is a division.
@@ -397,7 +397,7 @@ class _Writer:
                 Branch(drop, ZERO, (Assign(("drop",), (ZERO,)),)),
                 Assign((str(end),), (z + step,)),
             )
-        values = [one.subs({z: end}) for one in rates]
+        values = [rate.subs({z: end}) for rate in rates]
         rest = slip.rest[1 + place].subs({LOAD: NORMAL, z: end})
         ahead, back, still = (Assign(("rate",), (value,)) for value in (*values, rest))
         evaluated = _loaded((_senses(ahead, back, still),))
@@ -591,8 +591,8 @@ class _Writer:
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),
             Assign(("displacement",), (VELOCITY * used / 2,)),
             *(
-                Assign((str(one),), (z + (one - z) * share,))
-                for one, z in zip(z_ends, self.states, strict=True)
+                Assign((str(item),), (z + (item - z) * share,))
+                for item, z in zip(z_ends, self.states, strict=True)
             ),
             Call(("sense",), "departure", (APPLIED, LOAD)),
             Branch(ZERO, sense * sense, on, (Assign(("velocity_end",), (ZERO,)),)),
@@ -642,7 +642,7 @@ def _loaded(body: Body) -> Body:
 def _by_velocity(names: tuple[str, ...], values: BySense) -> Body:
     """Assign what holds in each sense of slip and at rest, once where it is the same."""
     ahead, back, rest = (
-        Assign(names, tuple(one.subs({LOAD: NORMAL}) for one in side))
+        Assign(names, tuple(level.subs({LOAD: NORMAL}) for level in side))
         for side in (values.ahead, values.back, values.rest)
     )
     still = tuple(value.subs({VELOCITY: ZERO}) for value in ahead.values)

@@ -345,8 +345,8 @@ def _runs(subject: Subject, rig: Rig, joint: SetValuedLaw) -> tuple[Trajectory, 
             " is computed for rigs with one: leave --rig out."
         )
     law_run, joint_run = (
-        simulate(rig.mechanism, one, t_end=rig.t_end, y0=rig.start(one))
-        for one in (replace(subject.law), joint)  # the rig tells inputs that change
+        simulate(rig.mechanism, law, t_end=rig.t_end, y0=rig.start(law))
+        for law in (replace(subject.law), joint)  # the rig tells inputs that change
     )
     t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
     return law_run.at(t), joint_run.at(t)
@@ -359,9 +359,9 @@ def _effect(rig: Rig, true: Trajectory, changed: Trajectory) -> tuple[str, ...]:
     rounding = ROUNDING * float(np.abs(true[slip]).max())
     apart = np.abs(changed[slip] - true[slip])
     apart[apart <= rounding] = 0.0
-    end, other = (float(one[slip][-1]) for one in (true, changed))
+    end, other = (float(run[slip][-1]) for run in (true, changed))
     further = other - end if abs(other - end) > rounding else 0.0
-    fastest, faster = (float(np.abs(one[rate]).max()) for one in (true, changed))
+    fastest, faster = (float(np.abs(run[rate]).max()) for run in (true, changed))
     where = Path(rig.path).name or rig.heading
     return (
         f"On {where}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
@@ -480,7 +480,7 @@ def _by_constraint(subject: Subject, inertia: float) -> _Joint:
 def as_lugre(law: FrictionLaw) -> LuGre | None:
     """Return a law as LuGre friction that MuJoCo has, if it is such a law."""
     if isinstance(law, Dahl):
-        values = next(one for one in LuGre.contained if one.law == law.name).embed(law)
+        values = next(inner for inner in LuGre.contained if inner.law == law.name).embed(law)
         # without a static surplus, the speed at which it fades has no effect
         start = LuGre(
             kinetic_coefficient=1.0,

@@ -153,9 +153,9 @@ def written(
         constants=tuple(
             indent
             + language.constant.format(
-                name=one.name, value=repr(one.value), unit=one.unit, text=one.meaning
+                name=value.name, value=repr(value.value), unit=value.unit, text=value.meaning
             )
-            for one in used
+            for value in used
         ),
         declarations=_declared(names, language, indent),
         statements=lines,
@@ -185,38 +185,38 @@ class _Writer:
     functions: Mapping[str, Function]
 
     def write(self, body: Sequence[Statement]) -> None:
-        for one in body:
-            if isinstance(one, Assign):
-                texts = self.block.scope(list(one.values))
-                for name, text in zip(one.names, texts, strict=True):
+        for statement in body:
+            if isinstance(statement, Assign):
+                texts = self.block.scope(list(statement.values))
+                for name, text in zip(statement.names, texts, strict=True):
                     self.block.assign(name, text)
-            elif isinstance(one, Branch):
-                self._branch(one)
-            elif isinstance(one, Repeat):
-                self._repeat(one)
-            elif isinstance(one, Leave):
+            elif isinstance(statement, Branch):
+                self._branch(statement)
+            elif isinstance(statement, Repeat):
+                self._repeat(statement)
+            elif isinstance(statement, Leave):
                 self.block.line(self.language.leave)
             else:
-                self._call(one)
+                self._call(statement)
 
-    def _repeat(self, one: Repeat) -> None:
+    def _repeat(self, loop: Repeat) -> None:
         head, end = self.language.repeat
-        self.block.line(head.format(times=one.times))
-        self._indented(one.body)
+        self.block.line(head.format(times=loop.times))
+        self._indented(loop.body)
         self.block.line(end)
 
-    def _branch(self, one: Branch, *, chained: bool = False) -> None:
+    def _branch(self, branch: Branch, *, chained: bool = False) -> None:
         """Write a branch; one that alone stands elsewhere in another goes on as its chain."""
-        left, right = self.block.scope([one.left, one.right])
+        left, right = self.block.scope([branch.left, branch.right])
         syntax = self.language.syntax
         head = self.language.chained if chained else syntax.branch
         self.block.line(head.format(condition=f"{left} < {right}"))
-        self._indented(one.yes)
-        if len(one.no) == 1 and isinstance(one.no[0], Branch) and _is_plain(one.no[0]):
-            self._branch(one.no[0], chained=True)
-        elif one.no:
+        self._indented(branch.yes)
+        if len(branch.no) == 1 and isinstance(branch.no[0], Branch) and _is_plain(branch.no[0]):
+            self._branch(branch.no[0], chained=True)
+        elif branch.no:
             self.block.line(syntax.otherwise)
-            self._indented(one.no)
+            self._indented(branch.no)
         if not chained:
             self.block.line(syntax.end)
 
@@ -225,26 +225,26 @@ class _Writer:
         self.write(body)
         self.block.depth -= 1
 
-    def _call(self, one: Call) -> None:
-        arguments = ", ".join(self.block.scope(list(one.arguments)))
-        called = self.language.joined.format(program=self.program, function=one.function)
-        pairs = list(zip(one.names, self.functions[one.function].outputs, strict=True))
+    def _call(self, call: Call) -> None:
+        arguments = ", ".join(self.block.scope(list(call.arguments)))
+        called = self.language.joined.format(program=self.program, function=call.function)
+        pairs = list(zip(call.names, self.functions[call.function].outputs, strict=True))
         for form in self.language.several if len(pairs) > 1 else (self.language.single,):
             for name, output in pairs if "{name}" in form else pairs[:1]:
                 self.block.line(
                     form.format(
                         name=name,
                         output=output.name,
-                        names=", ".join(one.names),
+                        names=", ".join(call.names),
                         function=called,
                         arguments=arguments,
                     )
                 )
 
 
-def _is_plain(one: Branch) -> bool:
+def _is_plain(branch: Branch) -> bool:
     """Whether the condition of a branch needs no temporaries."""
-    return all(e.is_Symbol or e.is_Number or (-e).is_Symbol for e in (one.left, one.right))
+    return all(e.is_Symbol or e.is_Number or (-e).is_Symbol for e in (branch.left, branch.right))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,12 +267,12 @@ class Source:
     def functions(self) -> tuple[Function, ...]:
         """All functions that are called or may be, each after those that it calls."""
         every = functions_of(self.subject.equations, rotary=self.subject.rotary)
-        asked = {one.name for one in every if not one.inner} - set(self.left_out)
-        asked |= set(self.needed)
-        for one in reversed(every):  # each stands after those that it calls
-            if one.name in asked:
-                asked |= set(called(one.body))
-        return tuple(one for one in every if one.name in asked)
+        wanted = {part.name for part in every if not part.inner} - set(self.left_out)
+        wanted |= set(self.needed)
+        for function in reversed(every):  # each stands after those that it calls
+            if function.name in wanted:
+                wanted |= set(called(function.body))
+        return tuple(part for part in every if part.name in wanted)
 
     @cached_property
     def constants(self) -> tuple[Constant, ...]:
@@ -289,7 +289,7 @@ class Source:
             self.language,
             self.subject.name,
             self.constants,
-            {one.name: one for one in self.functions},
+            {part.name: part for part in self.functions},
             results=results,
             depth=depth,
         )

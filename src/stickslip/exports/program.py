@@ -205,7 +205,7 @@ def equations_of(law: FrictionLaw) -> Equations:
 
     def traced(board: Switchboard) -> FrictionLaw:
         twin = shadow(law, "friction", lambda path: Traced(se.Symbol(symbols[path]), board))
-        return bound(twin, {one: Traced(se.Symbol(name), board) for name, one in inputs.items()})
+        return bound(twin, {key: Traced(se.Symbol(name), board) for name, key in inputs.items()})
 
     try:
         return Equations(
@@ -253,7 +253,7 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
         for switch in at[1].switches.values()
         if switch.hold is not None
     )
-    return (*found, *(Traced(one, at[1]) for one in after))
+    return (*found, *(Traced(value, at[1]) for value in after))
 
 
 def _has_formula(law: FrictionLaw) -> bool:
@@ -438,63 +438,63 @@ def renamed(body: tuple[Statement, ...], names: Mapping[str, str]) -> tuple[Stat
     symbols = {se.Symbol(old): se.Symbol(new) for old, new in names.items()}
 
     def called_by(old: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(names.get(one, one) for one in old)
+        return tuple(names.get(name, name) for name in old)
 
     def in_new(values: tuple[se.Expr, ...]) -> tuple[se.Expr, ...]:
         return tuple(se.sympify(value).subs(symbols) for value in values)
 
-    def of(one: Statement) -> Statement:
-        match one:
+    def of(step: Statement) -> Statement:
+        match step:
             case Assign():
-                return Assign(called_by(one.names), in_new(one.values))
+                return Assign(called_by(step.names), in_new(step.values))
             case Call():
-                return Call(called_by(one.names), one.function, in_new(one.arguments))
+                return Call(called_by(step.names), step.function, in_new(step.arguments))
             case Branch():
-                left, right = in_new((one.left, one.right))
-                return Branch(left, right, renamed(one.yes, names), renamed(one.no, names))
+                left, right = in_new((step.left, step.right))
+                return Branch(left, right, renamed(step.yes, names), renamed(step.no, names))
             case Repeat():
-                return Repeat(one.times, renamed(one.body, names))
+                return Repeat(step.times, renamed(step.body, names))
             case Leave():
-                return one
+                return step
 
     return tuple(map(of, body))
 
 
-def _inside(one: Statement) -> tuple[Statement, ...]:
+def _inside(statement: Statement) -> tuple[Statement, ...]:
     """Return the statements that a statement holds."""
-    if isinstance(one, Branch):
-        return (*one.yes, *one.no)
-    return one.body if isinstance(one, Repeat) else ()
+    if isinstance(statement, Branch):
+        return (*statement.yes, *statement.no)
+    return statement.body if isinstance(statement, Repeat) else ()
 
 
 def assigned(body: tuple[Statement, ...]) -> Iterator[str]:
     """Yield the names that statements assign, in order; one may come twice."""
-    for one in body:
-        yield from assigned(_inside(one))
-        if isinstance(one, Assign | Call):
-            yield from one.names
+    for statement in body:
+        yield from assigned(_inside(statement))
+        if isinstance(statement, Assign | Call):
+            yield from statement.names
 
 
 def called(body: tuple[Statement, ...]) -> Iterator[str]:
     """Yield the names of the functions that statements call."""
-    for one in body:
-        yield from called(_inside(one))
-        if isinstance(one, Call):
-            yield one.function
+    for statement in body:
+        yield from called(_inside(statement))
+        if isinstance(statement, Call):
+            yield statement.function
 
 
 def used(body: tuple[Statement, ...]) -> set[str]:
     """Return the names that occur in the values, conditions and arguments of statements."""
     names: set[str] = set()
-    for one in body:
-        names |= used(_inside(one))
+    for statement in body:
+        names |= used(_inside(statement))
         values: tuple[se.Expr, ...] = ()
-        if isinstance(one, Assign):
-            values = one.values
-        elif isinstance(one, Branch):
-            values = (one.left, one.right)
-        elif isinstance(one, Call):
-            values = one.arguments
+        if isinstance(statement, Assign):
+            values = statement.values
+        elif isinstance(statement, Branch):
+            values = (statement.left, statement.right)
+        elif isinstance(statement, Call):
+            values = statement.arguments
         names |= {str(symbol) for value in values for symbol in value.free_symbols}
     return names
 

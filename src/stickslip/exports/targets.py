@@ -77,8 +77,8 @@ def _body(source: Source, function: Function) -> Iterator[str]:
     yield from inside.constants
     yield from inside.declarations
     several = len(function.outputs) > 1
-    invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
-    invalid += [f"!({one.name} > 0.0)" for one in function.inputs if one.positive]
+    invalid = [f"isnan({variable.name})" for variable in function.inputs if not variable.positive]
+    invalid += [f"!({variable.name} > 0.0)" for variable in function.inputs if variable.positive]
     result = f"{source.name_of(function)}_result"
     if not function.inner:
         yield f"    if ({' || '.join(invalid)}) {{"
@@ -104,7 +104,7 @@ def _body(source: Source, function: Function) -> Iterator[str]:
 def _signature(source: Source, function: Function) -> str:
     name = source.name_of(function)
     kind = f"{name}_result" if len(function.outputs) > 1 else "double"
-    return f"{kind} {name}({', '.join(f'double {one.name}' for one in function.inputs)})"
+    return f"{kind} {name}({', '.join(f'double {variable.name}' for variable in function.inputs)})"
 
 
 def _struct(source: Source, function: Function) -> Iterator[str]:
@@ -116,7 +116,7 @@ def _struct(source: Source, function: Function) -> Iterator[str]:
 
 def _c_comment_of(function: Function) -> Iterator[str]:
     lines = [function.summary]
-    lines += [f"  {one.name}: {_words(one.meaning, one.unit)}" for one in function.inputs]
+    lines += [f"  {value.name}: {_words(value.meaning, value.unit)}" for value in function.inputs]
     if len(function.outputs) == 1:
         (result,) = function.outputs
         lines.append(f"  returns: {_words(result.meaning, result.unit)}")
@@ -163,7 +163,7 @@ def _matlab_function(source: Source, function: Function) -> Iterator[str]:
     name = source.name_of(function)
     results = ", ".join(output.name for output in function.outputs)
     head = f"[{results}]" if len(function.outputs) > 1 else results
-    yield f"function {head} = {name}({', '.join(one.name for one in function.inputs)})"
+    yield f"function {head} = {name}({', '.join(variable.name for variable in function.inputs)})"
     yield from _matlab_help(name, function)
     inside = source.inside(function, results=False)
     if not function.inner:
@@ -177,7 +177,7 @@ def _matlab_function(source: Source, function: Function) -> Iterator[str]:
 
 def _matlab_help(name: str, function: Function) -> Iterator[str]:
     lines = [f"{name.upper()}  {function.summary}"]
-    lines += [f"  {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.inputs]
+    lines += [f"  {value.name}: {value.meaning} [{value.unit or '1'}]" for value in function.inputs]
     lines += [
         f"  returns {output.name}: {output.meaning} [{output.unit or '1'}]"
         for output in function.outputs
@@ -188,19 +188,19 @@ def _matlab_help(name: str, function: Function) -> Iterator[str]:
 
 def _by_element(name: str, function: Function) -> Iterator[str]:
     """Yield the call for each element where an argument is an array."""
-    names = [one.name for one in function.inputs]
+    names = [variable.name for variable in function.inputs]
     results = ", ".join(output.name for output in function.outputs)
     head = f"[{results}]" if len(function.outputs) > 1 else results
-    yield f"    if ~({' && '.join(f'isscalar({one})' for one in names)})"
+    yield f"    if ~({' && '.join(f'isscalar({key})' for key in names)})"
     yield f"        each = zeros(size({' + '.join(names)}));"
-    arguments = ", ".join(f"{one} + each" for one in names)
+    arguments = ", ".join(f"{key} + each" for key in names)
     yield f"        {head} = arrayfun(@{name}, {arguments});"
     yield from ("        return", "    end")
 
 
 def _guard(function: Function) -> Iterator[str]:
-    invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
-    invalid += [f"~({one.name} > 0)" for one in function.inputs if one.positive]
+    invalid = [f"isnan({variable.name})" for variable in function.inputs if not variable.positive]
+    invalid += [f"~({variable.name} > 0)" for variable in function.inputs if variable.positive]
     yield f"    if {' || '.join(invalid)}"
     yield from (f"        {output.name} = NaN;" for output in function.outputs)
     yield from ("        return", "    end")
@@ -211,7 +211,7 @@ def _block(source: Source, name: str) -> Iterator[str]:
     (step,) = (function for function in source.functions if function.name == "step")
     law = source.subject.equations
     states = ("velocity", *law.bristles, *law.flags)
-    inputs = ", ".join(one.name for one in step.inputs if one.name not in states)
+    inputs = ", ".join(variable.name for variable in step.inputs if variable.name not in states)
     others = [output.name for output in step.outputs[len(states) :]]
     yield f"function [{', '.join((*states, *others))}] = {name}({inputs})"
     about = [
@@ -224,10 +224,10 @@ def _block(source: Source, name: str) -> Iterator[str]:
     kept = [f"kept_{state}" for state in states]
     yield f"    persistent {' '.join(kept)}"
     yield f"    if isempty({kept[0]})"
-    yield from (f"        {one} = 0;" for one in kept)
+    yield from (f"        {key} = 0;" for key in kept)
     yield "    end"
     arguments = ", ".join(
-        f"kept_{one.name}" if one.name in states else one.name for one in step.inputs
+        f"kept_{signal.name}" if signal.name in states else signal.name for signal in step.inputs
     )
     yield f"    [{', '.join((*kept, *others))}] = {source.name_of(step)}({arguments});"
     yield from (f"    {state} = kept_{state};" for state in states)
@@ -321,9 +321,9 @@ def _as_modelica(match: re.Match[str]) -> str:
     return f'unit="{modelica_unit(match.group(1))}"'
 
 
-def _declared(one: Variable, *, inside: str = "", value: str = "") -> str:
-    unit = f'(unit="{modelica_unit(one.unit)}"{inside})' if one.unit else ""
-    return f'Real {one.name}{unit}{value} "{_modelica_safe(one.meaning)}";'
+def _declared(variable: Variable, *, inside: str = "", value: str = "") -> str:
+    unit = f'(unit="{modelica_unit(variable.unit)}"{inside})' if variable.unit else ""
+    return f'Real {variable.name}{unit}{value} "{_modelica_safe(variable.meaning)}";'
 
 
 def _model(source: Source) -> Iterator[str]:
@@ -343,17 +343,17 @@ def _model(source: Source) -> Iterator[str]:
     start = Variable(name="v_start", unit="m/s", meaning="velocity at the start")
     force = Variable(name="force", unit="N", meaning="friction force")
 
-    def declared(one: Variable, inside: str = "", value: str = "") -> str:
-        return _declared(turned_variable(one) if rotary else one, inside=inside, value=value)
+    def declared(signal: Variable, inside: str = "", value: str = "") -> str:
+        return _declared(turned_variable(signal) if rotary else signal, inside=inside, value=value)
 
     what = "torque" if rotary else "force"
     yield from (
         f'    model Body "Body under an applied {what} and friction, which sticks and slips"',
         f"        parameter {declared(inertia, value=' = 1.0')}",
         f"        parameter {declared(start, value=' = 0.0')}",
-        *(f"        input {declared(one)}" for one in inputs),
-        *(f"        input {_declared(one)}" for one in told),
-        *(f"        {declared(one, inside=f', start={at}, fixed=true')}" for one, at in states),
+        *(f"        input {declared(variable)}" for variable in inputs),
+        *(f"        input {_declared(variable)}" for variable in told),
+        *(f"        {declared(state, inside=f', start={at}, fixed=true')}" for state, at in states),
         f"        {declared(force)}",
     )
     load = ", ".join(("load", *law.inputs))
@@ -498,14 +498,14 @@ def _content(subject: Subject) -> dict[str, Any]:
 
 
 def _parameter(subject: Subject, name: str) -> dict[str, Any]:
-    (one,) = (parameter for parameter in subject.equations.parameters if parameter.name == name)
+    (field,) = (parameter for parameter in subject.equations.parameters if parameter.name == name)
     known = subject.estimates
     low, high = (None, None) if known is None else known.intervals.get(name, (None, None))
     return {
         "parameter": name,
-        "symbol": one.quantity.symbol,
-        "unit": subject.unit(one.quantity),
-        "value": one.value,
+        "symbol": field.quantity.symbol,
+        "unit": subject.unit(field.quantity),
+        "value": field.value,
         "low": low,
         "high": high,
         "interval": known.interval if known is not None and low is not None else None,
@@ -518,6 +518,6 @@ def _shape(subject: Subject) -> list[tuple[str, float]]:
     law = subject.law
     return [
         (name, float(getattr(law, name)))
-        for name, one in fields_of(type(law)).items()
-        if one.structural and not one.stands_in_equations(getattr(law, name))
+        for name, quantity in fields_of(type(law)).items()
+        if quantity.structural and not quantity.stands_in_equations(getattr(law, name))
     ]

@@ -438,7 +438,7 @@ class Karnopp(Program):
 
 
 PROGRAMS: Final[Mapping[str, type[Program]]] = MappingProxyType(
-    {one.name: one for one in (MuJoCo, MuJoCoMotor, Drake, Simscape, Karnopp)}
+    {program.name: program for program in (MuJoCo, MuJoCoMotor, Drake, Simscape, Karnopp)}
 )
 """Programs by name."""
 
@@ -507,7 +507,7 @@ class Twin(metaclass=Described):
         elif self.creep == 0.0:
             said.append(f"{under} stays where it is.")
         travel = float(np.ptp(self.exact[self.slip]))
-        there, exactly = (float(one.at([self.at])[self.slip][0]) for one in (self.run, self.exact))
+        there, exactly = (float(run.at([self.at])[self.slip][0]) for run in (self.run, self.exact))
         said.append(
             f"Largest error of {self.slip}: {quantity(there - exactly, length)}, at"
             f" {quantity(self.at, 's')}; the exact run moves over {quantity(travel, length)}."

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 TARGETS: Final[Mapping[str, Target]] = MappingProxyType(
     {
-        one.name: one
-        for one in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
+        target.name: target
+        for target in (CCode(), Matlab(), Modelica(), Mjcf(), Urdf(), CsvTable(), JsonDocument())
     }
 )
 """What a law can be exported to."""
@@ -117,7 +117,7 @@ def export(
             " stickslip.exports.export_fmu(mechanism, law, path, t_end=...)."
         )
     target: Target = named(TARGETS, to, "target")
-    given = Asked(
+    given = Usage(
         law=law,
         contact=contact,
         load=load,
@@ -132,7 +132,7 @@ def export(
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Asked:
+class Usage:
     """Which law of a source, and where it is evaluated: arguments of `export`."""
 
     law: str | None = None
@@ -147,32 +147,32 @@ class Asked:
 def subject_of(
     source: "Source",
     title: str,
-    asked: Asked,
+    usage: Usage,
     *,
     evaluates: bool,
     name: str | None = None,
     rig: data.Rig | None,
 ) -> Subject:
     """Return the law of a source as a target takes it, evaluated at its contact inputs or not."""
-    rotary, law_load = asked.rotary, asked.law_load
+    rotary, law_load = usage.rotary, usage.law_load
     if rotary is not None and (rig is not None or not isinstance(source, FrictionLaw)):
         raise InputError(
             f"rotary={rotary} is for a law without a mechanism: leave it out, the mechanism says it"
             " (of an Axis, its field rotary)."
         )
-    found = _taken(source, asked, rig)
+    found = _taken(source, usage, rig)
     used = dataclasses.replace(
         found,
         name=identifier(name if name is not None else found.law.name),
-        load=_load(found, law_load if asked.load is None and rig is None else asked.load),
-        largest_speed=_speed(found, asked.largest_speed),
+        load=_load(found, law_load if usage.load is None and rig is None else usage.load),
+        largest_speed=_speed(found, usage.largest_speed),
     )
     if name is not None and not any(character.isalnum() for character in name):
         raise InputError(f"the name of a program needs a letter or a digit, got {name!r}.")
     if evaluates:
-        return evaluated(used, title, asked.at)
-    _check_inputs(used.law, asked.at)
-    if asked.at:
+        return evaluated(used, title, usage.at)
+    _check_inputs(used.law, usage.at)
+    if usage.at:
         raise InputError(
             f"{title} has an argument for each contact input ({', '.join(used.law.inputs)}):"
             " leave --at out (in Python at)."
@@ -182,14 +182,14 @@ def subject_of(
 
 def evaluated(subject: Subject, title: str, given: Mapping[str, Given]) -> Subject:
     """Return a law at its contact inputs: those that are given, or that its mechanism tells."""
-    law, told = subject.law, subject.mechanism
+    law, body = subject.law, subject.mechanism
     _check_inputs(law, given)
     known: dict[str, float] = {}
     for name in law.inputs:
         unit = data.unit_of_input(name, turning=subject.rotary)
         quantity = CONTACT_INPUTS[name].quantity(unit)
-        fields = [mechanisms.input_field(one, name) for one in (subject.contact, "")]
-        own = next((getattr(told, field) for field in fields if hasattr(told, field)), None)
+        fields = [mechanisms.input_field(key, name) for key in (subject.contact, "")]
+        own = next((getattr(body, field) for field in fields if hasattr(body, field)), None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
             raise InputError(
@@ -220,7 +220,7 @@ def law_or_rig(source: "Source") -> FrictionLaw | data.Rig:
         return source
     fitted: object = source.law
     if isinstance(fitted, Laws):
-        own: dict[str, Any] = {"contacts": {name: _known(one) for name, one in fitted.members}}
+        own: dict[str, Any] = {"contacts": {name: _known(law) for name, law in fitted.members}}
     elif isinstance(fitted, FrictionLaw):
         own = {"laws": {fitted.name: fitted}, "named": (fitted.name,)}
     else:
@@ -237,15 +237,15 @@ def _known(law: FrictionLaw) -> data.KnownLaws:
 
 def laws_by_contact(rig: data.Rig, law: str | None = None) -> dict[str, FrictionLaw]:
     """Return the laws of the contacts that have their own; `law` names one where there are more."""
-    return {name: one for name, one in rig.law_by_contact(law).items() if one is not None}
+    return {name: part for name, part in rig.law_by_contact(law).items() if part is not None}
 
 
-def _taken(given: "Source", asked: Asked, rig: data.Rig | None) -> Subject:
+def _taken(given: "Source", usage: Usage, rig: data.Rig | None) -> Subject:
     """Return the law of what was given."""
-    source, contact = law_or_rig(given), asked.contact
+    source, contact = law_or_rig(given), usage.contact
     if isinstance(source, data.Rig) and source.contacts:
         return _of_contact(
-            laws_by_contact(source, asked.law), source.estimates, source.mechanism, contact
+            laws_by_contact(source, usage.law), source.estimates, source.mechanism, contact
         )
     if not isinstance(source, data.Rig | FrictionLaw):
         raise InputError(f"export takes a friction law, a fit, a verdict or a rig, got {source!r}.")
@@ -255,14 +255,14 @@ def _taken(given: "Source", asked: Asked, rig: data.Rig | None) -> Subject:
             " out."
         )
     if isinstance(source, data.Rig):
-        return _carried(source, asked.law, rig, asked.law_load)
-    if asked.law is not None or asked.law_load is not None:
+        return _carried(source, usage.law, rig, usage.law_load)
+    if usage.law is not None or usage.law_load is not None:
         raise InputError(
             "law and law_load choose and divide the law of a rig: leave them out for a law itself."
         )
     if rig is None:
-        levels: data.Levels = "torques" if asked.rotary else "per load"
-        return Subject(law=source, name="", rotary=bool(asked.rotary), levels=levels)
+        levels: data.Levels = "torques" if usage.rotary else "per load"
+        return Subject(law=source, name="", rotary=bool(usage.rotary), levels=levels)
     return Subject(
         law=source,
         name="",
@@ -310,8 +310,8 @@ def _of_contact(
         )
     if contact not in laws:
         raise UnknownNameError("contact with a law", contact, laws)
-    (one,) = (one for one in mechanism.contacts() if one.name == contact)
-    rotary = mechanisms.slips_by_angle(mechanism, one)
+    (place,) = (one for one in mechanism.contacts() if one.name == contact)
+    rotary = mechanisms.slips_by_angle(mechanism, place)
     said = data.LawEstimates(law={contact: laws[contact].name}, levels=data.levels_at(mechanism))
     if known is not None and not isinstance(known.law, str) and contact in known.law:
         said = known

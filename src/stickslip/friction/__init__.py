@@ -1,54 +1,13 @@
 """Friction laws: compositions of parts, each with its source."""
 
+import re
+from pathlib import Path
+
 from stickslip.lazy import attach
 
-NAMED = (
-    "Coulomb",
-    "Viscous",
-    "CoulombViscous",
-    "CoulombViscousStatic",
-    "DirectionDependent",
-    "PowerViscous",
-    "QuadraticDrag",
-    "Stribeck",
-    "Dahl",
-    "LuGre",
-    "Tustin",
-    "HessSoom",
-    "PoppStelter",
-    "StribeckPower",
-    "DirectionalStribeck",
-    "SaturatingViscous",
-    "TanhCoulomb",
-    "ArctanCoulomb",
-    "RootCoulomb",
-    "Ambrosio",
-    "Threlfall",
-    "TanhStribeck",
-    "BrownMcPhee",
-    "Simscape",
-    "DahlStribeck",
-    "DirectionalDahl",
-    "LuGreFading",
-    "DirectionalLuGre",
-    "ElastoPlastic",
-    "BoucWen",
-    "MaxwellSlip",
-    "WarmViscous",
-    "JointLoadTemperature",
-    "Cogging",
-    "BamM1",
-    "BamM2",
-    "BamM3",
-    "BamM4",
-    "BamM5",
-    "BamM6",
-    "LuGreGear",
-    "GMS",
-    "HaessigFriedland",
-    "BlimanSorine",
-)
-"""Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
+ENTRIES = Path(__file__).with_name("named.py").read_text(encoding="utf-8")
+NAMED = re.findall(r"^class (\w+):$", ENTRIES, re.MULTILINE)
+"""Classes of the laws that have an entry in `named`, in the order of listings."""
 LAW_MODULES = {
     **dict.fromkeys(NAMED, "registry"),
 }

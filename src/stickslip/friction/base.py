@@ -156,7 +156,7 @@ class _RangedParameters:
 
     def __get__(self, law: object, kind: type) -> Any:
         # @dataclass asks for the attribute as well, before a class has fields of its own
-        made = next(one for one in kind.__mro__ if "__dataclass_fields__" in vars(one))
+        made = next(member for member in kind.__mro__ if "__dataclass_fields__" in vars(member))
         given = {
             one.name for one in dataclasses.fields(made) if one.default is not dataclasses.MISSING
         }
@@ -593,10 +593,10 @@ def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
             f" {law!r}."
         )
     known = given_to(contacts, law)
-    for name, one in known.items():
-        if one is not None and not isinstance(one, FrictionLaw):
-            raise InputError(f"the law of the contact {name!r} must be a FrictionLaw, got {one!r}.")
-    members = tuple((name, one) for name, one in known.items() if one is not None)
+    for name, own in known.items():
+        if own is not None and not isinstance(own, FrictionLaw):
+            raise InputError(f"the law of the contact {name!r} must be a FrictionLaw, got {own!r}.")
+    members = tuple((name, friction) for name, friction in known.items() if friction is not None)
     return members[0][1] if len(contacts) == 1 else Laws(members=members)
 
 
@@ -642,4 +642,4 @@ def bristle_names(contacts: tuple[str, ...], law: FrictionLaw | Laws) -> tuple[s
         own = law_of(contacts[0], law)
         return () if own is None else own.states
     laws = [(name, law_of(name, law)) for name in contacts]
-    return tuple(f"{z}:{name}" for name, one in laws if one is not None for z in one.states)
+    return tuple(f"{z}:{name}" for name, own in laws if own is not None for z in own.states)

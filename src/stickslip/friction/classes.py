@@ -80,7 +80,7 @@ def one_way(term: notation.Term) -> notation.Term:
             return inner
         case notation.Sum(items=items):
             return notation.summed(
-                tuple(one for item in items for one in notation.terms_of(one_way(item)))
+                tuple(part for item in items for part in notation.terms_of(one_way(item)))
             )
         case notation.Around(head=head, inner=inner):
             return notation.Around(head, one_way(inner))
@@ -140,7 +140,7 @@ def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = 
 def _total(values: Sequence[Scalar]) -> Scalar | None:
     """Return the sum; None where nothing is summed."""
     there = [value for value in values if value is not None]
-    return functools.reduce(lambda one, other: one + other, there) if there else None
+    return functools.reduce(lambda total, other: total + other, there) if there else None
 
 
 def _by_velocity(velocity: Scalar) -> Choose:
@@ -171,7 +171,7 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     # what inputs change scales the force, stiffness included, as a load does: limits of deflections
     # that moved would leave what slides behind, or free it again without end
     fixed = [
-        dataclasses.replace(one, factors=(), modulated={}) for one in c.inside if not one.inputs
+        dataclasses.replace(part, factors=(), modulated={}) for part in c.inside if not part.inputs
     ]
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
@@ -277,12 +277,12 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
         kind, prefix = one_way(), SIDES[1 if direction > 0 else -1][0]
         values: dict[str, Any] = {}
         for name, field in kind.made_of.fields.items():
-            own = next((one for one in (prefix + name, name) if one in c.fields), None)
+            own = next((key for key in (prefix + name, name) if key in c.fields), None)
             values[name] = field.default if own is None else getattr(self, own)
         if kind.states:
             values["static_switch"] = self.static_switch
-        one: Any = unchecked(kind, **values)
-        return laws.bound(one, vars(self)[laws.BOUND]) if laws.is_bound(self) else one
+        law: Any = unchecked(kind, **values)
+        return laws.bound(law, vars(self)[laws.BOUND]) if laws.is_bound(self) else law
 
     return towards
 
@@ -377,7 +377,7 @@ def _dispatching(
     kind: type, equation: Callable[..., Scalar], arguments: Sequence[str]
 ) -> Callable[..., Scalar]:
     """Return the method by text: a function for each shape of laws, written when it is met."""
-    shaping = [name for name, one in fields_of(kind).items() if one.structural]
+    shaping = [name for name, measured in fields_of(kind).items() if measured.structural]
     shaping += [name for name in fields_of(kind) if getattr(kind, name, 0.0) is None]
     known: dict[tuple[float | None, ...], Callable[..., Scalar]] = {}
 
@@ -391,9 +391,9 @@ def _dispatching(
                 value = Written(f"p_{name}")
                 lines.append(f"    p_{name} = law.{name}\n")
             values[name] = value
-        told = {name: Written(f"x_{name}") for name in law.inputs}
+        inputs = {name: Written(f"x_{name}") for name in law.inputs}
         lines += [f"    x_{name} = law.contact({name!r})\n" for name in law.inputs]
-        twin: Any = laws.bound(unchecked(kind, **values), told)
+        twin: Any = laws.bound(unchecked(kind, **values), inputs)
         given = [
             tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
             if name == "states"
@@ -410,9 +410,9 @@ def _dispatching(
 
     # Whether the short text serves is asked of each argument: `float` itself, neither array nor
     # symbol.
-    asked = [name for name in arguments if name != "states"]
-    asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
-    floats = " and ".join(f"type({one}) is float" for one in asked)
+    scalars = [name for name in arguments if name != "states"]
+    scalars += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
+    floats = " and ".join(f"type({key}) is float" for key in scalars)
     # what shapes the equations: a whole exponent, a level that is not given
     shape = "".join(
         f"law.{name} if law.{name}.is_integer() else None, "
@@ -454,7 +454,7 @@ class Entry:
     def inputs(self) -> tuple[str, ...]:
         """Names of what it asks of the contact."""
         names = notation.read(self.composition).parts()
-        return tuple(dict.fromkeys(one for name in names for one in name.inputs))
+        return tuple(dict.fromkeys(key for name in names for key in name.inputs))
 
     @property
     def on_request(self) -> bool:
@@ -567,11 +567,11 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[laws.Fric
     for field, hint in inspect.get_annotations(kind).items():
         c.fields[field] = Parameter(name=field, hint=hint, default=dataclasses.MISSING)
     # Parameters with a range first: exponents stand last in signatures and tables.
-    fields = sorted(c.fields.values(), key=lambda one: one.quantity.structural)
-    for one in fields:
-        if one.default is not dataclasses.MISSING and one.name not in space:
-            setattr(kind, one.name, one.default)
-    kind.__annotations__ = {one.name: one.hint for one in fields}
+    fields = sorted(c.fields.values(), key=lambda item: item.quantity.structural)
+    for parameter in fields:
+        if parameter.default is not dataclasses.MISSING and parameter.name not in space:
+            setattr(kind, parameter.name, parameter.default)
+    kind.__annotations__ = {entry.name: entry.hint for entry in fields}
     equations = equations_of(c, lambda: class_of(one_way(c.term)))
     for key, equation in equations.items():
         if key not in space:
@@ -599,7 +599,7 @@ def _passivity(c: Composition) -> laws.Passivity | None:
     """Return when the parts of a composition take energy alone; None where they do not tell."""
     parts = [head.part for head in c.term.parts()]
     doubtful = [part for part in parts if not (part.opposes or getattr(part, "dissipates", False))]
-    conditions = {getattr(one, "positive_if", "") for one in doubtful}
+    conditions = {getattr(part, "positive_if", "") for part in doubtful}
     # an input that changes scales stiffness too, and with it what springs hold already
     if (c.memory and c.inputs) or "" in conditions:
         return None

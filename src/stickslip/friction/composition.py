@@ -63,7 +63,7 @@ class Leaf:
 
     def __str__(self) -> str:
         holds = self.inputs if self.part.argument == "input" else ()
-        return self.part.name + "".join(f"[{one}]" for one in holds)
+        return self.part.name + "".join(f"[{hold}]" for hold in holds)
 
     def told(self, law: Any, slip: Slip, choose: Choose | None) -> tuple[Any, Slip]:
         """Return the parameters of a law as the part calls them, and what it asks for."""
@@ -98,7 +98,7 @@ class _Values:
         # The directions have fields of their own, between which the sign of the slip chooses.
         if isinstance(field, tuple):
             assert self._choose is not None
-            value = self._choose(*(getattr(self._law, one) for one in field))
+            value = self._choose(*(getattr(self._law, key) for key in field))
         else:
             value = getattr(self._law, field)
         for factor in self._leaf.modulated.get(name, ()):
@@ -214,11 +214,11 @@ class Composition:
                 whole = (*whole, leaf)
         return [
             dataclasses.replace(
-                one,
-                factors=(*one.factors, *whole),
-                modulated={**one.modulated, **modulated},
+                part,
+                factors=(*part.factors, *whole),
+                modulated={**part.modulated, **modulated},
             )
-            for one in leaves
+            for part in leaves
         ]
 
     def _check_modulated(self, factor: Name, leaves: list[Leaf]) -> None:
@@ -282,10 +282,10 @@ class Composition:
                         f"has {other} and {part}, which both have {name}: keep one of them."
                     )
 
-    def _refuse_beside(self, other: str, one: Name) -> None:
+    def _refuse_beside(self, other: str, part: Name) -> None:
         """Refuse a level beside or inside a part that is a whole level of its own."""
         roles = {
-            str(name): name.role for name in self.term.parts() if str(name) in (other, str(one))
+            str(name): name.role for name in self.term.parts() if str(name) in (other, str(part))
         }
         whole = [name for name, role in roles.items() if role == "smooth level"]
         if len(whole) == 1 and "level" in roles.values():
@@ -310,7 +310,7 @@ class Composition:
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
             names = [part.name for part in levels]
             known = {parameter.name for leaf in leaves for parameter in leaf.part.parameters}
-            for leaf in (one for one in leaves if not known.issuperset(one.part.needs)):
+            for leaf in (part for part in leaves if not known.issuperset(part.part.needs)):
                 self._refuse(
                     f"has {leaf} without stribeck, as which it fades: write level + stribeck +"
                     f" {leaf}."
@@ -392,7 +392,7 @@ class Composition:
         if symbol in taken:
             first = f"{symbol}_{part.lstrip('(')[0]}"
             others = (f"{first}{i}" for i in range(2, len(taken) + 3))
-            symbol = next(one for one in (first, *others) if one not in taken)
+            symbol = next(name for name in (first, *others) if name not in taken)
         # A memory divides by its levels: inside one they must be above 0, not only at least 0.
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
@@ -407,7 +407,7 @@ class Composition:
     @property
     def inputs(self) -> tuple[str, ...]:
         """The contact inputs that its law asks for, in the order of the text."""
-        return tuple(dict.fromkeys(one for name in self.term.parts() for one in name.inputs))
+        return tuple(dict.fromkeys(key for name in self.term.parts() for key in name.inputs))
 
     @property
     def drops(self) -> bool:
@@ -537,7 +537,7 @@ def _rest(c: Composition) -> Sequence[str]:
         return []
     symbols = [_placed(c, leaf, _tex(STANDARD[rest])) for leaf, rest in chain]
     if any(leaf.factors for leaf, _ in chain):
-        steps = (f"({one} - {before})" for before, one in itertools.pairwise(symbols))
+        steps = (f"({name} - {before})" for before, name in itertools.pairwise(symbols))
         levels = zip((leaf for leaf, _ in chain), (symbols[0], *steps), strict=True)
         terms = [_term(c, leaf, None, tex) for leaf, tex in levels]
     else:
@@ -568,12 +568,12 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
     for name in {*own, *leaf.names, *leaf.modulated}:
         field = leaf.names.get(name, name)
         chosen = field if isinstance(field, str) else field[side or 0]
-        one = c.fields.get(chosen)
+        given = c.fields.get(chosen)
         standard = own.get(name, STANDARD.get(name))
         factors = [_placed(c, leaf, leaf.part.tex, side) for leaf in leaf.modulated.get(name, ())]
-        renamed = one is not None and one.quantity.symbol != standard
-        if one is not None and standard is not None and (renamed or factors):
-            before, after = _tex(standard), _tex(one.quantity.symbol)
+        renamed = given is not None and given.quantity.symbol != standard
+        if given is not None and standard is not None and (renamed or factors):
+            before, after = _tex(standard), _tex(given.quantity.symbol)
             after = rf"({' '.join([after, *factors])})" if factors else after
             # Whole symbols only: not within another word, nor where an index goes on.
             there = rf"(\^)?(?<![A-Za-z\\]){re.escape(before)}(?![A-Za-z_])"

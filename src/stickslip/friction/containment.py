@@ -33,7 +33,7 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
     ... ]
     0.0
     """
-    declared = next((one for one in kind.contained if one.law == simpler.name), None)
+    declared = next((inner for inner in kind.contained if inner.law == simpler.name), None)
     if declared is not None or kind is simpler or None in (kind.made_of, simpler.made_of):
         return declared
     reached = _below(kind)
@@ -80,7 +80,7 @@ def _forms(term: notation.Term, kind: type[FrictionLaw]) -> Iterator[str]:
     if given and all(getattr(kind, name, dataclasses.MISSING) is None for name in given):
         yield notation.canonical(notation.without_optional(term))
     for simpler, values, limits in _reductions(term):
-        here = {one: value for one, value in values.items() if one in kind.made_of.fields}
+        here = {name: value for name, value in values.items() if name in kind.made_of.fields}
         shapes = (kind.made_of.fields[name].quantity.structural for name in here)
         at_default = all(getattr(kind, name, None) == value for name, value in here.items())
         if here and not limits and all(shapes) and at_default:
@@ -97,13 +97,13 @@ def nearest_contained(
     """
     found: dict[str, tuple[type[FrictionLaw], Containment]] = {}
 
-    def find(one: Any, values: Values, limits: tuple[str, ...]) -> None:
-        if one.name not in found:
-            found[one.name] = one.law, _containment(c, one.law, values, limits)
+    def find(law: Any, values: Values, limits: tuple[str, ...]) -> None:
+        if law.name not in found:
+            found[law.name] = law.law, _containment(c, law.law, values, limits)
 
     def named(term: notation.Term) -> Any:
         """Return the law of a term, or of the same with a power of the speed that is 1."""
-        plain, raised = (known.get(notation.canonical(one)) for one in (term, _with_power(term)))
+        plain, raised = (known.get(notation.canonical(part)) for part in (term, _with_power(term)))
         return plain if plain is not None or raised is None or raised.name == kind.name else raised
 
     same = named(c.term)
@@ -129,9 +129,9 @@ def nearest_contained(
                 else:
                     find(there, *state[1:])
         level = below
-    by_name = {one.name: one for one in known.values()}
+    by_name = {law.name: law for law in known.values()}
     within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
-    yield from (one for law, one in found.values() if law.name not in within)
+    yield from (containment for law, containment in found.values() if law.name not in within)
 
 
 def _with_power(term: notation.Term) -> notation.Term:
@@ -150,9 +150,9 @@ def _with_power(term: notation.Term) -> notation.Term:
 
 
 def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[str]:
-    for one in kind.contained:
-        yield one.law
-        yield from _all_within(known[one.law].law, known)
+    for containment in kind.contained:
+        yield containment.law
+        yield from _all_within(known[containment.law].law, known)
 
 
 def _vanished(term: notation.Term) -> Iterator[tuple[str, float | str]]:
@@ -182,7 +182,7 @@ def _containment(
             gone.append(field)
         elif not (isinstance(value, str) and value not in theirs):
             found[field] = value
-    defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
+    defaults = {entry.name: entry.default for entry in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
     # What nothing leads to must have its default in the simpler law.
     where: dict[str, Any] = {
@@ -233,13 +233,13 @@ def _reductions(term: notation.Term) -> Iterator[Reduction]:
 
 
 def _became(
-    name: notation.Name, one: Becomes
+    name: notation.Name, becomes: Becomes
 ) -> tuple[notation.Name | None, Values, tuple[str, ...]]:
     """Return the simpler part, None where what stands in the brackets is left."""
-    kept = name.argument if one.name in PARTS and PARTS[one.name].argument else ""
-    simpler = notation.Name(one.name, one.argument or kept) if one.name else None
-    values = {name.meaning(own): value for own, value in one.values.items()}
-    return simpler, values, tuple(map(name.meaning, one.limits))
+    kept = name.argument if becomes.name in PARTS and PARTS[becomes.name].argument else ""
+    simpler = notation.Name(becomes.name, becomes.argument or kept) if becomes.name else None
+    values = {name.meaning(own): value for own, value in becomes.values.items()}
+    return simpler, values, tuple(map(name.meaning, becomes.limits))
 
 
 def _vanishing(name: notation.Name, stem: str = "") -> dict[str, float | str]:
@@ -255,8 +255,8 @@ def _of_product(term: notation.Product) -> Iterator[Reduction]:
         yield left, _vanishing(factor, term.stem(factor)), ()
     for simpler, values, limits in _reductions(term.first):
         product = notation.Product(simpler, term.factors)
-        known = {one for name in simpler.parts() for one in map(name.meaning, _own(name))}
-        if not all(one.modulated in known for one in term.factors if one.modulated):
+        known = {key for name in simpler.parts() for key in map(name.meaning, _own(name))}
+        if not all(name.modulated in known for name in term.factors if name.modulated):
             continue  # a factor of a parameter that is not there any more
         # parameters of factors are called by what these multiply
         called = {
@@ -280,8 +280,8 @@ def _of_both_ways(head: notation.Name, inner: notation.Term) -> Iterator[Reducti
     yield inner, {side + field: field for field in fields for side in prefixes if side}, ()
     for simpler, values, limits in _reductions(inner):
         both = {
-            side + one: side + value if isinstance(value, str) else value
-            for one, value in values.items()
+            side + name: side + value if isinstance(value, str) else value
+            for name, value in values.items()
             for side in prefixes
         }
         yield (
@@ -299,9 +299,9 @@ def _without(items: tuple[notation.Term, ...]) -> Iterator[Reduction]:
             continue
         others = (*items[:index], *items[index + 1 :])
         rest = tuple(other for other in others if _named(other) not in name.part.below)
-        left = {own for one in rest for part in one.parts() for own in _own(part)}
-        needed = {own for one in rest for part in one.parts() for own in part.part.needs}
-        surplus = any(isinstance(part.part, Surplus) for one in rest for part in _levels(one))
+        left = {own for term in rest for part in term.parts() for own in _own(part)}
+        needed = {own for term in rest for part in term.parts() for own in part.part.needs}
+        surplus = any(isinstance(part.part, Surplus) for term in rest for part in _levels(term))
         if rest and needed <= left and not (name.name == "level" and surplus):
             yield notation.summed(rest), _vanishing(name), ()
 

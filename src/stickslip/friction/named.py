@@ -18,7 +18,7 @@ BRISTLE_DAMPING = Passivity(
 
 
 def _is_viscous_enough(law: Any, load: float, side: str) -> bool:
-    level, rest = (getattr(law, f"{side}{one}_coefficient") for one in ("kinetic", "static"))
+    level, rest = (getattr(law, f"{side}{name}_coefficient") for name in ("kinetic", "static"))
     viscous = getattr(law, f"{side}viscous_coefficient")
     return bool(viscous >= law.bristle_damping * load * (rest / level - 1.0))
 
@@ -33,7 +33,7 @@ def _each(name: str) -> tuple[str, ...]:
 
 def _both_ways(values: Mapping[str, float], *names: str) -> dict[str, float]:
     """Return values that are the same in both directions, under the names of each."""
-    ways = {one: values[name] for name in names for one in _each(name)}
+    ways = {key: values[name] for name in names for key in _each(name)}
     return ways | {name: value for name, value in values.items() if name not in names}
 
 
@@ -372,7 +372,7 @@ class DirectionalStribeck:
     name = "directional-stribeck"
     title = "Stribeck by direction"
     sources = ("stribeck1902", "armstrong1991")
-    fit_order = tuple(one for name in Stribeck.fit_order for one in _each(name))
+    fit_order = tuple(key for name in Stribeck.fit_order for key in _each(name))
     typical = Typical(values=_both_ways(FADING, *FADING))
     defects = OFFSET
 

@@ -91,8 +91,8 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
         """What a law without a name is called in running text."""
         title = _title(self)
         parts = [one.part for one in self.parts() if one.name != BOTH_WAYS]
-        if any(isinstance(one, Surplus) for one in parts) and all(
-            isinstance(one, Level) for one in parts
+        if any(isinstance(piece, Surplus) for piece in parts) and all(
+            isinstance(piece, Level) for piece in parts
         ):  # Stribeck is a law with a viscous part
             title = f"{title} without viscous part"
         return title[:1].upper() + title[1:]
@@ -431,7 +431,7 @@ class _Reader:
         if argument[1:2] in ("'", '"'):
             given = [argument[1:-1]]  # the name of a file
         try:
-            name = Name(word.replace("-", "_"), ", ".join(one.strip() for one in given))
+            name = Name(word.replace("-", "_"), ", ".join(text.strip() for text in given))
         except UnknownNameError as error:
             of = error.kind.partition(" of ")[0]
             raise UnknownNameError(

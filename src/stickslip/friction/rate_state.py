@@ -241,17 +241,17 @@ class RateState(Parametrised):
         )
         if self.regularised:
             level = rf"\frac{{\mu_0{states}}}{{a}}"
-            told = rf"\mu = a \operatorname{{arsinh}}\left(\frac{{V}}{{2 V_0}} e^{{{level}}}\right)"
+            mu = rf"\mu = a \operatorname{{arsinh}}\left(\frac{{V}}{{2 V_0}} e^{{{level}}}\right)"
         else:
-            told = rf"\mu = \mu_0 + a \ln\frac{{V}}{{V_0}}{states}"
+            mu = rf"\mu = \mu_0 + a \ln\frac{{V}}{{V_0}}{states}"
         if self.evolution == "none":
-            return told
+            return mu
         rate = EVOLUTIONS[self.evolution]
         if not second:
-            return rf"{told}, \qquad \dot\theta = {rate}"
+            return rf"{mu}, \qquad \dot\theta = {rate}"
         rate = rate.replace(r"\frac{c}{b}", r"\frac{c}{b + b_2}")
         other = rate.replace(r"\theta", r"\theta_2").replace("D_c", "D_2")
-        return rf"{told}, \qquad \dot\theta = {rate}, \qquad \dot\theta_2 = {other}"
+        return rf"{mu}, \qquad \dot\theta = {rate}, \qquad \dot\theta_2 = {other}"
 
     @property
     def states(self) -> tuple[tuple[float, float], ...]:

@@ -101,11 +101,11 @@ def law_type(name: str) -> type[FrictionLaw]:
     """
     if is_composition(name):
         return law(name)
-    for one in special_specifications() if name not in laws() else ():
-        if one.name == name:
+    for spec in special_specifications() if name not in laws() else ():
+        if spec.name == name:
             raise InputError(
-                f"{name} is available only for fits to records: {one.law.name} with its exponent"
-                f" fitted as well. Give {one.law.name} here."
+                f"{name} is available only for fits to records: {spec.law.name} with its exponent"
+                f" fitted as well. Give {spec.law.name} here."
             )
     kind: type[FrictionLaw] = _law_named(laws(), name)
     return kind
@@ -174,7 +174,7 @@ def specification(name: str) -> CandidateSpec:
         # a law of that name may hold the exponent of a power that is written here
         same = {*written} == {*kind.fit_order}
         return replace(CandidateSpec.of(name, kind), free=None if same else written)
-    special = {one.name: one for one in special_specifications()}
+    special = {spec.name: spec for spec in special_specifications()}
     if name in special:
         return special[name]
     _law_named(dict.fromkeys((*laws(), *special)), name)  # refuses unknown names
@@ -259,7 +259,7 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
 def _walk(kind: type[FrictionLaw]) -> Iterator[str]:
     known, level = laws(), [kind]
     while level:
-        names = [one.law for law in level for one in law.contained if one.law in known]
+        names = [inner.law for law in level for inner in law.contained if inner.law in known]
         yield from names
         level = [known[name] for name in dict.fromkeys(names)]
 
@@ -350,8 +350,8 @@ def rungs() -> Mapping[str, Rung]:
     level = [Rung()]
     while level:
         found |= {rung.specification.name: rung for rung in level}
-        above = dict.fromkeys(one for rung in level for one in rung.above())
-        level = [one for one in above if one not in found.values()]
+        above = dict.fromkeys(step for rung in level for step in rung.above())
+        level = [rung for rung in above if rung not in found.values()]
     return found
 
 

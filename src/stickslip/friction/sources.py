@@ -55,6 +55,6 @@ CITATIONS: Mapping[str, Citation] = MappingProxyType(
 )
 """Publications by key."""
 SOURCES: Mapping[str, str] = MappingProxyType(
-    {key: ". ".join(filter(None, one)) + "." for key, one in CITATIONS.items()}
+    {key: ". ".join(filter(None, citation)) + "." for key, citation in CITATIONS.items()}
 )
 """Citation in plain text by key."""

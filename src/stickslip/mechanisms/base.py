@@ -595,11 +595,11 @@ def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
             f"{owner} has {len(found)} contacts, but no more than {MOST_CONTACTS} can be simulated:"
             " leave some out."
         )
-    for one in found:
-        for name, factor in {} if isinstance(one.slip, str) else one.slip.items():
+    for contact in found:
+        for name, factor in {} if isinstance(contact.slip, str) else contact.slip.items():
             if isinstance(factor, int | float) and not math.isfinite(factor):
                 raise InputError(
-                    f"{owner}: the slip of the contact {one.name!r} has the factor {factor} for"
+                    f"{owner}: the slip of the contact {contact.name!r} has the factor {factor} for"
                     f" {name} at these values of its parameters: it must be finite."
                 )
     return found
@@ -651,8 +651,8 @@ def slips_by_angle(mechanism: Mechanism, contact: Contact | None = None) -> bool
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return all(
         units.get(q) == "rad" and abs(factor) == 1.0
-        for one in (mechanism.contacts() if contact is None else (contact,))
-        for q, factor in ({one.slip: 1.0} if isinstance(one.slip, str) else one.slip).items()
+        for place in (mechanism.contacts() if contact is None else (contact,))
+        for q, factor in ({place.slip: 1.0} if isinstance(place.slip, str) else place.slip).items()
     )
 
 
@@ -777,7 +777,7 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
         contact.name: float(1.0 if contact.load is None else contact.load) for contact in contacts
     }
     carried = [contact for contact in contacts if contact.normal is not None]
-    held = list(dict.fromkeys(name for one in carried for name in one.normals))
+    held = list(dict.fromkeys(name for contact in carried for name in contact.normals))
     if not held:
         return found
     still = dict.fromkeys((*mechanism.coordinates, *held, *mechanism.held()), 0.0)
@@ -788,16 +788,16 @@ def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
         return float(up - down) / 2e-3
 
     # The normal forces balance the weight along all held coordinates.
-    rows = [[_factor(one, name) for one in carried] for name in held]
+    rows = [[_factor(contact, name) for contact in carried] for name in held]
     forces, _, rank, _ = np.linalg.lstsq(
         np.array(rows, dtype=float), np.array([weight(name) for name in held]), rcond=None
     )
     if rank < len(carried):
-        names = ", ".join(one.name for one in carried)
+        names = ", ".join(contact.name for contact in carried)
         raise InputError(
             f"the weight of {type(mechanism).__name__} does not tell what {names} carry."
         )
-    return found | dict(zip((one.name for one in carried), forces.tolist(), strict=True))
+    return found | dict(zip((contact.name for contact in carried), forces.tolist(), strict=True))
 
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
@@ -943,7 +943,7 @@ def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
     return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
 
 
-def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
+def of_contact(inputs: ContactInputs, contact: str) -> dict[str, Scalar]:
     """Return the inputs of one contact, of all that a mechanism tells.
 
     Examples
@@ -951,8 +951,8 @@ def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
     >>> of_contact({"temperature": 20.0, "elbow": {"gravity": 3.0}}, "elbow")
     {'temperature': 20.0, 'gravity': 3.0}
     """
-    own = told.get(contact, {})
-    whole = {name: value for name, value in told.items() if not isinstance(value, Mapping)}
+    own = inputs.get(contact, {})
+    whole = {name: value for name, value in inputs.items() if not isinstance(value, Mapping)}
     return {**whole, **(own if isinstance(own, Mapping) else {})}
 
 
@@ -989,22 +989,22 @@ def given_inputs(mechanism: M, inputs: GivenInputs) -> M:
     """
     if not inputs:
         return mechanism
-    told = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
-    known = [one.name for one in mechanism.contacts()]
+    given = {**_flat(without_given(mechanism)[1]), **_flat(inputs)}
+    known = [place.name for place in mechanism.contacts()]
     for contact in known:
-        if ("", contact) in told:
+        if ("", contact) in given:
             raise InputError(
                 f"inputs of the contact {contact!r} are given by name, such as"
-                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {told['', contact]!r}."
+                f" {{{contact!r}: {{'temperature': 20.0}}}}, got {given['', contact]!r}."
             )
-    checked_inputs(name for _, name in told)
-    for contact, _ in told:
+    checked_inputs(name for _, name in given)
+    for contact, _ in given:
         if contact and contact not in known:
             raise UnknownNameError(f"contact of {type(mechanism).__name__}", contact, known)
-    key = tuple((*at, isinstance(one, Drive)) for at, one in told.items())
+    key = tuple((*at, isinstance(value, Drive)) for at, value in given.items())
     kind = _told(_bare(type(mechanism)), key)
     fields = {field.name: getattr(mechanism, field.name) for field in dataclasses.fields(mechanism)}
-    found: Any = kind(**{**fields, **{input_field(*at): one for at, one in told.items()}})
+    found: Any = kind(**{**fields, **{input_field(*at): value for at, value in given.items()}})
     return found  # type: ignore[no-any-return]
 
 
@@ -1018,12 +1018,12 @@ def without_given(mechanism: Mechanism) -> tuple[Mechanism, dict[str, Any]]:
     {'temperature': 35.0}
     """
     kind = _bare(type(mechanism))
-    own = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(kind)}
-    told: dict[str, Any] = {}
+    own = {entry.name: getattr(mechanism, entry.name) for entry in dataclasses.fields(kind)}
+    given: dict[str, Any] = {}
     for field, (contact, name) in told_fields(mechanism).items():
-        part = told.setdefault(contact, {}) if contact else told
+        part = given.setdefault(contact, {}) if contact else given
         part[name] = getattr(mechanism, field)
-    return kind(**own), told
+    return kind(**own), given
 
 
 def _flat(inputs: GivenInputs) -> dict[tuple[str, str], Drive | float]:
@@ -1031,7 +1031,7 @@ def _flat(inputs: GivenInputs) -> dict[tuple[str, str], Drive | float]:
     found: dict[tuple[str, str], Drive | float] = {}
     for key, value in inputs.items():
         if isinstance(value, Mapping):
-            found |= {(key, name): one for name, one in value.items()}
+            found |= {(key, name): drive for name, drive in value.items()}
         else:
             found["", key] = value
     return found

@@ -76,7 +76,7 @@ def pressing_forces(
 def checked_parts(owner: str, kind: type[T], parts: object, least: int) -> tuple[T, ...]:
     """Return the parts of a mechanism as a tuple; refuse those of another kind, or too few."""
     found = tuple(parts) if isinstance(parts, Iterable) else (parts,)
-    if len(found) < least or not all(isinstance(one, kind) for one in found):
+    if len(found) < least or not all(isinstance(part, kind) for part in found):
         raise ParameterError(
             f"{owner} must be at least {least} of {kind.__name__}(...) in a tuple, got {parts!r}."
         )
@@ -328,7 +328,7 @@ class ClutchTrain(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        return tuple(one.contact(x, name) for name, (x, one) in self._turning().items())
+        return tuple(lining.contact(x, name) for name, (x, lining) in self._turning().items())
 
     @override
     def loads(

@@ -566,10 +566,10 @@ class TwoMassCapsule(base.BoundedMechanism):
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
         v, w = q_dot["x"], q_dot["y"]
         found = 0.5 * self.capsule_mass * (v * v + w * w)
-        for _, place, _, one in self._inner():
-            along = v + cos(one.angle) * q_dot[place]
-            up = w + sin(one.angle) * q_dot[place]
-            found = found + 0.5 * one.mass * (along * along + up * up)
+        for _, place, _, mass in self._inner():
+            along = v + cos(mass.angle) * q_dot[place]
+            up = w + sin(mass.angle) * q_dot[place]
+            found = found + 0.5 * mass.mass * (along * along + up * up)
         return found
 
     @override
@@ -578,11 +578,11 @@ class TwoMassCapsule(base.BoundedMechanism):
         found = (
             self.gravity * self.capsule_mass * base.height(self.incline, x, y) + self.squeeze * y
         )
-        for name, place, _, one in self._inner():
-            along, up = x + cos(one.angle) * q[place], y + sin(one.angle) * q[place]
-            found = found + self.gravity * one.mass * base.height(self.incline, along, up)
-            found = found + 0.5 * one.stiffness * q[place] * q[place]
-            for stop, side, events in one.soft_stops(name):
+        for name, place, _, mass in self._inner():
+            along, up = x + cos(mass.angle) * q[place], y + sin(mass.angle) * q[place]
+            found = found + self.gravity * mass.mass * base.height(self.incline, along, up)
+            found = found + 0.5 * mass.stiffness * q[place] * q[place]
+            for stop, side, events in mass.soft_stops(name):
                 found = found + stop.energy(q[place], side, events)
         return found
 
@@ -595,10 +595,10 @@ class TwoMassCapsule(base.BoundedMechanism):
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
         found: dict[str, Scalar] = {}
-        for name, place, _, one in self._inner():
+        for name, place, _, mass in self._inner():
             own = {DRIVE: drives[motor]} if (motor := f"{name}_{DRIVE}") in drives else {}
-            force = one.drive.force(own) - one.damping * q_dot[place]
-            for stop, side, events in one.soft_stops(name):
+            force = mass.drive.force(own) - mass.damping * q_dot[place]
+            for stop, side, events in mass.soft_stops(name):
                 force = force + stop.damper_force(q[place], q_dot[place], side, events)
             found[place] = force
         return found
@@ -630,23 +630,23 @@ class TwoMassCapsule(base.BoundedMechanism):
     def drives(self) -> Mapping[str, Drive]:
         return {
             f"{name}_{motor}": drive
-            for name, _, _, one in self._inner()
-            for motor, drive in one.drive.drives().items()
+            for name, _, _, mass in self._inner()
+            for motor, drive in mass.drive.drives().items()
         }
 
     @override
     def start(self) -> Mapping[str, Scalar]:
         return {
             key: value
-            for _, place, rate, one in self._inner()
-            for key, value in one.drive.start(place, rate).items()
+            for _, place, rate, mass in self._inner()
+            for key, value in mass.drive.start(place, rate).items()
         }
 
     @override
     def guided(self) -> Mapping[str, base.Guide]:
         found = {}
-        for name, place, _, one in self._inner():
-            guide = one.drive.guide(f"{name}_force", "N")
+        for name, place, _, mass in self._inner():
+            guide = mass.drive.guide(f"{name}_force", "N")
             if guide is not None:
                 drive = f"{name}_{guide.drive}"
                 found[place] = base.Guide(drive=drive, effort=guide.effort, unit=guide.unit)
@@ -656,9 +656,9 @@ class TwoMassCapsule(base.BoundedMechanism):
     def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
         return {
             f"{name} {event}": margin
-            for name, place, _, one in self._inner()
+            for name, place, _, mass in self._inner()
             if place in forces
-            for event, margin in one.drive.limits(forces[place]).items()
+            for event, margin in mass.drive.limits(forces[place]).items()
         }
 
 

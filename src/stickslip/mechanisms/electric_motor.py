@@ -142,20 +142,20 @@ class SampledLoop(MotorLoop):
         if self.encoder_step is not None:
             position = self.encoder_step * round(position / self.encoder_step)
         error = goal - position
-        asked = self.gain * error
+        demand = self.gain * error
         before = grown = 0.0
         if memory is not None:
             before, last = memory
-            asked -= self.rate_gain * ((position - last) / self.period)
+            demand -= self.rate_gain * ((position - last) / self.period)
             grown = before + self.integral_gain * error * self.period
-        found, integral = within_limit(asked, before, grown, limit)
+        found, integral = within_limit(demand, before, grown, limit)
         if self.step is not None:
             # Whole counts may lie beyond the limit.
             found = min(max(self.step * round(found / self.step), -limit), limit)
         return found, (integral, position)
 
 
-def within_limit(asked: float, before: float, grown: float, limit: float) -> tuple[float, float]:
+def within_limit(demand: float, before: float, grown: float, limit: float) -> tuple[float, float]:
     """Return a command with its integral part within a limit, and the part to remember.
 
     Where the command is at its limit, the part does not grow further beyond it.
@@ -165,7 +165,7 @@ def within_limit(asked: float, before: float, grown: float, limit: float) -> tup
     >>> within_limit(5.0, 1.0, 1.5, 6.0), within_limit(5.0, 1.0, 0.5, 6.0)
     ((6.0, 1.0), (5.5, 0.5))
     """
-    whole = asked + grown
+    whole = demand + grown
     if abs(whole) <= limit:
         return whole, grown
     outwards = (grown - before) * whole > 0.0
@@ -323,10 +323,10 @@ class DCMotor(Parametrised):
         float or array
             Voltage [V], without the droop of the supply.
         """
-        asked = command if self.loop is None else self.loop.voltage(command, position, rate, self)
+        demand = command if self.loop is None else self.loop.voltage(command, position, rate, self)
         if self.supply is None:
-            return asked
-        return _within(asked, self.supply, "voltage")
+            return demand
+        return _within(demand, self.supply, "voltage")
 
     def current(self, command: Scalar, position: Scalar, rate: Scalar) -> Scalar:
         """Return the current [A].
@@ -419,7 +419,7 @@ def motors_of(mechanism: Any) -> Mapping[str, DCMotor]:
             for index, part in enumerate(value):
                 if isinstance(part, Parametrised):
                     own = motors_of(part)
-                    found |= {f"{field.name}.{index}.{name}": one for name, one in own.items()}
+                    found |= {f"{field.name}.{index}.{name}": motor for name, motor in own.items()}
     return found
 
 
@@ -430,7 +430,7 @@ def driven_by_motor(mechanism: Any) -> str:
 
 def refuse_sampling(mechanism: object) -> None:
     """Refuse equations of a motor whose voltage between samples is none of its state."""
-    if any(isinstance(one.loop, SampledLoop) for one in motors_of(mechanism).values()):
+    if any(isinstance(motor.loop, SampledLoop) for motor in motors_of(mechanism).values()):
         raise InputError(
             "a SampledLoop has no equations between its samples: simulate it by"
             " control.closed_loop with a PID of its gains and a motor without a loop, or fit."

@@ -127,9 +127,9 @@ def transposed(rows: Matrix) -> Matrix:
     return tuple(zip(*rows, strict=True))
 
 
-def both(one: Matrix, other: Matrix) -> Matrix:
+def both(matrix: Matrix, other: Matrix) -> Matrix:
     """Return the sum of two matrices."""
-    return tuple(map(plus, one, other))
+    return tuple(map(plus, matrix, other))
 
 
 def _mixed(factors: Sequence[Scalar], values: Sequence[Scalar]) -> Scalar:
@@ -176,8 +176,8 @@ class _Place:
 def joint_places(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[tuple[Vector, Matrix]]:
     """Return where joints are and how their bodies stand."""
     found: list[tuple[Vector, Matrix]] = []
-    for body, one in zip(bodies, q, strict=True):
-        place = _Place(body, one)
+    for body, coordinate in zip(bodies, q, strict=True):
+        place = _Place(body, coordinate)
         at, axes = (NONE, UNIT) if body.parent == BASE else found[body.parent]
         own = [times(axes, place.inward(row)) for row in UNIT]
         found.append((plus(at, times(axes, place.offset)), transposed(own)))
@@ -218,7 +218,7 @@ def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Be
 
 def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Scalar]]:
     """Return the mass matrix: what each joint takes for an acceleration of one of them."""
-    places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
+    places = [_Place(body, coordinate) for body, coordinate in zip(bodies, q, strict=True)]
     carried, _ = _carried(bodies, places)
     rows: list[list[Scalar]] = [[0.0] * len(bodies) for _ in bodies]
     for i, (body, own) in enumerate(zip(bodies, carried, strict=True)):
@@ -253,7 +253,7 @@ def taken_by(
     A body's points accelerate by ``a + alpha x r + omega x (omega x r)``, with that of free fall
     taken off a.
     """
-    places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
+    places = [_Place(body, coordinate) for body, coordinate in zip(bodies, q, strict=True)]
     carried, _ = _carried(bodies, places)
     motions: list[tuple[Vector, Vector, Vector]] = []
     taken: list[Scalar] = []
@@ -423,7 +423,7 @@ class JointedMechanism(MatrixMechanism, ABC):
         drives: Mapping[str, Scalar],
     ) -> ContactInputs:
         still = dict.fromkeys(self.coordinates, 0.0)
-        gravity = {name: -1.0 * one for name, one in self._taken(q, still).items()}
+        gravity = {name: -1.0 * force for name, force in self._taken(q, still).items()}
         motors, damped = self.motors(q, q_dot, drives), self.damped(q_dot)
         found = {}
         for contact in self.contacts():
@@ -438,7 +438,7 @@ class JointedMechanism(MatrixMechanism, ABC):
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         bodies = self.bodies()
         joints = zip(bodies, self.joint_values(q), strict=True)
-        _, place = _carried(bodies, [_Place(body, one) for body, one in joints])
+        _, place = _carried(bodies, [_Place(body, joint) for body, joint in joints])
         return -1.0 * _dot(self.free_fall(), place)
 
     @final

@@ -656,8 +656,8 @@ class Robot(BoundedMechanism, rigid_bodies.JointedMechanism):
     def bodies(self) -> Sequence[rigid_bodies.Body]:
         index = {joint.joint: i for i, joint in enumerate(self.joints)}
         index[""] = rigid_bodies.BASE
-        axes = {one.joint: one.own_axes for one in self.joints} | {"": rigid_bodies.UNIT}
-        return [one.body(index[one.parent], axes[one.parent]) for one in self.joints]
+        axes = {joint.joint: joint.own_axes for joint in self.joints} | {"": rigid_bodies.UNIT}
+        return [joint.body(index[joint.parent], axes[joint.parent]) for joint in self.joints]
 
     @override
     def transmission(self) -> Sequence[Sequence[float]] | None:

@@ -166,10 +166,10 @@ def read_urdf(
     file = str(path)
     root = _parsed(path, file)
     remarks: list[str] = []
-    links = {_name(one, file): _lump(one, file, remarks) for one in root.findall("link")}
-    given = [_joint(one, file) for one in root.findall("joint")]
+    links = {_name(node, file): _lump(node, file, remarks) for node in root.findall("link")}
+    given = [_joint(element, file) for element in root.findall("joint")]
     for tag in ("link", "joint"):
-        names = [_name(one, file) for one in root.findall(tag)]
+        names = [_name(element, file) for element in root.findall(tag)]
         twice = [name for name in names if names.count(name) > 1]
         if twice:
             raise InputError(f"{file}: two {tag}s are called {twice[0]!r}; rename one.")
@@ -230,8 +230,8 @@ def urdf_joints(path: str | Path) -> dict[str, str]:
     {'turret': 'continuous', 'shoulder': 'revolute', 'elbow': 'revolute'}
     """
     file = str(path)
-    given = [_joint(one, file) for one in _parsed(path, file).findall("joint")]
-    return {one.name: one.kind for one in given if one.kind in MOVES}
+    given = [_joint(element, file) for element in _parsed(path, file).findall("joint")]
+    return {joint.name: joint.kind for joint in given if joint.kind in MOVES}
 
 
 def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump) -> RobotJoint:
@@ -269,7 +269,7 @@ def _parsed(path: str | Path, file: str) -> "Element":
     root = ElementTree.fromstring(data)
     if root.tag != "robot":
         raise InputError(f"{file} has the root <{root.tag}>; a URDF file has <robot>.")
-    if any("xacro" in str(one.tag) or "${" in "".join(one.attrib.values()) for one in root.iter()):
+    if any("xacro" in str(tag.tag) or "${" in "".join(tag.attrib.values()) for tag in root.iter()):
         raise has_macros(file)
     return root
 
@@ -279,18 +279,18 @@ def has_macros(file: str) -> InputError:
     return InputError(f"{file} has xacro macros: expand it first, with xacro {file} > out.urdf.")
 
 
-def _name(one: "Element", file: str) -> str:
-    name = one.get("name", "")
+def _name(element: "Element", file: str) -> str:
+    name = element.get("name", "")
     if not name:
-        raise InputError(f"{file}: a <{one.tag}> has no name.")
+        raise InputError(f"{file}: a <{element.tag}> has no name.")
     return name
 
 
 def _reals(
-    one: "Element | None", key: str, count: int, default: Sequence[float], where: str
+    element: "Element | None", key: str, count: int, default: Sequence[float], where: str
 ) -> Vector:
     """Return the numbers of an attribute."""
-    text = None if one is None else one.get(key)
+    text = None if element is None else element.get(key)
     if text is None:
         return tuple(default)
     try:
@@ -304,9 +304,9 @@ def _reals(
     return found
 
 
-def _origin(one: "Element", where: str) -> tuple[Vector, Matrix]:
+def _origin(element: "Element", where: str) -> tuple[Vector, Matrix]:
     """Return place and axes of an <origin>."""
-    origin = one.find("origin")
+    origin = element.find("origin")
     roll, pitch, yaw = _reals(origin, "rpy", 3, (0.0, 0.0, 0.0), where)
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (roll, pitch, yaw))
     # Rz(yaw) Ry(pitch) Rx(roll): turns about fixed axes, as the format has them.
@@ -348,9 +348,9 @@ def _lump(link: "Element", file: str, remarks: list[str]) -> _Lump:
     return _Lump(mass, inertia=rows).moved(place, turn)
 
 
-def _joint(one: "Element", file: str) -> _Joint:
+def _joint(tag: "Element", file: str) -> _Joint:
     """Return a joint as it stands in the file."""
-    name, kind = _name(one, file), one.get("type", "")
+    name, kind = _name(tag, file), tag.get("type", "")
     where = f"{file}: joint {name!r}"
     if kind in REFUSED:
         raise InputError(f"{where} of type {kind} {REFUSED[kind]}.")
@@ -360,13 +360,13 @@ def _joint(one: "Element", file: str) -> _Joint:
         )
     ends = []
     for end in ("parent", "child"):
-        element = one.find(end)
+        element = tag.find(end)
         link = "" if element is None else element.get("link", "")
         if not link:
             raise InputError(f"{where} has no <{end} link=...>.")
         ends.append(link)
-    place, turn = _origin(one, where)
-    dynamics, limit = one.find("dynamics"), one.find("limit")
+    place, turn = _origin(tag, where)
+    dynamics, limit = tag.find("dynamics"), tag.find("limit")
     damping = _reals(dynamics, "damping", 1, (0.0,), where)[0]
     friction = _reals(dynamics, "friction", 1, (0.0,), where)[0]
     if damping < 0.0 or friction < 0.0:
@@ -380,12 +380,12 @@ def _joint(one: "Element", file: str) -> _Joint:
         ends_at = (lower, upper) if lower < upper else None
     return _Joint(
         name=name,
-        kind="mimic" if one.find("mimic") is not None and kind != "fixed" else kind,
+        kind="mimic" if tag.find("mimic") is not None and kind != "fixed" else kind,
         parent=ends[0],
         child=ends[1],
         place=place,
         turn=turn,
-        axis=_reals(one.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), where),
+        axis=_reals(tag.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), where),
         damping=damping,
         friction=friction,
         limits=ends_at,
@@ -398,7 +398,7 @@ def _standing(
     """Return the joints that do not move and where they stand."""
     if isinstance(moving, str):
         raise InputError(f"joints must be several names, such as [{moving!r}], got {moving!r}.")
-    known = [one.name for one in given]
+    known = [motion.name for motion in given]
     for name in (*(moving or ()), *locked):
         if name not in known:
             raise UnknownNameError(f"joint in {file}:", name, known)
@@ -408,16 +408,16 @@ def _standing(
             f"{file}: the joint {both[0]!r} is locked and moves: leave one of them out."
         )
     stand = {name: ANGLE.check("locked", name, at) for name, at in locked.items()}
-    for one in given:
-        if one.kind == "fixed" and one.name in locked:
-            raise InputError(f"{file}: the joint {one.name!r} is fixed: leave it out of locked.")
-        left_out = moving is not None and one.name not in moving
-        if one.kind == "fixed" or left_out:
-            stand.setdefault(one.name, 0.0)
-        elif one.kind == "mimic" and one.name not in stand:
+    for joint in given:
+        if joint.kind == "fixed" and joint.name in locked:
+            raise InputError(f"{file}: the joint {joint.name!r} is fixed: leave it out of locked.")
+        left_out = moving is not None and joint.name not in moving
+        if joint.kind == "fixed" or left_out:
+            stand.setdefault(joint.name, 0.0)
+        elif joint.kind == "mimic" and joint.name not in stand:
             raise InputError(
-                f"{file}: the joint {one.name!r} follows another one (mimic), which mechanisms do"
-                f" not have: lock it, locked={{{one.name!r}: 0.0}}."
+                f"{file}: the joint {joint.name!r} follows another one (mimic), which mechanisms do"
+                f" not have: lock it, locked={{{joint.name!r}: 0.0}}."
             )
     return stand
 
@@ -451,7 +451,7 @@ def _ordered(
         link, joint = waiting.pop()
         reached.add(link)
         yield link, joint
-        waiting += [(one.child, one) for one in reversed(behind.get(link, []))]
+        waiting += [(motion.child, motion) for motion in reversed(behind.get(link, []))]
     lost = [link for link in links if link not in reached]
     if lost:
         raise InputError(

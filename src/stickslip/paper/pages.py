@@ -8,7 +8,7 @@ from typing import NamedTuple
 from stickslip.data import Rig, load_rig
 from stickslip.friction import SOURCES
 from stickslip.identify.kinds import TravelVerdict
-from stickslip.paper.audit import PaperAudit, audit
+from stickslip.paper.paper_audit import PaperAudit, audit
 from stickslip.paper.rigs import PUSH_DURATION
 from stickslip.paper.sections import cart, equations, table
 from stickslip.paper.sections.claims import claim_section, trial_section, unpublished_section

@@ -109,7 +109,7 @@ class Consequence:
 
     def outcome(self, test: str) -> Outcome | None:
         """Return what came of a test; None if it says nothing about the equation."""
-        return next((one for one in self.outcomes if one.test == test), None)
+        return next((outcome for outcome in self.outcomes if outcome.test == test), None)
 
     def differs(self, test: str) -> bool:
         """Whether the misprint acts in a test."""
@@ -302,8 +302,8 @@ class Requirement:
     def to_dict(self) -> dict[str, Any]:
         """Return all but law and run, ready for JSON."""
         names = [field.name for field in fields(self) if field.name not in {"solution", "run"}]
-        told = {name: getattr(self, name) for name in names}
-        return told | {"criteria": self.criteria and asdict(self.criteria)}
+        content = {name: getattr(self, name) for name in names}
+        return content | {"criteria": self.criteria and asdict(self.criteria)}
 
 
 def requirements(

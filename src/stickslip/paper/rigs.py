@@ -111,7 +111,7 @@ def check_form(rig: Rig) -> tuple[SpringBlock, Measurement]:
             "the audit of the paper needs a compressed spring as the only drive, and neither an"
             f" incline nor stops: {OWN}"
         )
-    if not all(one.travel is not None and one.travel > 0.0 for one in measurement.records()):
+    if not all(trial.travel is not None and trial.travel > 0.0 for trial in measurement.records()):
         raise InputError(f"the audit of the paper needs travels above 0 m: {OWN}")
     return mechanism, first
 
@@ -139,7 +139,7 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
         "kinetic_coefficient": coulomb.kinetic_coefficient,
         "static_coefficient": coulomb.break_away(1.0),
     }
-    viscous = {one.path: one.value for one in viscous_fit(verdict)}
+    viscous = {estimate.path: estimate.value for estimate in viscous_fit(verdict)}
     laws: dict[str, friction.FrictionLaw] = {}
     for name, law in load_rig().laws.items():
         own = {
@@ -157,9 +157,13 @@ def viscous_fit(verdict: TravelVerdict) -> tuple[Estimate, ...]:
 
     One travel is reproduced with any viscous part, so that it bounds none.
     """
-    for one in verdict.candidates:
-        if one.name == "coulomb-viscous" and one.fit is not None and one.fit.settings > 1:
-            estimates = one.fit.estimates
+    for candidate in verdict.candidates:
+        if (
+            candidate.name == "coulomb-viscous"
+            and candidate.fit is not None
+            and candidate.fit.settings > 1
+        ):
+            estimates = candidate.fit.estimates
             paths = {each.path for each in estimates if each.bounded}
             return estimates if "friction.viscous_coefficient" in paths else ()
     return ()
@@ -512,8 +516,8 @@ class CartStudy:
             "step": STEP,
             "kinetic_coefficient": KINETIC,
             "figure_2": [run.to_dict() for run in self.runs],
-            "levels_of_table_1": [one.to_dict() for one in self.table_1],
-            "break_away": [one.to_dict() for one in self.break_away],
+            "levels_of_table_1": [run.to_dict() for run in self.table_1],
+            "break_away": [run.to_dict() for run in self.break_away],
             "backward_motion": [
                 {
                     "cause": share.key,
@@ -704,7 +708,7 @@ def rest_rules(values: PaperValues, cart: PendulumCart = CART) -> tuple[RestRule
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
                 rests=bool(block["v"][-1] == 0.0),
                 cart_travel=sum(cycle.travel for cycle in cycles),
-                cart_back_slip=sum(one.backward for one in cycles) / len(cycles),
+                cart_back_slip=sum(cycle.backward for cycle in cycles) / len(cycles),
             )
         )
     return tuple(found)

@@ -223,7 +223,7 @@ def _entries(kind: type) -> Iterator[str]:
         hint = hints.get(field.name, field.type)
         ranges = [f"{mark}." for mark in marks(hint) if not isinstance(mark, Doc)]
         # reStructuredText takes mu_+ for a link
-        ranges = [re.sub(r"^(\w+_[+-]):", r"``\1``:", one) for one in ranges]
+        ranges = [re.sub(r"^(\w+_[+-]):", r"``\1``:", name) for name in ranges]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
         lines = [*texts.get(field.name, "").splitlines(), *ranges]
         yield from (f"    {line}" for line in lines)

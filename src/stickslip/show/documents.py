@@ -439,14 +439,14 @@ def _sweep_up(folder: Path) -> None:
                 shutil.rmtree(left)
 
 
-def _exchange(one: Path, other: Path) -> None:
+def _exchange(path: Path, other: Path) -> None:
     """Exchange two folders in one step, where the system can."""
     libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
     call = getattr(libc, "renameat2", None)
     if call is None:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
     here, exchange = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of the Linux kernel
-    if call(here, os.fsencode(one), here, os.fsencode(other), exchange):
+    if call(here, os.fsencode(path), here, os.fsencode(other), exchange):
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
 

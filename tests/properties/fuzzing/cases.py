@@ -136,7 +136,7 @@ def draw_shape(rng: Random, law: type[FrictionLaw], *others: type) -> Shape:
                 flags[name] = rng.choice(typing.get_args(hint))
             elif _is_drive(hint):
                 count = rng.choice((0, 1, 1, 1, 1, 2))
-                kinds = [one for one in DRIVES.values() if one.adds or count < 2]
+                kinds = [drive for drive in DRIVES.values() if drive.adds or count < 2]
                 drives[name] = tuple(rng.choice(kinds) for _ in range(count))
             elif type(None) in typing.get_args(hint):
                 given[name] = rng.random() < 0.5 and name not in STOPS

@@ -228,7 +228,7 @@ class Evidence:
         """Speed below which none counts: a small share of what the largest force gives in all."""
         if self.whole is not None:
             return self.whole.least_speed
-        pull = max(one.force for one in self.each) / float(self.masses.diagonal().min())
+        pull = max(law.force for law in self.each) / float(self.masses.diagonal().min())
         largest = max(pull, float(self.accelerations.max(initial=0.0)))
         return LEAST_SHARES[1] * largest * self.case.t_end
 
@@ -269,7 +269,7 @@ class Evidence:
             for name, force in zip(self.seen_coordinates, forces, strict=True)
             if self.slips[name]
         ]
-        return max(*along, *(one.force for one in (self.whole or self).each))
+        return max(*along, *(law.force for law in (self.whole or self).each))
 
     def first(self, wrong: np.ndarray) -> str:
         """Say when something is wrong first, and how often."""
@@ -469,7 +469,8 @@ def obeys_newtons_law(e: Evidence) -> Found:
             impulse, moved, rounded = 0.0, 0.0, 0.0
             for k, weight in enumerate(WEIGHTS, 1):
                 rubbing = [
-                    -one.slips[name] * float(at[one.column("friction")][k]) for one in e.each
+                    -contact.slips[name] * float(at[contact.column("friction")][k])
+                    for contact in e.each
                 ]
                 own, rounding = states[k].forces(name, unit)
                 parts = [*own, *rubbing]
@@ -481,7 +482,7 @@ def obeys_newtons_law(e: Evidence) -> Found:
             pulled = (end - start) * float(np.abs(e.masses[i]) @ e.accelerations)
             allowed = ROUNDED * (pulled + moved) + rounded + math.sqrt(LEAST)
             if not rests:
-                largest = max(one.force for one in e.each)  # whose bristles are as states are
+                largest = max(law.force for law in e.each)  # whose bristles are as states are
                 allowed += STATES * (carried + abs(first) + abs(last) + (end - start) * largest)
                 allowed += (ROUGH if falls_at_once(e.case.laws.values()) else NEWTON) * moved
             if not abs(last - first - impulse) <= allowed:
@@ -778,7 +779,7 @@ def violations(evidence: Evidence, checks: Any = CHECKS) -> list[tuple[str, str]
     for name, check in checks.items():
         views = evidence.each if name in OF_CONTACTS else (evidence,)
         words = " ".join(
-            f"{one.at_contact} {text}".lstrip() for one in views for text in check(one)
+            f"{view.at_contact} {text}".lstrip() for view in views for text in check(view)
         )
         if words:
             found.append((name, words))

@@ -33,11 +33,11 @@ def classes(outcomes: Sequence[Outcome]) -> str:
             reason or "-",
             str(len(group)),
             f"{statistics.median(one.steps for one in group):g}",
-            f"{statistics.mean(one.events for one in group):.1f}",
+            f"{statistics.mean(run.events for run in group):.1f}",
             " ".join(str(one.index) for one in group[:4]),
             _most(one.title for one in group),
         ))  # fmt: skip
-    several = sum(one.events >= 3 for one in outcomes)
+    several = sum(run.events >= 3 for run in outcomes)
     ending = f"{len(outcomes)} cases, {several} of them with three events or more"
     return f"{_table(rows)}\n{ending}, {sum(one.seconds for one in outcomes):.0f} s"
 

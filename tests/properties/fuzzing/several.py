@@ -139,7 +139,7 @@ def _form(matrix, one, other, names):
 
 def _drive(rng: Random, force: float, size: Sizes, t_end: float) -> Drive | None:
     count = rng.choice((0, 1, 1, 2))
-    drawn = [one for one in DRIVES.values() if one.adds or count < 2]
+    drawn = [drive for drive in DRIVES.values() if drive.adds or count < 2]
     kinds = tuple(rng.choice(drawn) for _ in range(count))
     return draw_drive(rng, kinds, force, size.time, t_end)
 

@@ -240,7 +240,7 @@ def unused(records: Sequence[measurement.Measurement], used: Collection[str]) ->
                 " condition to fit each trial separately."
             ),
         )
-    inputs = [name for name in records[0].inputs if all(name in one.inputs for one in records)]
+    inputs = [name for name in records[0].inputs if all(name in trial.inputs for trial in records)]
     rest = [name for name in rest if name not in inputs]
     if inputs:
         yield Finding(
@@ -336,7 +336,7 @@ def alike(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     if any(record.time is None for record in records):
         return
     for name in ACTING:
-        bare = [i for i, one in enumerate(records) if name not in one.quantities()]
+        bare = [i for i, record in enumerate(records) if name not in record.quantities()]
         if not bare or len(bare) == len(records):
             continue
         has = next(i for i in range(len(records)) if i not in bare)
@@ -355,7 +355,7 @@ def alike(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
         )
 
 
-def same(one: measurement.Measurement, other: measurement.Measurement) -> bool:
+def same(record: measurement.Measurement, other: measurement.Measurement) -> bool:
     """Whether what both records have is the same, sample by sample.
 
     Examples
@@ -365,13 +365,13 @@ def same(one: measurement.Measurement, other: measurement.Measurement) -> bool:
     >>> same(Measurement(**run), Measurement(**run, force=[1.0, 2.0]))
     True
     """
-    if one.joints and other.joints:
-        both = one.joints.keys() & other.joints.keys()
-        return bool(both) and all(same(one.joints[name], other.joints[name]) for name in both)
+    if record.joints and other.joints:
+        both = record.joints.keys() & other.joints.keys()
+        return bool(both) and all(same(record.joints[name], other.joints[name]) for name in both)
     pairs = [
-        (getattr(one, name), getattr(other, name))
+        (getattr(record, name), getattr(other, name))
         for name in ("time", *measurement.QUANTITIES)
-        if getattr(one, name) is not None and getattr(other, name) is not None
+        if getattr(record, name) is not None and getattr(other, name) is not None
     ]
     if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
         return False  # times, and single numbers, may well be alike
@@ -492,7 +492,7 @@ def settings_in_order(records: Sequence[measurement.Measurement]) -> dict[str, s
     )
     found = {}
     for path in paths:
-        values = [{**one.overrides, **one.initial}.get(path) for one in records]
+        values = [{**record.overrides, **record.initial}.get(path) for record in records]
         if any(not isinstance(value, (int, float)) for value in values):
             return {}
         numbers = np.array(values, dtype=float)
@@ -536,7 +536,9 @@ def with_order(lines: Sequence[str], findings: Sequence[Finding], most: int) -> 
     ['Measure at 1 m/s.', 'Measure in random order']
     """
     found = [
-        f"{one.measure}: {lower_first(one.sentence)}" for one in findings if one.kind == "order"
+        f"{finding.measure}: {lower_first(finding.sentence)}"
+        for finding in findings
+        if finding.kind == "order"
     ][:1]
     return (*lines[: most - len(found)], *found)
 

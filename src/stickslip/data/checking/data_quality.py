@@ -101,7 +101,10 @@ class Checks(Tabular):
         import pandas as pd
 
         columns = ["kind", "severity", "record", "sentence"]
-        rows = [(one.kind, one.severity, one.record, str(one)) for one in self.findings]
+        rows = [
+            (finding.kind, finding.severity, finding.record, str(finding))
+            for finding in self.findings
+        ]
         return pd.DataFrame(rows, columns=columns)
 
     def __str__(self) -> str:
@@ -242,18 +245,22 @@ def _beside_others(findings: Sequence[Finding], trials: int) -> Iterator[Finding
     """Yield findings of trials without faults that are none where others move, or otherwise."""
     still = {finding.record for finding in findings if _still(finding)}
     shares: dict[str, list[float]] = {}
-    for one in findings:
-        if one.kind == "reversals" and FORWARD in one.numbers:
-            shares.setdefault(_joint_of(one), []).append(one.numbers[FORWARD])
+    for finding in findings:
+        if finding.kind == "reversals" and FORWARD in finding.numbers:
+            shares.setdefault(_joint_of(finding), []).append(finding.numbers[FORWARD])
     # Trials in one direction only are no fault where others go the other way.
     both = {joint for joint, all_ in shares.items() if min(all_) < 1.0 and max(all_) > 0.0}
-    for one in findings:
-        if _still(one) and len(still) < trials:
-            yield _resting(one, RESTING_JOINT if _joint_of(one) else RESTING_BODY)
-        elif FORWARD in one.numbers and one.severity == "warning" and _joint_of(one) in both:
-            yield motion.beside_other_way(one)
+    for finding in findings:
+        if _still(finding) and len(still) < trials:
+            yield _resting(finding, RESTING_JOINT if _joint_of(finding) else RESTING_BODY)
+        elif (
+            FORWARD in finding.numbers
+            and finding.severity == "warning"
+            and _joint_of(finding) in both
+        ):
+            yield motion.beside_other_way(finding)
         else:
-            yield one
+            yield finding
 
 
 def _joints(
@@ -267,43 +274,43 @@ def _joints(
         {} if mechanism is None else dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     )
     joints = {
-        name: replace(one, turning=True) if units.get(name) == "rad" else one
-        for name, one in record.joints.items()
+        name: replace(trial, turning=True) if units.get(name) == "rad" else trial
+        for name, trial in record.joints.items()
     }
-    found = {name: [*_record(one, None, grave, coupled=True)] for name, one in joints.items()}
+    found = {name: [*_record(trial, None, grave, coupled=True)] for name, trial in joints.items()}
     moving = [name for name, own in found.items() if not any(map(_still, own))]
     if moving:  # what jitter looks like in a joint that rests says nothing
         found = {
             name: own
             if name in moving
-            else [_resting(one, RESTING_JOINT) for one in own if _still(one)]
+            else [_resting(remark, RESTING_JOINT) for remark in own if _still(remark)]
             for name, own in found.items()
         }
-    said = [{one.sentence for one in found[name]} for name in moving or found]
+    said = [{remark.sentence for remark in found[name]} for name in moving or found]
     shared = set.intersection(*said)
     # What all moving joints share is said once, in the place of the first.
     first = (moving or [*found])[0]
     for name, own in found.items():
-        for one in own:
-            if one.sentence not in shared:
-                yield replace(one, record=f"{label}, {name}" if label else name)
+        for finding in own:
+            if finding.sentence not in shared:
+                yield replace(finding, record=f"{label}, {name}" if label else name)
             elif name == first:
-                yield replace(one, record=label)
+                yield replace(finding, record=label)
 
 
-def _joint_of(one: Finding) -> str:
+def _joint_of(finding: Finding) -> str:
     """Return the joint of a trial that a finding is about; empty of a record without joints."""
-    return one.record.partition(", ")[2]
+    return finding.record.partition(", ")[2]
 
 
-def _still(one: Finding) -> bool:
-    return one.kind == "constant" and one.severity == "error"
+def _still(finding: Finding) -> bool:
+    return finding.kind == "constant" and finding.severity == "error"
 
 
-def _resting(one: Finding, means: str) -> Finding:
+def _resting(finding: Finding, means: str) -> Finding:
     """Return that something rests, as no fault where others move, and what that means."""
-    why = one.sentence.removesuffix("no motion was recorded.")
-    return replace(one, severity="info", sentence=f"{why}{means}")
+    why = finding.sentence.removesuffix("no motion was recorded.")
+    return replace(finding, severity="info", sentence=f"{why}{means}")
 
 
 def _wrong(found: Sequence[Finding]) -> bool:
@@ -434,7 +441,7 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
     position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     stops = mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()
     # Stops inside of a mechanism, as of a joint's play, bound no position that was measured.
-    inside = any(one.coordinate not in slip_names(mechanism) for one in stops)
+    inside = any(wall.coordinate not in slip_names(mechanism) for wall in stops)
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
         stop = None if inside else getattr(mechanism, name, None)  # of what was measured
@@ -524,7 +531,7 @@ def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> Non
             ("initial", "the initial states of its segments are estimated"),
             ("uncertainty", "intervals come from the residuals of the fit"),
         ):
-            given = ", ".join(one for one in getattr(record, name) if one not in inside)
+            given = ", ".join(state for state in getattr(record, name) if state not in inside)
             if given:
                 raise InputError(
                     f"Measurement.{name} ({given}) of {label} has no effect on fits to records:"
@@ -574,9 +581,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
             if not same(record, other):
                 continue
             name = record.name or other.name
-            told = f" ({name!r})" if name else ""
+            label = f" ({name!r})" if name else ""
             raise InputError(
-                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                f"the second record is identical to the fitted one{label}, sample by sample, so its"
                 " error would not be a held-out error. Give another record, or none: held-out"
                 " blocks then compare the laws on one record."
             )
@@ -605,7 +612,7 @@ def with_doubts(
         raise
     except of as error:
         found = check(measurement, mechanism=mechanism).findings
-        doubts = [one for one in found if one.severity == "warning"]
+        doubts = [finding for finding in found if finding.severity == "warning"]
         if not doubts:
             raise
         text = str(error).rstrip()

@@ -172,11 +172,11 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
     )
 
 
-def beside_other_way(one: Finding) -> Finding:
+def beside_other_way(finding: Finding) -> Finding:
     """Return that a trial goes one way, as no fault where another goes the other way."""
-    way = "forward" if one.numbers["forward_share"] else "backward"
+    way = "forward" if finding.numbers["forward_share"] else "backward"
     sentence = f"No reversals: the motion goes {way} only, and that of other trials the other way."
-    return replace(one, severity="info", sentence=sentence, measure="")
+    return replace(finding, severity="info", sentence=sentence, measure="")
 
 
 def straight(record: Measurement) -> Iterator[Finding]:
@@ -707,7 +707,7 @@ def swing_of(record: Measurement) -> Swing | None:
     beside = [moving.velocity / moving.fastest, moving.directions]
     if not free:
         beside += [np.asarray(record.values("force")), np.ones_like(x)]
-    table = np.stack([smooth(t, one)[inner] for one in (*pulls, *beside)], axis=1)
+    table = np.stack([smooth(t, pull)[inner] for pull in (*pulls, *beside)], axis=1)
     found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
     first, second, *others = found
     left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]

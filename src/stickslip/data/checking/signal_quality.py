@@ -175,7 +175,7 @@ def words_of(lines: tuple[MainsLine, ...]) -> str:
     if abs(first.frequency - first.order * first.mains) > 2.0 * WANDER:
         text += f" (alias of {number(first.order * first.mains)} Hz)"
     if rest:
-        text += f", with harmonics at {', '.join(number(one.frequency) for one in rest)} Hz"
+        text += f", with harmonics at {', '.join(number(line.frequency) for line in rest)} Hz"
     return text
 
 

@@ -322,7 +322,7 @@ def read_bag(path: Path, names: Collection[str] = ()) -> Table:
             files = said.files
             if said.mode == "file":
                 place = stack.enter_context(private_folder())
-                files = tuple(_expanded(one, place) for one in files)
+                files = tuple(_expanded(part, place) for part in files)
             for file in files:
                 _check(file)
             # Bags of SQLite hold no definitions of messages before ROS 2 Iron.
@@ -350,13 +350,13 @@ def _described(path: Path) -> _Described:
         data = file.read(LARGEST_METADATA + 1)
     if len(data) > LARGEST_METADATA:
         raise ValueError(f"{METADATA} has more than {number(LARGEST_METADATA / 1e6)} MB")
-    told = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
-    mode = str(told.get("compression_mode") or "none").casefold()
-    method = str(told.get("compression_format") or "").casefold()
+    information = YAML(typ="safe").load(data.decode())["rosbag2_bagfile_information"]
+    mode = str(information.get("compression_mode") or "none").casefold()
+    method = str(information.get("compression_format") or "").casefold()
     if mode not in ("none", "file", "message") or (mode != "none" and method != "zstd"):
         raise ValueError(f"its compression is {mode!r} by {method!r}, and that by zstd is read")
-    files = tuple(path.parent / PurePath(one).name for one in told["relative_file_paths"])
-    missing = [one for one in files if not one.is_file()]
+    files = tuple(path.parent / PurePath(name).name for name in information["relative_file_paths"])
+    missing = [place for place in files if not place.is_file()]
     if missing or not files:
         raise InputError(
             f"{path}: lists the file {missing[0].name}, which is not beside it."
@@ -364,9 +364,9 @@ def _described(path: Path) -> _Described:
             else f"{path}: lists no files of messages."
         )
     counts: dict[str, int] = {}
-    for one in told["topics_with_message_count"]:
-        topic = str(one["topic_metadata"]["name"])
-        counts[topic] = counts.get(topic, 0) + int(one["message_count"])
+    for counted in information["topics_with_message_count"]:
+        topic = str(counted["topic_metadata"]["name"])
+        counts[topic] = counts.get(topic, 0) + int(counted["message_count"])
     return _Described(files=files, mode="" if mode == "none" else mode, counts=counts)
 
 
@@ -397,19 +397,19 @@ class _Bag(Log):
     def __init__(self, reader: Any, said: _Described) -> None:
         self.reader, self.said = reader, said
         found: dict[str, Topic] = {}
-        for one in reader.connections:
-            before = found[one.topic].messages if one.topic in found else 0
-            found[one.topic] = Topic(
-                name=one.topic, kind=one.msgtype, messages=before + one.msgcount
+        for source in reader.connections:
+            before = found[source.topic].messages if source.topic in found else 0
+            found[source.topic] = Topic(
+                name=source.topic, kind=source.msgtype, messages=before + source.msgcount
             )
         self.topics: Sequence[Topic] = [
-            replace(one, messages=said.counts.get(name, one.messages))
-            for name, one in found.items()
+            replace(topic, messages=said.counts.get(name, topic.messages))
+            for name, topic in found.items()
         ]
 
     @override
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
-        wanted = [one for one in self.reader.connections if one.topic in topics]
+        wanted = [source for source in self.reader.connections if source.topic in topics]
         expansion = Expansion(*self.said.files) if self.said.mode == "message" else None
         for connection, logged, data in self.reader.messages(connections=wanted):
             message = data if expansion is None else expansion.expanded(data, "zstd")

@@ -103,7 +103,7 @@ def check_structure(data: bytes, file: str = "data.mat") -> None:
             inner = [*_elements(body, order)]
         else:
             inner = [element]
-        numbers += sum(_check_variable(one, order) for one in inner)
+        numbers += sum(_check_variable(tag, order) for tag in inner)
         check_size(file, numbers, CURE)
 
 
@@ -338,24 +338,24 @@ def _structs(value: Any) -> list[dict[str, Any]]:
 
 def _fields(name: str, structs: Sequence[Mapping[str, Any]], depth: int) -> Iterator[Found]:
     """Yield the fields of a struct or a struct array; channels by their own names."""
-    for i, one in enumerate(structs, 1):
+    for i, table in enumerate(structs, 1):
         own = name if len(structs) == 1 else f"{name}({i})"
-        kind = next((kind for kind in CHANNELS if {kind.data, *kind.names[:1]} <= {*one}), None)
+        kind = next((kind for kind in CHANNELS if {kind.data, *kind.names[:1]} <= {*table}), None)
         if kind is None:
-            for field, value in one.items():
+            for field, value in table.items():
                 yield from _unfolded(f"{own}.{field}", value, depth - 1)
         else:
-            yield from _channel(own, one, kind)
+            yield from _channel(own, table, kind)
 
 
-def _channel(own: str, one: Mapping[str, Any], kind: "_Channel") -> Iterator[Found]:
+def _channel(own: str, table: Mapping[str, Any], kind: "_Channel") -> Iterator[Found]:
     """Yield the signals of a channel: the columns of its data, with its name and unit."""
-    names = (_text(one.get(field)) for field in kind.names)
-    name, unit = next(filter(None, names), own), _text(one.get("Unit"))
+    names = (_text(table.get(field)) for field in kind.names)
+    name, unit = next(filter(None, names), own), _text(table.get("Unit"))
     if kind.axis and re.fullmatch(rf"(?:.*\.)?{kind.axis}(?:\(\d+\))?", own):
         name, unit = "time", unit or "s"  # it has no name, and counts seconds
     unit = f" [{unit}]" if unit and "[" not in name else ""
-    data = one[kind.data]
+    data = table[kind.data]
     if not isinstance(data, np.ndarray) or data.ndim != 2 or 1 in data.shape:
         yield f"{name}{unit}", data
         return
@@ -487,7 +487,7 @@ class _Elements:
 
     def __init__(self, item: Any) -> None:
         self.size = item.size
-        self.items = [item.file[one] for one in np.ravel(item[()])]
+        self.items = [item.file[value] for value in np.ravel(item[()])]
 
 
 # Channels of MDF files, as loggers of vehicles and test rigs write them.
@@ -510,21 +510,21 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> Table:
         _check_blocks(path)
         with warnings.catch_warnings(), asammdf.MDF(path) as file:
             warnings.simplefilter("ignore")
-            numbers = sum(one.channel_group.cycles_nr * len(one.channels) for one in file.groups)
+            numbers = sum(item.channel_group.cycles_nr * len(item.channels) for item in file.groups)
             check_size(str(path), numbers, FEWER_CHANNELS)
-            signals = [one for one in file.iter_channels(skip_master=True) if _is_numeric(one)]
+            signals = [item for item in file.iter_channels(skip_master=True) if _is_numeric(item)]
     if not signals:
         raise no_channel(path)
-    sizes = Counter(one.group_index for one in signals)
-    named = Counter(one.group_index for one in signals if one.name in names)
+    sizes = Counter(signal.group_index for signal in signals)
+    named = Counter(signal.group_index for signal in signals if signal.name in names)
     length = {signal.group_index: len(signal.samples) for signal in signals}
     group = max(sizes, key=lambda index: (named[index], sizes[index], length[index]))
-    own = [one for one in signals if one.group_index == group]
+    own = [signal for signal in signals if signal.group_index == group]
     columns: dict[str, Any] = {"time [s]": own[0].timestamps}
-    for one in own:
-        unit = f" [{unit_in(one.unit)}]" if one.unit and one.unit.strip() else ""
-        columns.setdefault(f"{one.name}{unit}", np.asarray(one.samples, dtype=float))
-    others = [one.name for one in signals if one.group_index != group]
+    for channel in own:
+        unit = f" [{unit_in(channel.unit)}]" if channel.unit and channel.unit.strip() else ""
+        columns.setdefault(f"{channel.name}{unit}", np.asarray(channel.samples, dtype=float))
+    others = [signal.name for signal in signals if signal.group_index != group]
     return Table(data=pd.DataFrame(columns), remarks=(*left_out(others, "other times"),))
 
 
@@ -596,11 +596,11 @@ def _quiet() -> Iterator[None]:
 
 def _chosen(path: Path, groups: dict[str, Sequence[Any]], names: Collection[str]) -> Table:
     """Return the group that has the columns that are wanted, or the most channels."""
-    full = {name: [one for one in own if _is_signal(one)] for name, own in groups.items()}
+    full = {name: [item for item in own if _is_signal(item)] for name, own in groups.items()}
     full = {name: own for name, own in full.items() if own}
     if not full:
         raise no_channel(path)
-    called = {name: [one.name for one in own] for name, own in full.items()}
+    called = {name: [channel.name for channel in own] for name, own in full.items()}
     wanted = max(full, key=lambda name: (len({*called[name]} & {*names}), len(full[name])))
     alike = [name for name in full if called[name] == called[wanted]]
     tables, remarks = [], []
@@ -623,17 +623,17 @@ def _table(channels: Sequence[Any]) -> tuple[pd.DataFrame, list[str]]:
 
     Without these they go together if they have as many values.
     """
-    headers = numbered_twice([_header(one) for one in channels])
+    headers = numbered_twice([_header(channel) for channel in channels])
     timed = [float(channel.properties.get("wf_increment") or 0.0) > 0.0 for channel in channels]
     if all(timed):
         tables = [
-            pd.DataFrame({header: one[:]}, index=pd.Index(_times(one), name=TIME))
-            for header, one in zip(headers, channels, strict=True)
+            pd.DataFrame({header: channel[:]}, index=pd.Index(_times(channel), name=TIME))
+            for header, channel in zip(headers, channels, strict=True)
         ]
         return merged(tables)[0], []
-    size = Counter(len(one) for one in channels).most_common(1)[0][0]
-    kept = {h: _numbers(one) for h, one in zip(headers, channels, strict=True) if len(one) == size}
-    lost = [h for h, one in zip(headers, channels, strict=True) if len(one) != size]
+    size = Counter(len(channel) for channel in channels).most_common(1)[0][0]
+    kept = {h: _numbers(x) for h, x in zip(headers, channels, strict=True) if len(x) == size}
+    lost = [h for h, channel in zip(headers, channels, strict=True) if len(channel) != size]
     return pd.DataFrame(kept), lost
 
 
@@ -657,7 +657,7 @@ def _header(channel: Any) -> str:
     if channel.dtype.kind == "M":
         return f"{channel.name} [s]"
     stated = (channel.properties.get(name) for name in UNIT_PROPERTIES)
-    unit = unit_in(str(next((one for one in stated if one), "")))
+    unit = unit_in(str(next((text for text in stated if text), "")))
     return f"{channel.name} [{unit}]" if unit and is_unit(unit) else channel.name
 
 
@@ -714,7 +714,7 @@ def check_parquet(path: str, file: Any, names: Collection[str] = ()) -> float:
             if flat and column.num_values != group.num_rows:
                 raise _contradicted(path, group.num_rows, column.num_values)
             name = column.path_in_schema  # of lists, and names may have dots: name.list.element
-            if not names or any(f"{name}.".startswith(f"{one}.") for one in names):
+            if not names or any(f"{name}.".startswith(f"{text}.") for text in names):
                 size += max(column.num_values, column.total_uncompressed_size / 8)
     if rows != footer.num_rows:
         raise _contradicted(path, footer.num_rows, rows)

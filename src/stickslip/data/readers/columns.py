@@ -170,7 +170,7 @@ def stated_unit(header: str, quantity: str) -> str | None:
     """
     found = _surely(header)
     return next(
-        (one["unit"].strip() for one in found if is_unit_of(one["unit"].strip(), quantity)), None
+        (hit["unit"].strip() for hit in found if is_unit_of(hit["unit"].strip(), quantity)), None
     )
 
 
@@ -182,13 +182,13 @@ def without_unit(header: str) -> str:
     >>> without_unit("Velocity (mm/s)"), without_unit("Weg / mm"), without_unit("Weg")
     ('Velocity', 'Weg', 'Weg')
     """
-    return next((one["name"].strip() for one in _surely(header)), header.strip())
+    return next((hit["name"].strip() for hit in _surely(header)), header.strip())
 
 
 def _surely(header: str) -> list[re.Match[str]]:
     if len(header) > LONGEST_HEADER:
         return []
-    return [one for style in STYLES[:SURE] if (one := style.fullmatch(header))]
+    return [hit for style in STYLES[:SURE] if (hit := style.fullmatch(header))]
 
 
 # How the files of a measurement are read, and how that is said: in Python, by options, in rigs.

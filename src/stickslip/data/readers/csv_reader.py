@@ -283,7 +283,7 @@ def _cut_number(data: bytes, layout: Layout) -> str:
     if len(cells) <= ALIKE or not all(map(is_number, cells)):
         return ""
     *above, last = (_digits(cell, layout.decimal) for cell in cells)
-    least = [min(one[part] for one in above) for part in range(len(last))]
+    least = [min(pair[part] for pair in above) for part in range(len(last))]
     return cells[-1] if any(map(operator.gt, least, last)) else ""
 
 

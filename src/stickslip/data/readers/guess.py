@@ -320,7 +320,7 @@ def guess_data(
     look_ahead(path, columns or {}, units or {})
     layout, reasons = layout_and_reasons(path)
     named = [
-        n for one in (columns or {}).values() for n in ([one] if isinstance(one, str) else one)
+        n for name in (columns or {}).values() for n in ([name] if isinstance(name, str) else name)
     ]
     frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
@@ -354,19 +354,19 @@ def guess_data(
     if "temperature" not in found:
         found |= changing_temperature(parts, conditions)
     found |= contact_inputs(frame, found)
-    alone = [one.name for one in found.values()] if len(parts) == 1 else []
+    alone = [column.name for column in found.values()] if len(parts) == 1 else []
     conditions = tuple(
         name
         for name in conditions
         if name not in alone and all(_has_one_value(part, name) for part in parts)
     )
     known = {
-        q: one.unit
-        for q, one in found.items()
-        if one.unit and (not one.stated or is_of(one.unit, "count"))
+        q: column.unit
+        for q, column in found.items()
+        if column.unit and (not column.stated or is_of(column.unit, "count"))
     }
     gains: dict[str, float | str] = {
-        q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
+        q: _gain(q, turning, column.unit) for q, column in found.items() if _is_raw(column.unit)
     }
     assumed_gains = {*gains}
     scale = _with_unit(motor_constant or 1, "N m/A" if turning else "N/A")
@@ -374,14 +374,14 @@ def guess_data(
         known["friction"] = found["friction"].unit or "A"
         found["friction"] = replace(found["friction"], unit=known["friction"])
         gains["friction"] = scale
-    registers = [q for q, one in found.items() if servo is not None and one.why == servo.why]
+    registers = [q for q, column in found.items() if servo is not None and column.why == servo.why]
     if servo is not None:
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
     pressed = "load" in found and "load" not in (gain or {})
     pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
         gains.setdefault("load", -1.0)
-    reasons |= {q: column_text(one, given.get(q, one.name)) for q, one in found.items()}
+    reasons |= {q: column_text(column, given.get(q, column.name)) for q, column in found.items()}
     if times is not None:
         reasons["time"] += rate_text(times)
     if by_current or "current" in found:
@@ -397,7 +397,7 @@ def guess_data(
         file=str(given_path),
         layout=layout,
         columns={
-            **{q: given.get(q, one.name) for q, one in found.items()},
+            **{q: given.get(q, column.name) for q, column in found.items()},
             **({"time": ""} if _has_other_times(frame, found, given) else {}),
             **({"trial": trial} if trial and trial != "trial" else {}),
         },
@@ -519,7 +519,7 @@ def assigned(
     # Columns of a motion along a line, or of one about an axis: those for which more speaks.
     quantities = [q for q in NAMES if not (by_current and q == "force")]
     kinds = [_by_kind(frame, left, taken, quantities, turning, units) for turning in (False, True)]
-    taken = max(kinds, key=lambda found: sum(one.score for one in found.values()))
+    taken = max(kinds, key=lambda found: sum(item.score for item in found.values()))
     if "current" in taken and "force" in taken:
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
     if "time" not in taken and "force" in taken and "velocity" in taken and "friction" not in taken:
@@ -542,13 +542,13 @@ def _of_servo(
     """Return the family of servos whose registers were read, and these with their units."""
     servo = robots.servo_of(frame.names)
     raw = {
-        quantity: replace(one, unit=servo.units[quantity], stated=False, why=servo.why)
-        for quantity, one in found.items()
+        quantity: replace(column, unit=servo.units[quantity], stated=False, why=servo.why)
+        for quantity, column in found.items()
         if servo is not None
         and quantity in servo.units
         and quantity not in units
-        and one.unit is None
-        and robots.are_counts(frame.data[frame.names[one.name]])
+        and column.unit is None
+        and robots.are_counts(frame.data[frame.names[column.name]])
     }
     if servo is None or not {"position", "reference"} & found.keys():
         return None, dict(found)
@@ -573,23 +573,23 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
         )
     steps = ", as its steps are 360/4096 degrees" if first.unit is None else ""
     return {
-        q: replace(one, unit=first.unit or "deg", stated=False, why=f"{one.why}{steps}")
-        for q, one in moving.items()
-        if one.unit is None and not is_of(first.unit or "deg", "count")
+        q: replace(column, unit=first.unit or "deg", stated=False, why=f"{column.why}{steps}")
+        for q, column in moving.items()
+        if column.unit is None and not is_of(first.unit or "deg", "count")
     }
 
 
-def _numbers(frame: Frame, one: Found) -> measurement.Array:
+def _numbers(frame: Frame, candidate: Found) -> measurement.Array:
     """Return the numbers of a column, NaN where there are none."""
-    column = frame.data[frame.names[one.name]]
+    column = frame.data[frame.names[candidate.name]]
     return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
 
 
-def _stays(frame: Frame, one: Found) -> bool:
+def _stays(frame: Frame, column: Found) -> bool:
     """Whether a column that nobody named has one value throughout."""
-    numbers = _numbers(frame, one)
+    numbers = _numbers(frame, column)
     known = numbers[np.isfinite(numbers)]
-    return one.why != "as given" and bool(np.all(known == known[:1]))
+    return column.why != "as given" and bool(np.all(known == known[:1]))
 
 
 def _are_of_sensor(taken: Mapping[str, Found]) -> bool:
@@ -643,12 +643,12 @@ def _by_kind(
         ]
         if _is_of_kind(found, quantity, turning)
     ]
-    for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
+    for _, _, quantity, found in sorted(offers, key=lambda offer: offer[:2], reverse=True):
         alike = quantity in taken and found.name != taken[quantity].name
         alike = alike and not _stays(frame, found)
         if alike and found.score == taken[quantity].score and quantity not in given:
             taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, found.name))
-        if quantity in taken or found.name in {one.name for one in taken.values()}:
+        if quantity in taken or found.name in {column.name for column in taken.values()}:
             continue
         if "force" in taken and quantity == "current" and taken["force"].score >= PART:
             continue  # measured as well, but the force is what is wanted
@@ -721,8 +721,8 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     rivals = [other for other in NAMES if not fits or is_unit_of(unit or "", other)]
     most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
-        told = any(part in PREFERRED for part in parts_of(bare))
-        return score + fits + 0.1 * told, why
+        preferred = any(part in PREFERRED for part in parts_of(bare))
+        return score + fits + 0.1 * preferred, why
     if counts and not bare:
         return BY_UNIT, "by its name"
     by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
@@ -805,8 +805,8 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     if len(name) > LONGEST_HEADER:
         return name, None
     found = [style.fullmatch(name) for style in STYLES]
-    words = {one["unit"].strip() for one in found[SURE:] if one}
-    parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
+    words = {hit["unit"].strip() for hit in found[SURE:] if hit}
+    parts = [(hit["name"], hit["unit"].strip()) for hit in found if hit and is_unit(hit["unit"])]
     parts = [part for part in parts if not (part[1] in words and part[1] in CALENDAR)]
     own = [part for part in parts if is_unit_of(part[1], quantity)]
     if not own and (rate := RATE.fullmatch(name)):  # speed_mm_s
@@ -990,24 +990,24 @@ def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict
     """Return columns with the units that gains with a unit make of theirs: 9 mm/rad of rpm."""
     units = {q: str(gain[q]).partition(" ")[2] for q in found if isinstance(gain.get(q), str)}
     return {
-        q: replace(one, unit=f"{units[q]} * {one.unit}") if one.unit and units.get(q) else one
-        for q, one in found.items()
+        q: replace(read, unit=f"{units[q]} * {read.unit}") if read.unit and units.get(q) else read
+        for q, read in found.items()
     }
 
 
 def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
-    for quantity, one in found.items():
+    for quantity, column in found.items():
         kinds = UNITS.get(quantity, ())
-        if one.unit and len(kinds) > 1:
-            straight, turns = (is_of(one.unit, kind) for kind in kinds[:2])
+        if column.unit and len(kinds) > 1:
+            straight, turns = (is_of(column.unit, kind) for kind in kinds[:2])
             if straight or turns:
                 return turns
     unit = motor_constant.strip().partition(" ")[2] if isinstance(motor_constant, str) else ""
     if unit:
         return is_of(unit, "N m/A")
     still = ("time", "load", "temperature")
-    moving = [one.name.casefold() for q, one in found.items() if q not in still]
+    moving = [candidate.name.casefold() for q, candidate in found.items() if q not in still]
     if any(joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving):
         return True  # coordinates of the joints of a robot
     return any(word in name for name in moving for word in TURNING)
@@ -1019,12 +1019,12 @@ def _with_unit(motor_constant: float | str, unit: str) -> str:
     return text if " " in text else f"{text} {unit}"
 
 
-def column_text(one: Found, column: Column = "") -> str:
+def column_text(candidate: Found, column: Column = "") -> str:
     """Return where a quantity was found, in words; a position may have two columns."""
-    unit = f" in {one.unit}" if one.unit else ""
+    unit = f" in {candidate.unit}" if candidate.unit else ""
     if column and not isinstance(column, str):
-        return f"columns {joined(list(map(repr, column)))}{unit}, {one.why}"
-    return f"column {one.name!r}{unit}, {one.why}"
+        return f"columns {joined(list(map(repr, column)))}{unit}, {candidate.why}"
+    return f"column {candidate.name!r}{unit}, {candidate.why}"
 
 
 def rate_text(times: measurement.Array) -> str:
@@ -1061,21 +1061,21 @@ def _is_steady(frame: Frame, found: Mapping[str, Found], times: measurement.Arra
     return bool(full.sum() > 1) and are_steady_readings(*(row[full] for row in rows))
 
 
-def times_of(frame: Frame, one: Found) -> measurement.Array | None:
+def times_of(frame: Frame, offer: Found) -> measurement.Array | None:
     """Return the times of a record [s], NaN where there are none."""
-    key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
+    key = next((k for k in frame.names if offer.name in (k, frame.names[k])), None)
     if key is None:
         return None
     column = frame.data[frame.names[key]]
     if not pd.api.types.is_numeric_dtype(column.dtype):
         return text_layout.seconds_of(column)
     values = column.to_numpy(dtype=float)
-    if one.unit and not is_unit_of(one.unit, "time"):
+    if offer.unit and not is_unit_of(offer.unit, "time"):
         raise InputError(
-            f"{frame.file}: the column {shown(one.name)} is in {one.unit}, which is no unit of"
+            f"{frame.file}: the column {shown(offer.name)} is in {offer.unit}, which is no unit of"
             " time: give its unit, as --unit time=s, or name another column."
         )
-    return values * (factor(one.unit, "s") if one.unit else 1.0)
+    return values * (factor(offer.unit, "s") if offer.unit else 1.0)
 
 
 def repairs_of(
@@ -1100,9 +1100,9 @@ def _full_rows(frame: Frame, found: Mapping[str, Found]) -> NDArray[np.bool_]:
     """Return which rows have a finite number, or a text, in all columns that are read."""
     headers = [
         frame.names[key]
-        for one in found.values()
+        for column in found.values()
         for key in frame.names
-        if one.name in (key, frame.names[key])
+        if column.name in (key, frame.names[key])
     ]
     cells = frame.data[headers]
     return ~(cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=1).to_numpy()
@@ -1157,7 +1157,7 @@ def restarts(times: measurement.Array) -> list[int]:
 def repair_text(repair: Sequence[text_layout.Repair]) -> str:
     """Return what is repaired, in words."""
     why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
-    return " and ".join(f"{one}: {why[one]}" for one in repair)
+    return " and ".join(f"{name}: {why[name]}" for name in repair)
 
 
 def _is_raw(unit: str | None) -> bool:
@@ -1174,10 +1174,10 @@ def _gain(quantity: str, turning: bool, unit: str | None) -> str:
 
 def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
     """Return the columns without those of further joints: q2 does not go with tau1."""
-    known = [one for one in given.values() if isinstance(one, str)]
+    known = [name for name in given.values() if isinstance(name, str)]
     inputs = inputs_in([*frame.names])
     names = [name for name in frame.names if name and (name in known or name not in inputs)]
-    wanted = next((numbered(one)[1] for one in known if numbered(one)[1]), "")
+    wanted = next((numbered(name)[1] for name in known if numbered(name)[1]), "")
     joint = wanted or next(iter(joints_in(names)), "")
     if not joint:
         return names
@@ -1275,7 +1275,7 @@ def trial_column(
     """
     if "trial" in given:
         return str(given["trial"]), "as given"
-    taken = {one.name for one in found.values()}
+    taken = {column.name for column in found.values()}
     begins = [] if times is None else restarts(times)
     apart = ""
     for name in frame.names:
@@ -1297,7 +1297,7 @@ def trial_column(
 
 def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[str, ...]:
     """Return the columns that seem to hold a condition."""
-    taken = {*(one.name for one in found.values()), trial}
+    taken = {*(column.name for column in found.values()), trial}
     return tuple(
         name
         for name in frame.names
@@ -1334,17 +1334,17 @@ def changing_temperature(
         if unit is None or unit in KELVINS
     ]
     if found:
-        yield "temperature", replace(found[0], others=tuple(one.name for one in found[1:]))
+        yield "temperature", replace(found[0], others=tuple(column.name for column in found[1:]))
 
 
 def contact_inputs(frame: Frame, taken: Mapping[str, Found]) -> Iterator[tuple[str, Found]]:
     """Yield what else friction may depend on, from columns that are named so and have no holes."""
-    names = {one.name for one in taken.values()}
-    for quantity in (one for one in INPUTS if one not in taken):
-        own = [one for one in _input_offers(frame, quantity) if one.name not in names]
-        full = [one for one in own if _is_full(frame, one.name)]
+    names = {column.name for column in taken.values()}
+    for quantity in (name for name in INPUTS if name not in taken):
+        own = [column for column in _input_offers(frame, quantity) if column.name not in names]
+        full = [column for column in own if _is_full(frame, column.name)]
         if full:
-            yield quantity, replace(full[0], others=tuple(one.name for one in full[1:]))
+            yield quantity, replace(full[0], others=tuple(column.name for column in full[1:]))
 
 
 def _input_offers(frame: Frame, quantity: str) -> Iterator[Found]:
@@ -1376,7 +1376,7 @@ def _is_full(frame: Frame, name: str) -> bool:
 def _temperature_unit(name: str, stated: str | None) -> str | None:
     """Return the unit of a column of temperatures, in the header or in its name; C is no charge."""
     spelt = [stated] if stated else [m["unit"] for style in STYLES if (m := style.fullmatch(name))]
-    return next((CELSIUS if one == "C" else one for one in spelt if one in ("C", *KELVINS)), stated)
+    return next((CELSIUS if key == "C" else key for key in spelt if key in ("C", *KELVINS)), stated)
 
 
 def _has_one_value(part: Frame, name: str) -> bool:
@@ -1426,7 +1426,7 @@ def _doubts(
     """Yield what was assumed."""
     joints = joints_in([name for name in frame.names if name])
     if len(joints) > 1:
-        moving = next((one.name for q, one in found.items() if q in ("position", "velocity")), "")
+        moving = next((read.name for q, read in found.items() if q in ("position", "velocity")), "")
         own = numbered(moving)[1] or next(iter(joints))
         yield (
             f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
@@ -1491,7 +1491,7 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
         return {}
     if not is_unit_of(first.unit, "position"):  # its gain makes a position of it
         return {}
-    taken = {one.name for one in found.values()}
+    taken = {column.name for column in found.values()}
     x = _values(frame, first)
     for name in _of_one_joint(frame, {"position": first.name}):
         for other in _offers(frame, name, "position") if name not in taken else ():
@@ -1524,28 +1524,28 @@ def _second_positions(frame: Frame, found: Mapping[str, Found]) -> dict[str, str
     return said
 
 
-def _values(frame: Frame, one: Found) -> measurement.Array:
+def _values(frame: Frame, candidate: Found) -> measurement.Array:
     """Return a column (n,) of positions [m] or [rad], from any zero."""
-    column = frame.data[frame.names[one.name]].to_numpy(dtype=float)
-    return column * factor(one.unit, one.unit_in_si) if one.unit else column
+    column = frame.data[frame.names[candidate.name]].to_numpy(dtype=float)
+    return column * factor(candidate.unit, candidate.unit_in_si) if candidate.unit else column
 
 
 def _left_out(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield which columns of inputs of the contact are left out for their holes."""
     for quantity in INPUTS:
-        for one in _input_offers(frame, quantity):
-            if quantity not in found and not _is_full(frame, one.name):
+        for column in _input_offers(frame, quantity):
+            if quantity not in found and not _is_full(frame, column.name):
                 yield (
-                    f"The column {one.name!r} seems to be the {quantity}, on which friction may"
+                    f"The column {column.name!r} seems to be the {quantity}, on which friction may"
                     " depend, but has empty cells: it is left out. To read only the rows that have"
-                    f" it, name it, as --columns {quantity}={one.name!r}."
+                    f" it, name it, as --columns {quantity}={column.name!r}."
                 )
 
 
 def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
-        taken = {one.name for one in found.values()}
+        taken = {column.name for column in found.values()}
         drives = [name for name in frame.names if name not in taken and _may_drive(frame, name)]
         yield (
             f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"

@@ -105,11 +105,11 @@ def read_labview(text: str) -> Table:
         commas = any("," in line for line in segments[0].rows)
         decimal = "," if commas and separator == "\t" else "."
     kept = [segment for segment in segments if [*segment.names] == [*segments[0].names]]
-    parts = [_channels(one, separator, decimal) for one in kept]
+    parts = [_channels(segment, separator, decimal) for segment in kept]
     tables = [data for data, _ in parts]
     remarks, lost = [], (*_cut(kept),)
     if len(kept) < len(segments):
-        other = dict.fromkeys(n for one in segments if one not in kept for n in one.names if n)
+        other = dict.fromkeys(n for part in segments if part not in kept for n in part.names if n)
         remarks.append(
             f"{count(len(segments) - len(kept), 'segment')} of {len(segments)} have other channels"
             f" ({joined([*map(shown, [*other][:8])])}) than the first, and are not read."
@@ -352,11 +352,11 @@ def _names(head: Mapping[str, Sequence[str]], width: int) -> tuple[Sequence[str]
         raise InputError(f"has {len(names)} names and {width} columns of {SCOPE}.")
     often = Counter(names)
     several = [often[name] > 1 and symbols[i : i + 1] != [""] for i, name in enumerate(names)]
-    told = [
+    headers = [
         symbols[i] if again and len(symbols) == width else name
         for i, (name, again) in enumerate(zip(names, several, strict=True))
     ]
-    return numbered_twice(told), remarks
+    return numbered_twice(headers), remarks
 
 
 def _channel_units(head: Mapping[str, Sequence[str]], width: int) -> Sequence[str]:
@@ -426,9 +426,9 @@ def read_serial(text: str) -> Table:
     found = [match for line in text.lstrip("\ufeff").splitlines() if (match := _LINE.match(line))]
     texts = [match["text"].strip() for match in found]
     separator = next(
-        (mark for mark in MONITOR_SEPARATORS if sum(mark in one for one in texts) > 1), ";"
+        (mark for mark in MONITOR_SEPARATORS if sum(mark in text for text in texts) > 1), ";"
     )
-    cells = [cells_of(one, separator) for one in texts]
+    cells = [cells_of(text, separator) for text in texts]
     labels = [[_LABELLED.fullmatch(cell) for cell in row] for row in cells]
     values = [
         [match["value"] if match else cell for match, cell in zip(own, row, strict=True)]
@@ -528,7 +528,7 @@ def read_tribometer(text: str) -> Table:
     lines = text.lstrip("\ufeff").splitlines()
     separator = max(STEP_SEPARATORS, key=lambda mark: sum(line.count(mark) for line in lines[:500]))
     found = [*_sections(lines, separator)]
-    sections = [one for one in found if one.names]
+    sections = [section for section in found if section.names]
     if not sections:
         raise InputError(
             f"has no rows of {TRIBOMETER}: names of columns, perhaps a row of units, then numbers."
@@ -536,22 +536,22 @@ def read_tribometer(text: str) -> Table:
     often = Counter(section.names for section in sections).most_common(1)[0][0]
     kept = [section for section in sections if section.names == often]
     decimal = "," if separator != "," and any("," in row for row in kept[0].rows) else "."
-    units = [_step_units(one) for one in kept]
+    units = [_step_units(section) for section in kept]
     alike = [_are_alike(own, units[0]) for own in units]
     tables = [
-        _table(one, own, units[0], separator, decimal)
-        for one, own, fits in zip(kept, units, alike, strict=True)
+        _table(section, own, units[0], separator, decimal)
+        for section, own, fits in zip(kept, units, alike, strict=True)
         if fits
     ]
-    others = [one for one, fits in zip(kept, alike, strict=True) if not fits]
-    kept = [one for one in kept if one not in others]
+    others = [section for section, fits in zip(kept, alike, strict=True) if not fits]
+    kept = [section for section in kept if section not in others]
     lost = _without_rows(lines, sections)
     others = [section for section in sections if section.names != often or section in others]
     if others:
         labels = [other.label or str(sections.index(other) + 1) for other in others]
         lost.append(f"Steps with other columns, or units of another kind: {joined(labels)}.")
     remarks = []
-    labels = [one.label or str(number) for number, one in enumerate(kept, 1)]
+    labels = [section.label or str(number) for number, section in enumerate(kept, 1)]
     if len(set(labels)) < len(labels):  # each run counts its steps anew
         labels = [str(number) for number in range(1, len(kept) + 1)]
     if len(tables) > 1:
@@ -563,7 +563,7 @@ def read_tribometer(text: str) -> Table:
         remarks.append(f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps)}.")
     data, told = _with_sliding_speed(data, lines, separator)
     data, said = _from_slip(data)
-    if nameless := sum(len(one.rows) for one in found if not one.names):
+    if nameless := sum(len(section.rows) for section in found if not section.names):
         lost.append(f"{count(nameless, 'row')} below no names of columns: not read.")
     return Table(data=data, remarks=(*remarks, *told, *said), lost=tuple(lost))
 
@@ -612,9 +612,9 @@ def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[st
     """Return what is said of steps below whose number there are no two rows."""
     found = [match for line in lines if (match := _STEP.match(line))]
     kinds = {
-        one.lastgroup for one in found if one[one.lastgroup or 0] in {s.label for s in sections}
+        hit.lastgroup for hit in found if hit[hit.lastgroup or 0] in {s.label for s in sections}
     }
-    missed = Counter(one[one.lastgroup or 0] for one in found if one.lastgroup in kinds)
+    missed = Counter(hit[hit.lastgroup or 0] for hit in found if hit.lastgroup in kinds)
     missed -= Counter(section.label for section in sections)
     return [
         f"Step {label} has no table of {FEWEST_IN_STEP} rows or more and is left out."
@@ -636,7 +636,7 @@ def _step_units(section: _Section) -> list[str]:
 def _are_alike(units: Sequence[str], first: Sequence[str]) -> bool:
     """Whether units are those of another step, or of their kinds."""
     pairs = zip(units, first, strict=True)
-    return all(own == one or (bool(own and one) and is_of(own, one)) for own, one in pairs)
+    return all(own == pair or (bool(own and pair) and is_of(own, pair)) for own, pair in pairs)
 
 
 def _table(

@@ -105,11 +105,11 @@ def guess_robot(
     unknown = next((remark for remark in frame.remarks if NO_RADIANS in remark), "")
     if unknown and "position" not in (units or {}):
         raise InputError(f"{file}: {lower_first(unknown)}")
-    times = next((one for q, one in guess.assigned(frame, {}, {}).items() if q == "time"), None)
+    times = next((offer for q, offer in guess.assigned(frame, {}, {}).items() if q == "time"), None)
     if times is None:
         raise InputError(f"{file}: no column seems to hold times: is it a log of a robot?")
     found, doubts = _matched(frame, times.name, kinds, units or {}, Path(urdf).name)
-    joints = [replace(one, numbers=dict(_numbers(frame, one, units or {}))) for one in found]
+    joints = [replace(joint, numbers=dict(_numbers(frame, joint, units or {}))) for joint in found]
     driven = any(joint.driven for joint in joints)
     moving = [joint for joint in joints if joint.moves and (joint.driven or not driven)]
     if not moving:
@@ -131,7 +131,7 @@ def guess_robot(
     reasons |= {joint.coordinate: _joint_text(joint, delays) for joint in joints}
     if repair:
         reasons["repair"] = guess.repair_text(repair)
-    current = [one.coordinate for one in moving if "current" in one.columns]
+    current = [joint.coordinate for joint in moving if "current" in joint.columns]
     return guess.Guess(
         file=str(path),
         layout=layout,
@@ -141,14 +141,14 @@ def guess_robot(
         },
         units=dict(_units(columns, units or {})),
         motor_constant={
-            one.coordinate: "1 N m/A" if one.turns else "1 N/A"
-            for one in moving
-            if one.coordinate in current
+            joint.coordinate: "1 N m/A" if joint.turns else "1 N/A"
+            for joint in moving
+            if joint.coordinate in current
         },
         repair=repair,
-        turning=all(one.turns for one in moving),
+        turning=all(joint.turns for joint in moving),
         robot=str(urdf),
-        moving=tuple(one.name for one in moving),
+        moving=tuple(joint.name for joint in moving),
         locked=locked,
         delays=delays,
         reasons=reasons,
@@ -179,8 +179,8 @@ def _matched(
     pairs = {key: own[key] for key in logged if key in own}
     if not pairs and all(key.isdigit() for key in logged):
         pairs = _numbered(sorted(logged, key=int), [*own.values()])
-        told = joined([f"{key} is {name!r}" for key, name in pairs.items()])
-        doubts += [f"The log numbers its joints, so that it is assumed: {told}."] * bool(pairs)
+        pairing = joined([f"{key} is {name!r}" for key, name in pairs.items()])
+        doubts += [f"The log numbers its joints, so that it is assumed: {pairing}."] * bool(pairs)
     if not pairs:
         raise InputError(
             f"{frame.file}: has the joints {joined([*logged])}, and {urdf} has"
@@ -259,8 +259,8 @@ def _logged(
             if name == clock or guess.numbered(name)[1] == key
         }
         found = guess.assigned(replace(frame, names=part), {"time": clock}, {})
-        own = {what: one for what, one in found.items() if what in (*_WITH_CURRENT, "reference")}
-        taken = {one.name for one in found.values()}
+        own = {what: read for what, read in found.items() if what in (*_WITH_CURRENT, "reference")}
+        taken = {column.name for column in found.values()}
         own |= guess.changing_temperature(
             [replace(frame, names=part)], [name for name in part if name not in taken]
         )
@@ -356,18 +356,18 @@ def lag_of(times: Array, wanted: Array, measured: Array) -> float | None:
     even = np.arange(times[0], times[-1], step)
     over = max(1, round(WINDOW / step))
     own = _between_commands(times, wanted[good][first]), (times, measured[good][first])
-    places = [np.interp(even, *one) for one in own]
+    places = [np.interp(even, *pair) for pair in own]
     if even.size < 4 * over:
         return None
-    u, x = (one[over:] - one[:-over] for one in places)
-    sizes = [float(np.max(np.abs(one))) for one in (u, x)]
+    u, x = (place[over:] - place[:-over] for place in places)
+    sizes = [float(np.max(np.abs(array))) for array in (u, x)]
     if not all(0.0 < size < np.inf for size in sizes):
         return None
     u, x = u / sizes[0], x / sizes[1]
     lags = correlation_lags(x.size, u.size)
     near = np.abs(lags) <= min(int(LATEST / step) + 1, u.size // 2)
     # Of each lag, the energy of both where they overlap.
-    energy = [np.append(0.0, np.cumsum(one**2)) for one in (u, x)]
+    energy = [np.append(0.0, np.cumsum(array**2)) for array in (u, x)]
     late, early = np.maximum(lags[near], 0), np.maximum(-lags[near], 0)
     of_u = energy[0][u.size - late] - energy[0][early]
     of_x = energy[1][x.size - early] - energy[1][late]
@@ -431,7 +431,7 @@ def _doubts(
             "The log has no effort and no current: `stickslip check` examines it, but friction"
             " cannot be fitted without what drives the joints."
         )
-    if any("position" in one.columns and one.columns["position"].unit is None for one in moving):
+    if any("position" in part.columns and part.columns["position"].unit is None for part in moving):
         yield (
             "Positions have no unit: rad is assumed, and m of joints that slide, as in messages of"
             " ROS. If they are in degrees: --unit position=deg."

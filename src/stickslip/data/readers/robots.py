@@ -148,7 +148,7 @@ def are_degrees(positions: Sequence[Array]) -> bool:
     gaps = [np.diff(np.unique(position)) for position in positions]
     moved = [gap for gap in gaps if gap.size >= FEWEST]
     return bool(moved) and any(
-        all(np.mean(np.abs(one / step - np.rint(one / step)) < WHOLE) > MOST for one in moved)
+        all(np.mean(np.abs(array / step - np.rint(array / step)) < WHOLE) > MOST for array in moved)
         for step in STEPS
     )
 
@@ -167,7 +167,7 @@ def with_signs(data: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     for name in data.columns if servo is not None else ():
         if SIGNED.fullmatch(register_name(str(name))) and are_counts(data[name]):
             signed[name] = _signed(data[name], bool(servo and servo.sign_bit))
-    changed = [name for name, one in signed.items() if not one.equals(data[name])]
+    changed = [name for name, column in signed.items() if not column.equals(data[name])]
     if servo is None or not changed:
         return data, []
     how = "bit 15 is the sign" if servo.sign_bit else "negative numbers are two's complements"
@@ -230,16 +230,16 @@ def read_servo(path: Path, _names: Collection[str] = ()) -> Table:
     """Return the entries of a log as rows, what is no number left out."""
     found = read_json(path)
     entries = found.get("entries") if isinstance(found, dict) else None
-    if not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise InputError(
             f"{path}: has no list of entries, as logs of servos by Rhoban/bam and K-Scale have:"
             " save other JSON as CSV or Parquet."
         )
-    names = [*dict.fromkeys(name for one in entries for name in one)]
+    names = [*dict.fromkeys(name for entry in entries for name in entry)]
     check_size(str(path), float(len(entries) * len(names)), "split the log")
     for name in ("timestamp", "position"):
         if entries and name not in names:
-            listed = joined([shown(one) for one in names])
+            listed = joined([shown(heading) for heading in names])
             raise InputError(f"{path}: its entries have no {name!r}; they have {listed}.")
     columns = {
         COLUMNS.get(name, name): [_number(entry.get(name)) for entry in entries] for name in names
@@ -261,19 +261,19 @@ def _number(value: Any) -> float:
 
 def _servo_remarks(found: Mapping[str, Any], names: Collection[str]) -> tuple[str, ...]:
     """Return what the file states of the rig, and what its numbers are not."""
-    told = [
+    stated = [
         f"{name} {number(_number(found[name]), 4)} {unit}".rstrip()
         for name, unit in SETTINGS.items()
         if not isinstance(found.get(name), bool) and np.isfinite(_number(found.get(name)))
     ]
     words = [f"{name} {found[name]}" for name in ("motor", "trajectory") if name in found]
     said = []
-    if told or words:
+    if stated or words:
         said.append(
-            f"The file states {joined([*words, *told])}: an axis is assumed, and a pendulum with"
+            f"The file states {joined([*words, *stated])}: an axis is assumed, and a pendulum with"
             " such a mass at the end of its arm is a mechanism of type pendulum."
         )
-    raw = [one for one in ("load", "torque", "current") if one in names]
+    raw = [heading for heading in ("load", "torque", "current") if heading in names]
     if raw:
         said.append(
             f"{joined(raw)} of the servo: what the firmware reports has no stated unit, and is not"
@@ -356,7 +356,7 @@ def _info(path: Path) -> Mapping[str, Any]:
     fps = found.get("fps")
     if isinstance(fps, bool) or not isinstance(fps, int | float) or not 0.0 < fps < 1e6:
         raise InputError(f"{path}: fps must be a number of frames per second, got {fps!r}.")
-    if not all(isinstance(one, dict) for one in found["features"].values()):
+    if not all(isinstance(feature, dict) for feature in found["features"].values()):
         raise InputError(f"{path}: each of the features must be a table with its names and shape.")
     return found
 
@@ -368,7 +368,7 @@ def _part(path: Path, names: Collection[str]) -> tuple[dict[str, Array], float]:
     with parsed_as(path, "a Parquet file"):
         with open_regular(path) as stream, pq.ParquetFile(stream) as file:
             size = check_parquet(str(path), file, names)
-            missing = [one for one in names if one not in file.schema_arrow.names]
+            missing = [heading for heading in names if heading not in file.schema_arrow.names]
             if missing:
                 listed = ", ".join(file.schema_arrow.names)
                 raise InputError(f"{path}: has no column {missing[0]!r}; there are {listed}.")
@@ -417,16 +417,16 @@ def _columns(
     """Yield the numbers of a feature by quantity and joint."""
     names = _names(feature.get("names"), values.shape[1])
     found: dict[str, Array] = {}
-    for place, one in enumerate(names):
-        stem, _, end = one.rpartition(".")
+    for place, heading in enumerate(names):
+        stem, _, end = heading.rpartition(".")
         known = ENDS.get(end, "") if stem else ""
         what = known or FEATURES[name]
         if name == "action":
             what = "reference" if known in ("", "position") else f"command.{known}"
-        joint = coordinate_of(stem if known else one)
+        joint = coordinate_of(stem if known else heading)
         column = f"{what}.{joint}"
         if not joint or column in found:
-            raise InputError(f"{path}: the names of {name} have {one!r} twice, or empty.")
+            raise InputError(f"{path}: the names of {name} have {heading!r} twice, or empty.")
         found[column] = values[:, place]
     yield from found.items()
 
@@ -438,7 +438,7 @@ def _names(given: Any, size: int) -> list[str]:
     if isinstance(given, dict) and len(given) == size:
         given = [*given]
     named = isinstance(given, list) and len(given) == size
-    if named and all(isinstance(one, str) and one for one in given):
+    if named and all(isinstance(name, str) and name for name in given):
         return [*given]
     return [f"motor_{place}" for place in range(size)]
 
@@ -470,7 +470,7 @@ def _data_set_remarks(columns: Mapping[str, Array]) -> Iterator[str]:
 def _positions(columns: Mapping[str, Array]) -> list[Array]:
     """Return the known positions (n,) of each joint that has some."""
     known = [x[np.isfinite(x)] for name, x in columns.items() if name.startswith("position.")]
-    return [one for one in known if one.size]
+    return [array for array in known if array.size]
 
 
 def _largest(columns: Mapping[str, Array]) -> float:

@@ -73,12 +73,12 @@ def format_of(path: Path) -> Format | None:
     (True, None)
     """
     name = path.name.lower()
-    return next((one for one in FORMATS if name.endswith(one.endings)), None)
+    return next((form for form in FORMATS if name.endswith(form.endings)), None)
 
 
 def data_file(path: Path) -> Path:
     """Return the file to read of a folder that holds a log; a file as it is."""
-    inside = (path / one.within for one in FORMATS if one.within)
+    inside = (path / form.within for form in FORMATS if form.within)
     return next((file for file in inside if file.is_file()), path)
 
 
@@ -103,7 +103,7 @@ def log_files(path: Path) -> list[Path]:
     if known is None or not known.within:
         return [file]
     folder = file.parents[len(Path(known.within).parts) - 1]
-    return [file, *(one for pattern in known.beside for one in sorted(folder.glob(pattern)))]
+    return [file, *(place for pattern in known.beside for place in sorted(folder.glob(pattern)))]
 
 
 # Columns of CSV, Parquet and MATLAB files, by the quantity they hold.
@@ -298,7 +298,7 @@ def read_frame(
             f"{file}: a layout is that of a text file, such as .csv: leave it out."
         )
     if known is None:
-        *endings, last = (ending for one in FORMATS for ending in one.endings)
+        *endings, last = (ending for form in FORMATS for ending in form.endings)
         raise errors.InputError(
             f"{file}: must be a {', '.join(endings)} or {last} file, got"
             f" {path.suffix or 'no file extension'}. Save other spreadsheets as CSV."
@@ -383,7 +383,7 @@ def _named(
     _recognise(names, found_units, of_run=not columns and names.keys() >= RUN)
     for name, unit in units.items():
         if name not in names:
-            known = [one for one in names if one != SECOND]
+            known = [label for label in names if label != SECOND]
             raise errors.UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
     for word, quantity in TURNING.items():

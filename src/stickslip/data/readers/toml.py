@@ -62,7 +62,7 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
 
 def _siblings(path: Path) -> str:
     try:
-        same = sorted(one.name for one in path.parent.iterdir() if one.suffix == path.suffix)
+        same = sorted(file.name for file in path.parent.iterdir() if file.suffix == path.suffix)
     except OSError:
         return f"The folder {path.parent} does not exist either."
     if not same:
@@ -171,7 +171,7 @@ def paths_of(node: Any, prefix: str = "") -> Iterator[str]:
     for key, value in inner:
         path = f"{prefix}{key}"
         tables = isinstance(value, Mapping) and "value" not in value
-        if tables or (isinstance(value, list) and any(isinstance(one, dict) for one in value)):
+        if tables or (isinstance(value, list) and any(isinstance(entry, dict) for entry in value)):
             yield from paths_of(value, f"{path}.")
         else:
             yield path

@@ -128,12 +128,12 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
     commanded position; all others by topic and path, as /motor/current/data. Times are those of the
     joints of which there are most samples; other signals are interpolated there.
     """
-    states = [one for one in log.topics if one.shape and one.messages]
-    asked = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
-    used = {state.name: state for state in (*states, *asked.values())}
+    states = [topic for topic in log.topics if topic.shape and topic.messages]
+    wanted = {name: topic for name in names if (topic := _topic_of(name, log.topics))}
+    used = {state.name: state for state in (*states, *wanted.values())}
     if not used:
         raise InputError(f"{file}: {_nothing(log.topics)}")
-    total = sum(one.messages for one in used.values())
+    total = sum(topic.messages for topic in used.values())
     check_size(file, 8.0 * total, CURE)
     collected = {name: _Collected() for name in used}
     for name, logged, message in log.messages(list(used)):
@@ -141,14 +141,14 @@ def table_of(log: Log, file: str, names: Collection[str] = ()) -> Table:
         collected[name].add(logged, message, columns, values)
         collected[name].check(file, name)
     lost = [*_lost(used, collected)]
-    if not any(one.logged for one in collected.values()):
+    if not any(topic.logged for topic in collected.values()):
         raise InputError(f"{file}: {lost[0]}")
-    collected = {name: one for name, one in collected.items() if one.logged}
-    stamped = all(all(one.stamped) for one in collected.values())
+    collected = {name: topic for name, topic in collected.items() if topic.logged}
+    stamped = all(all(topic.stamped) for topic in collected.values())
     signals = [
         signal
-        for name, one in collected.items()
-        for signal in _signals(used[name], one, stamped=stamped)
+        for name, topic in collected.items()
+        for signal in _signals(used[name], topic, stamped=stamped)
     ]
     return _Joined(file=file, signals=signals, names=names).table(
         _clock_remarks(collected, stamped), lost
@@ -198,7 +198,7 @@ class _Joined:
 
     def table(self, remarks: Sequence[str], lost: Sequence[str]) -> Table:
         """Return the table, its times those of most samples."""
-        wanted = {one.column: one for one in self._measured()}
+        wanted = {signal.column: signal for signal in self._measured()}
         if not wanted:
             wanted = {
                 _full(signal): signal for signal in self.signals if _full(signal) in self.names
@@ -254,31 +254,31 @@ class _Joined:
             if state.column.startswith("force.") and np.isfinite(state.values).any()
         }
 
-        def order(one: _Signal) -> tuple[bool, int]:
-            return (one.topic, one.column.partition(".")[2]) not in efforts, -one.rows.size
+        def order(signal: _Signal) -> tuple[bool, int]:
+            return (signal.topic, signal.column.partition(".")[2]) not in efforts, -signal.rows.size
 
-        for one in sorted(states, key=order):  # stable
-            joint = one.column.partition(".")[2]
-            found.setdefault(joint, one)
-        topics = {joint: one.topic for joint, one in found.items()}
+        for channel in sorted(states, key=order):  # stable
+            joint = channel.column.partition(".")[2]
+            found.setdefault(joint, channel)
+        topics = {joint: signal.topic for joint, signal in found.items()}
         return [state for state in states if topics[state.column.partition(".")[2]] == state.topic]
 
     def _commands(self, measured: Mapping[str, _Signal]) -> dict[str, _Signal]:
         """Return the commanded positions of joints that were measured."""
         found: dict[str, _Signal] = {}
-        for one in sorted(self.signals, key=lambda one: -one.rows.size):
-            first, _, joint = one.column.partition(".")
+        for entry in sorted(self.signals, key=lambda signal: -signal.rows.size):
+            first, _, joint = entry.column.partition(".")
             if first == "reference" and f"position.{joint}" in measured:
-                found.setdefault(one.column, one)
+                found.setdefault(entry.column, entry)
         return found
 
     def _clock(self, signals: Sequence[_Signal]) -> _Signal:
         """Return a signal with the times that most samples have."""
         sizes: dict[tuple[str, bytes], int] = {}
-        for one in signals:
-            key = (one.topic, one.rows.tobytes())
-            sizes[key] = sizes.get(key, 0) + one.rows.size
-        return max(signals, key=lambda one: sizes[one.topic, one.rows.tobytes()])
+        for signal in signals:
+            key = (signal.topic, signal.rows.tobytes())
+            sizes[key] = sizes.get(key, 0) + signal.rows.size
+        return max(signals, key=lambda entry: sizes[entry.topic, entry.rows.tobytes()])
 
     def _told(self, data: Mapping[str, Any]) -> Iterator[str]:
         """Yield what is said of efforts that are missing or zero."""
@@ -286,7 +286,7 @@ class _Joined:
         without = [joint for joint in joints if f"force.{joint}" not in data]
         if without:
             yield (
-                f"No effort was recorded of {joined([shown(one) for one in without])}: friction of"
+                f"No effort was recorded of {joined([shown(key) for key in without])}: friction of"
                 " such a joint cannot be derived from this log."
             )
         zero = [
@@ -296,13 +296,13 @@ class _Joined:
         ]
         if zero:
             yield (
-                f"The effort of {joined([shown(one) for one in zero])} is 0 throughout: many"
+                f"The effort of {joined([shown(name) for name in zero])} is 0 throughout: many"
                 " drivers write 0 where they measure none, and then there is no friction to fit."
             )
 
     def _left(self, wanted: Mapping[str, _Signal]) -> Iterator[str]:
         """Yield which topics hold the same joints, and are not read."""
-        used = {one.topic for one in wanted.values()}
+        used = {signal.topic for signal in wanted.values()}
         for topic in dict.fromkeys(
             signal.topic for signal in self.signals if signal.topic not in used
         ):
@@ -313,27 +313,27 @@ class _Joined:
             )
 
 
-def _of_joint(one: _Signal) -> bool:
-    return one.column.startswith(("position.", "velocity.", "force."))
+def _of_joint(signal: _Signal) -> bool:
+    return signal.column.startswith(("position.", "velocity.", "force."))
 
 
-def _full(one: _Signal) -> str:
-    return f"{one.topic}/{one.column}"
+def _full(signal: _Signal) -> str:
+    return f"{signal.topic}/{signal.column}"
 
 
-def _at(clock: _Signal, one: _Signal) -> tuple[Array, str]:
+def _at(clock: _Signal, signal: _Signal) -> tuple[Array, str]:
     """Return a signal at the times of another, NaN in its holes, and how; not beyond its ends."""
-    if one.topic == clock.topic and np.array_equal(one.rows, clock.rows):
-        return one.values, ""
-    order = np.argsort(one.times, kind="stable")
-    times, values = one.times[order], one.values[order]
+    if signal.topic == clock.topic and np.array_equal(signal.rows, clock.rows):
+        return signal.values, ""
+    order = np.argsort(signal.times, kind="stable")
+    times, values = signal.times[order], signal.values[order]
     times, first = np.unique(times, return_index=True)
     values = values[first]
     after = np.searchsorted(times, clock.times)
     exact = times[np.minimum(after, times.size - 1)] == clock.times
     inside = (after > 0) & (after < times.size) | exact
     before = np.clip(np.where(exact, after, after - 1), 0, times.size - 1)
-    if one.held:
+    if signal.held:
         known = (after > 0) | exact  # the last command holds
         return np.where(known, values[before], np.nan), "held"
     begin = int(times[0])
@@ -353,9 +353,9 @@ def _apart(topic: str, how: str, names: Sequence[str], clock: _Signal) -> str:
     return f"{listed} of {topic} {verb} {what} each sample of {clock.topic}."
 
 
-def _rate(one: _Signal) -> str:
+def _rate(signal: _Signal) -> str:
     """Return the rate of a signal, in brackets."""
-    step = float(np.median(np.diff(one.times))) * 1e-9 if one.times.size > 1 else 0.0
+    step = float(np.median(np.diff(signal.times))) * 1e-9 if signal.times.size > 1 else 0.0
     return f" ({number(1.0 / step, 3)} Hz)" if step > 0.0 else ""
 
 
@@ -363,7 +363,7 @@ def _clock_remarks(found: Mapping[str, _Collected], stamped: bool) -> list[str]:
     """Return what is said of the clock: that of headers, unless they have none."""
     if stamped:
         return []
-    without = [name for name, one in found.items() if not all(one.stamped)]
+    without = [name for name, collected in found.items() if not all(collected.stamped)]
     some = any(any(found[name].stamped) for name in without)
     have = "has header stamps of 0" if len(without) == 1 else "have header stamps of 0"
     none = "or none" if not some else "in some messages"
@@ -447,10 +447,10 @@ def _optional(message: Any, *names: str) -> Any:
 
 def _joints(message: Any) -> Iterator[tuple[str, Any]]:
     """Yield what foxglove.JointStates holds: a list with one entry a joint."""
-    for one in _get(message, "joints"):
-        joint = joint_name(_get(one, "name"))
+    for part in _get(message, "joints"):
+        joint = joint_name(_get(part, "name"))
         for what, name in (("position", "position"), ("velocity", "velocity"), ("force", "effort")):
-            value = _optional(one, name)
+            value = _optional(part, name)
             if value is not None:
                 yield f"{what}.{joint}", value
 
@@ -462,7 +462,7 @@ def _controller(message: Any) -> Iterator[tuple[str, Any]]:
         _optional(message, *pair) for pair in (("feedback", "actual"), ("reference", "desired"))
     )
     for part, fields in ((measured, ("position", "velocity", "force")), (wanted, ("reference",))):
-        values = [_optional(part, one) for one in ("positions", "velocities", "effort")]
+        values = [_optional(part, name) for name in ("positions", "velocities", "effort")]
         yield from _by_joint(names, **dict(zip(fields, values, strict=False)))
 
 
@@ -470,8 +470,8 @@ def _interfaces(message: Any) -> Iterator[tuple[str, Any]]:
     """Yield what control_msgs/DynamicJointState holds."""
     known = {"position": "position", "velocity": "velocity", "effort": "force"}
     names, values = _get(message, "joint_names"), _get(message, "interface_values")
-    for name, one in zip(names, values, strict=True):
-        pairs = zip(_get(one, "interface_names"), _get(one, "values"), strict=True)
+    for name, entry in zip(names, values, strict=True):
+        pairs = zip(_get(entry, "interface_names"), _get(entry, "values"), strict=True)
         for interface, value in pairs:
             if interface in known:
                 yield f"{known[interface]}.{joint_name(name)}", value
@@ -520,7 +520,7 @@ def _stamp(message: Any) -> int:
 def _topic_of(name: str, topics: Sequence[Topic]) -> Topic | None:
     """Return the topic in which a column is, by the beginning of its name."""
     fitting = [topic for topic in topics if name.startswith(f"{topic.name}/")]
-    return max(fitting, key=lambda one: len(one.name), default=None)
+    return max(fitting, key=lambda topic: len(topic.name), default=None)
 
 
 def _nothing(topics: Sequence[Topic]) -> str:
@@ -528,7 +528,7 @@ def _nothing(topics: Sequence[Topic]) -> str:
     full = [topic for topic in topics if topic.messages]
     if not full:
         return "contains no messages."
-    listed = ", ".join(f"{one.name} ({one.kind}, {one.messages})" for one in full[:MOST_TOPICS])
+    listed = ", ".join(f"{part.name} ({part.kind}, {part.messages})" for part in full[:MOST_TOPICS])
     more = f" and {len(full) - MOST_TOPICS} more" if len(full) > MOST_TOPICS else ""
     return (
         f"has no topic with states of joints ({', '.join(STATES)}); its topics, with types and"

@@ -221,10 +221,10 @@ def data_options(guess: Guess) -> Iterator[str]:
     if guess.layout is not None and guess.layout != Layout():
         yield ""
         yield "[data.layout]"
-        for one in fields(Layout):
-            value = getattr(guess.layout, one.name)
-            if value != one.default:
-                yield f"{one.name} = {_toml(value)}"
+        for entry in fields(Layout):
+            value = getattr(guess.layout, entry.name)
+            if value != entry.default:
+                yield f"{entry.name} = {_toml(value)}"
 
 
 def _left_open(guess: Guess, text: str) -> str:

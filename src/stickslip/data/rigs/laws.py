@@ -56,9 +56,9 @@ def _number(
         for quantity in quantities
     ]
     others = (
-        dataclasses.replace(one, unit=unit)
-        for one, found in units
-        for unit in sorted(found - {one.unit})
+        dataclasses.replace(quantity, unit=unit)
+        for quantity, found in units
+        for unit in sorted(found - {quantity.unit})
     )
     number = Number(
         quantities[0],
@@ -94,15 +94,15 @@ def _law_table(law: type[FrictionLaw], at: ContactUnits) -> type[Table]:
 def _hint(law: type[FrictionLaw], name: str, at: ContactUnits) -> Any:
     quantity = fields_of(law).get(name)
     if quantity is not None:
-        found = {field: (key, one) for key, (field, one) in force_parameters(law).items()}
+        found = {field: (key, measured) for key, (field, measured) in force_parameters(law).items()}
         if name not in found or not quantity.per_load or at.in_forces:
             return _number([quantity], at)
-        key, one = found[name]
+        key, known_quantity = found[name]
         where = (
-            f"a value in {one.unit} stands as {key} under [{ITS_TABLE}.forces], with the"
+            f"a value in {known_quantity.unit} stands as {key} under [{ITS_TABLE}.forces], with the"
             " load at which it was measured"
         )
-        return _number([quantity], at, (one, where))
+        return _number([quantity], at, (known_quantity, where))
     return typing.get_type_hints(law, include_extras=True)[name]
 
 
@@ -135,7 +135,7 @@ def friction_table(
     shared = ContactUnits(
         "",
         turning=bool(contacts) and all(contact.turning for contact in contacts),
-        in_forces=bool(contacts) and all(one.in_forces for one in contacts),
+        in_forces=bool(contacts) and all(contact.in_forces for contact in contacts),
     )
     if len(contacts) > 1:
         alone = {one.name: friction_table(kinds, (one._replace(name=""),)) for one in contacts}
@@ -201,8 +201,8 @@ def laws_of(
     tables = [top, *(top[name] for name in contacts if isinstance(top.get(name), Mapping))]
     keys = {key for table in tables for key in table} - {*contacts}
     known = laws()
-    asked = [name for name, one in listed().items() if not one.on_request or name in keys]
-    found = {name: known[name] for name in asked} | {**more}
+    usual = [name for name, entry in listed().items() if not entry.on_request or name in keys]
+    found = {name: known[name] for name in usual} | {**more}
     lacking = keys - found.keys() - {field for kind in found.values() for field in _fields(kind)}
     if not lacking:
         return found
@@ -266,7 +266,7 @@ def known_laws(
         named=tuple(named),
         given=_GivenValues(
             {name: values for name, values in given.items() if values},
-            {key: _plain(one) for key, one in shared.items() if not isinstance(one, Table)},
+            {key: _plain(value) for key, value in shared.items() if not isinstance(value, Table)},
         ),
         assumed=assumed,
         uncertainties=uncertainties,
@@ -426,7 +426,7 @@ def _own(own: Table, law: type[FrictionLaw], file: RigFile, table: str) -> dict[
 
 def _missing(law: type[FrictionLaw], key: str, file: RigFile, at: str, table: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
-    forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
+    forces = [parameter for parameter, (field, _) in force_parameters(law).items() if field == key]
     other = f", or {forces[0]} under [{table}.forces]" if forces else ""
     return f"{file}: {table}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]{other}."
 

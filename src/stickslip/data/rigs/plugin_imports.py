@@ -72,7 +72,7 @@ def _composed(
     friction = raw.get("friction")
     if not isinstance(friction, dict):
         return
-    inner = {f"friction.{key}": one for key, one in friction.items() if isinstance(one, dict)}
+    inner = {f"friction.{key}": item for key, item in friction.items() if isinstance(item, dict)}
     if "law" in friction:  # its values are shared ones
         kind = _law(friction.pop("law"), f"{file}: friction", beside)
         friction.setdefault(kind.name, {})
@@ -147,11 +147,11 @@ def _class(path: str, where: str, beside: Path | None) -> Any:
 
 def _missing(kind: type, base: type) -> list[str]:
     """Return what a class has yet to define or to say of itself."""
-    told: tuple[str, ...] = ("name", "coordinates", "rates", "units")
+    required: tuple[str, ...] = ("name", "coordinates", "rates", "units")
     if base is FrictionLaw:
-        told = ("name", "title", "formula", "sources")
+        required = ("name", "title", "formula", "sources")
     abstract: Collection[str] = getattr(kind, "__abstractmethods__", ())
-    return [*sorted(abstract), *(one for one in told if not hasattr(kind, one))]
+    return [*sorted(abstract), *(name for name in required if not hasattr(kind, name))]
 
 
 def _module(name: str, where: str, beside: Path | None) -> ModuleType:

@@ -89,7 +89,7 @@ def read_rig(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
-    kinds = laws.laws_of(friction, [one.name for one in contacts], own.laws)
+    kinds = laws.laws_of(friction, [contact.name for contact in contacts], own.laws)
     with concerning(f"{file}:", InputError):
         kind = schema.rig_table(own.mechanism, tuple(kinds.values()), contacts)
     table = _validated(kind, raw, file)
@@ -103,10 +103,10 @@ def read_rig(
     if measurement is not None and measurements.tells_load(
         measurement
     ):  # so that levels are over it
-        over_load = tuple(one._replace(in_forces=False) for one in contacts)
+        over_load = tuple(contact._replace(in_forces=False) for contact in contacts)
         _validated(schema.rig_table(own.mechanism, tuple(kinds.values()), over_load), raw, file)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file))
-    names = tuple(one.name for one in contacts) if len(contacts) > 1 else ()
+    names = tuple(contact.name for contact in contacts) if len(contacts) > 1 else ()
     of_contacts = laws.by_contact(table.friction, names, file, kinds)
     known = rig.KnownLaws()
     if not of_contacts:
@@ -232,7 +232,7 @@ def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     """Yield paths that may be set though a file need not have them."""
     yield from ("run.t_end", "data.hold", "data.file")
     known = [raw.get("friction"), raw.get("contact")]  # some of their keys are contacts
-    tables = {name for one in known if isinstance(one, dict) for name in one}
+    tables = {name for item in known if isinstance(item, dict) for name in item}
     for at in ("contact", *(f"contact.{name}" for name in sorted(tables))):
         yield from (f"{at}.{name}" for name in CONTACT_INPUTS)
     table = raw.get("mechanism")
@@ -274,14 +274,14 @@ def _contacts(raw: dict[str, Any], own: Imported, file: RigFile) -> tuple[laws.C
     with concerning(f"{file}:", InputError):
         found = checked_contacts(mechanism)
     if isinstance(table.mechanism, UrdfTable):
-        fill_friction(raw, table.mechanism, [one.name for one in found], file)
+        fill_friction(raw, table.mechanism, [contact.name for contact in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     in_forces = measurements.levels_at(mechanism) != "per load"
     return tuple(
         laws.ContactUnits(
-            one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad", in_forces
+            place.name, isinstance(place.slip, str) and units.get(place.slip) == "rad", in_forces
         )
-        for one in found
+        for place in found
     )
 
 
@@ -321,16 +321,16 @@ def _numbers(table: Table, key: str) -> Iterator[tuple[str, Given]]:
     for name, value in table.given().items():
         if isinstance(value, Given):
             yield f"{key}.{name}", value
-        for one in value if isinstance(value, list) else [value]:
-            if isinstance(one, Table):  # of several, none may be marked
-                yield from _numbers(one, f"{key}.{name}")
+        for part in value if isinstance(value, list) else [value]:
+            if isinstance(part, Table):  # of several, none may be marked
+                yield from _numbers(part, f"{key}.{name}")
 
 
 def _build(table: Table, key: str, file: RigFile) -> Any:
     """Return the object whose parameters stand in a table, and in the tables below it."""
     if isinstance(table, UrdfTable):
         joints = table.joints.items()
-        added = {name: _values(one, f"{key}.joints", file) for name, one in joints}
+        added = {name: _values(joint, f"{key}.joints", file) for name, joint in joints}
         return robot_of(table, added, file)
     values = _values(table, key, file)
     assert table.target is not None
@@ -343,7 +343,7 @@ def _recorded(values: Mapping[str, Any], moved: str, key: str, file: RigFile) ->
     """Return the values of a recorded motion, its samples from a data file where it names one."""
     from stickslip.data.readers.table_reader import read_frame
 
-    found = {name: one for name, one in values.items() if name not in SWING_FILE}
+    found = {name: value for name, value in values.items() if name not in SWING_FILE}
     samples = [name for name in SampledSwing.data_fields if name in found]
     given = {name: values.get(name, "") for name in SWING_FILE}
     if bool(given["file"]) is bool(samples):
@@ -386,11 +386,11 @@ def _values(table: Table, key: str, file: RigFile) -> dict[str, Any]:
         if isinstance(value, Table):
             values[name] = _build(value, path, file)
         elif isinstance(value, list):
-            made = [_build(one, path, file) for one in value]
-            if any(isinstance(one, DCMotor) for one in made):
+            made = [_build(part, path, file) for part in value]
+            if any(isinstance(part, DCMotor) for part in made):
                 values[name] = _alone(made, path, file)
                 continue
-            drive = all(isinstance(one, Drive) for one in made)
+            drive = all(isinstance(part, Drive) for part in made)
             values[name] = _sum(made) if drive else tuple(made)
         else:
             values[name] = value.value if isinstance(value, Given) else value
@@ -462,10 +462,10 @@ def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
         return sorted(laws.overridden_fields(type(law), overridden))
     return [
         f"{contact}.{name}"
-        for contact, one in law.members
+        for contact, member in law.members
         for name in sorted(
-            laws.overridden_fields(type(one), overridden)
-            | laws.overridden_fields(type(one), overridden, at=f"friction.{contact}")
+            laws.overridden_fields(type(member), overridden)
+            | laws.overridden_fields(type(member), overridden, at=f"friction.{contact}")
         )
     ]
 
@@ -521,9 +521,9 @@ def _tables(table: Table) -> Iterator[Any]:
     """Yield a table and those below it."""
     yield table
     for value in table.given().values():
-        for one in value if isinstance(value, list) else [value]:
-            if isinstance(one, Table):
-                yield from _tables(one)
+        for part in value if isinstance(value, list) else [value]:
+            if isinstance(part, Table):
+                yield from _tables(part)
 
 
 def _files(

@@ -225,7 +225,7 @@ def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
     """Return the two numbers of ``100 +- 2 g``; one without a unit has that of the other."""
     texts = {"value": value, UNCERTAINTY: doubt}
     found = {key: split_number(text) for key, text in texts.items()}
-    units = {key: one["unit"] if one else None for key, one in found.items()}
+    units = {key: hit["unit"] if hit else None for key, hit in found.items()}
     shared = units["value"] or units[UNCERTAINTY]
     if not shared and all(found.values()):
         return {key: float(text) for key, text in texts.items()}  # in SI, as plain numbers are
@@ -378,7 +378,7 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
             marks = (mark, inner, measured) if part is mechanisms.MotorLoop else ("", inner, False)
-            tables = {kind: table_of(one, kind, *marks) for kind, one in members}
+            tables = {kind: table_of(member, kind, *marks) for kind, member in members}
             return choice({kind: _or_in_file(table, inner) for kind, table in tables.items()})
     if len(parts) == 1:
         return _alone(parts[0])
@@ -503,7 +503,7 @@ def robot_of(
         if name not in known:
             raise UnknownNameError(f"moving joint in mechanism.joints of {file}:", name, known)
     with concerning(f"{file}: mechanism.joints:"):
-        joints = tuple(_with(one, added.get(one.joint, {})) for one in robot.joints)
+        joints = tuple(_with(joint, added.get(joint.joint, {})) for joint in robot.joints)
         return replace(robot, joints=joints)
 
 
@@ -545,7 +545,7 @@ _WANTED = {
 def complaint(error: ValidationError, raw: Mapping[str, Any], file: RigFile) -> InputError:
     """Return the error to raise: the first that was found, unknown keys before all others."""
     found = error.errors(include_url=False)
-    found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
+    found.sort(key=lambda fault: fault["type"] not in {"unknown_key", "misplaced"})
     first: Mapping[str, Any] = found[0]
     key, value = _as_called(_key(first["loc"], raw), file.called), first["input"]
     overridden = [_as_called(path, file.called) for path in file.overridden]

@@ -46,10 +46,10 @@ def rig_toml(
     import tomlkit
 
     document: dict[str, object] = {"title": title} if title else {}
-    bare, told = without_given(mechanism)
+    bare, inputs = without_given(mechanism)
     document["mechanism"] = _table(bare, _type(bare, mechanisms()))
-    if told:
-        document["contact"] = {name: _contact_input(value) for name, value in told.items()}
+    if inputs:
+        document["contact"] = {name: _contact_input(value) for name, value in inputs.items()}
     found = assigned(tuple(contact.name for contact in mechanism.contacts()), law)
     document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
     if t_end is not None:
@@ -66,7 +66,7 @@ def rig_toml(
 def _contact_input(value: Drive | float | Mapping[str, Any]) -> object:
     """Return a contact input as a number, or the tables of a drive; those of a contact by name."""
     if isinstance(value, Mapping):
-        return {name: _contact_input(one) for name, one in value.items()}
+        return {name: _contact_input(entry) for name, entry in value.items()}
     return _drives(value) if isinstance(value, Drive) else value
 
 
@@ -176,7 +176,7 @@ def _estimates(known: LawEstimates) -> dict[str, object]:
     return {key: value for key, value in table.items() if value or value == 0}
 
 
-def _type(one: Mechanism | FrictionLaw, known: Mapping[str, type]) -> str:
+def _type(model: Mechanism | FrictionLaw, known: Mapping[str, type]) -> str:
     """Return the name in the registry, or the import path of a class that has none."""
-    kind = type(one)
-    return one.name if one.name in known else f"{kind.__module__}:{kind.__qualname__}"
+    kind = type(model)
+    return model.name if model.name in known else f"{kind.__module__}:{kind.__qualname__}"

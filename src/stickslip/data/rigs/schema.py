@@ -228,9 +228,9 @@ def _flattened(table: Any) -> Any:
 
 def _nested(schema: dict[str, Any]) -> None:
     """Let a table stand for the parameters of a contact, which a dot in a key makes."""
-    one = schema["additionalProperties"]
-    table = {"type": "object", "additionalProperties": one}
-    schema["additionalProperties"] = {"anyOf": [one, table]}
+    inner = schema["additionalProperties"]
+    table = {"type": "object", "additionalProperties": inner}
+    schema["additionalProperties"] = {"anyOf": [inner, table]}
 
 
 ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
@@ -354,7 +354,7 @@ def rig_table(
     }
     options = rig_models.choice({**tables, rig_models.URDF: rig_models.UrdfTable})
     friction = friction_table(laws, contacts)
-    contact = contact_table(tuple(one.name for one in contacts))
+    contact = contact_table(tuple(units.name for units in contacts))
     return create_model(
         "Rig",
         __base__=RigTable,

@@ -68,10 +68,10 @@ def matrix_rows(
         )
     found = [[trace.expression(entry) for entry in row] for row in rows]
     for i, j in itertools.combinations(range(n), 2):
-        one, other = found[i][j], found[j][i]
-        if not trace.is_zero(one - other) and _differ(one, other):
+        upper, other = found[i][j], found[j][i]
+        if not trace.is_zero(upper - other) and _differ(upper, other):
             row, column = mechanism.coordinates[i], mechanism.coordinates[j]
-            raise InputError(_asymmetry(mechanism, row, column, _shown(one), _shown(other)))
+            raise InputError(_asymmetry(mechanism, row, column, _shown(upper), _shown(other)))
     free = [i for i in range(n) if mechanism.coordinates[i] not in mechanism.guided()]
     # Leading minors up to a size that symbols can take; numbers are checked where a run begins.
     for k in range(1, min(len(free), MOST_ELIMINATED) + 1):
@@ -87,19 +87,19 @@ def matrix_rows(
     return [entry for row in found for entry in row]
 
 
-def _differ(one: se.Expr, other: se.Expr) -> bool:
+def _differ(first: se.Expr, other: se.Expr) -> bool:
     """Whether two expressions have other values than each other at some numbers for all symbols.
 
     Forms such as that of a sum of angles need not cancel by symbols.
     """
     # With a fixed seed: the same model is refused or taken each time.
     random = np.random.default_rng(0)
-    names = sorted(one.free_symbols | other.free_symbols, key=str)
+    names = sorted(first.free_symbols | other.free_symbols, key=str)
     # Away from 0 and from right angles, at which forms that differ may agree.
     for _ in range(3):
         numbers = dict(zip(names, random.uniform(0.2, 1.2, len(names)).tolist(), strict=True))
         try:
-            a, b = (float(e.subs(numbers)) for e in (one, other))
+            a, b = (float(e.subs(numbers)) for e in (first, other))
         except (RuntimeError, TypeError, ValueError):
             return False  # with switches: the state at hand tells
         if abs(a - b) > ENTRY_TOLERANCE * (abs(a) + abs(b)):
@@ -116,12 +116,12 @@ def _asymmetry(
     mechanism: mechanisms.MatrixMechanism,
     row: str,
     column: str,
-    one: str,
+    name: str,
     other: str,
     where: str = "",
 ) -> str:
     """Return what is wrong with two entries that should be equal."""
-    first, second = (f" ({value})" if value else "" for value in (one, other))
+    first, second = (f" ({value})" if value else "" for value in (name, other))
     return (
         f"{type(mechanism).__name__}.mass_matrix must be symmetric{where}, but the entry of row"
         f" {row!r} and column {column!r}{first} is not that of row {column!r} and column"

@@ -50,10 +50,10 @@ class _Own:
         """Return laws by contact whose parameters are symbols, of which each row begins before."""
         twins = []
         # Contacts that share a law share its numbers, and so its symbols.
-        for row, (prefix, one) in zip(rows, self.distinct, strict=False):
-            place = {p: row + i for i, (p, _, _) in enumerate(parameters(one, prefix), 1)}
+        for row, (prefix, law) in zip(rows, self.distinct, strict=False):
+            place = {p: row + i for i, (p, _, _) in enumerate(parameters(law, prefix), 1)}
             symbol = partial(_symbol, place, board)
-            twins.append(shadow(one, prefix, symbol))
+            twins.append(shadow(law, prefix, symbol))
         return {name: twins[index] for name, index in zip(self.contacts, self.shared, strict=True)}
 
 
@@ -63,15 +63,18 @@ def _symbol(place: Mapping[str, int], board: trace.Switchboard, path: str) -> tr
 
 def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
     if isinstance(law, Laws):
-        names, laws = tuple(name for name, _ in law.members), tuple(one for _, one in law.members)
+        names, laws = (
+            tuple(name for name, _ in law.members),
+            tuple(member for _, member in law.members),
+        )
         shared = tuple(range(len(laws)))
-        distinct = tuple((f"friction.{name}", one) for name, one in law.members)
+        distinct = tuple((f"friction.{name}", member) for name, member in law.members)
     else:
         names = tuple(contact.name for contact in mechanism.contacts())
         laws, shared = (law,) * len(names), (0,) * len(names)
         distinct = (("friction", law),)
-    keys = list(dict.fromkeys(structure(one) for one in laws))
-    kinds = tuple(keys.index(structure(one)) for one in laws)
+    keys = list(dict.fromkeys(structure(member) for member in laws))
+    kinds = tuple(keys.index(structure(member)) for member in laws)
     # Equations of a law are written once for each structure, whatever its values are.
     structures = tuple(laws[kinds.index(kind)] for kind in range(len(keys)))
     return _Own(names, laws, shared, distinct, kinds, structures)
@@ -88,13 +91,13 @@ def contact_model(
     first = 4 * len(mechanism.drives()) + 1
     index = {path: first + i for i, path in enumerate(paths)}
     twin = shadow(mechanism, "mechanism", partial(_symbol, index, board))
-    bristles = [len(one.states) for one in own.laws]
+    bristles = [len(friction.states) for friction in own.laws]
     constants = frozenset(f"p{i}" for i in index.values())
     symbols = trace.symbols_of(twin, sum(bristles), constants, board)
     rows = layout.law_rows(
         first + len(paths),
-        [len(list(parameters(one, prefix))) for prefix, one in own.distinct],
-        [len(one.inputs) for one in own.laws],
+        [len(list(parameters(friction, prefix))) for prefix, friction in own.distinct],
+        [len(friction.inputs) for friction in own.laws],
         bristles,
     )
     parts = mode_text.derive_parts(
@@ -107,11 +110,13 @@ def contact_model(
         _motion(symbols, len(own.contacts)),
         board,
     )
-    laws = [mode_text.law_parts(one, len(one.states)) for one in own.structures]
+    laws = [mode_text.law_parts(friction, len(friction.states)) for friction in own.structures]
     equations = _Equations(symbols, parts, board)
-    quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
+    quantities = len(paths) + sum(
+        len(list(parameters(friction, p))) for p, friction in own.distinct
+    )
     along: list[se.Symbol | None] = []
-    dampens = equations.dampens() or any(one.may_dampen for one in laws)
+    dampens = equations.dampens() or any(friction.may_dampen for friction in laws)
     # Motions that die away may be stiff; others need no slopes, which cost time to derive.
     if slopes or dampens:  # what is stiff is integrated with the Jacobian
         along = [*symbols.states, symbols.t]
@@ -122,14 +127,47 @@ def contact_model(
     columns = equations.part_slopes(along)
     # The constants stand behind all parameters, laws' ones included.
     text, found = program(_contact_functions(equations, columns), index.values(), rows[-1])
-    sizes = _contact_sizes(
-        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
+    sizes = layout.ContactSizes(
+        coordinates=len(mechanism.coordinates),
+        bristles=sum(bristles),
+        switches=len(board.switches),
+        drives=len(equations.symbols.drives),
+        parameters=len(paths),
         constants=found,
-    )  # fmt: skip
+        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
+        rest_is_final=equations.rest_is_final(),
+        slips=parts.directions.slips,
+        looped=parts.directions.loops.looped,
+        closing=len(parts.directions.loops.closing),
+        cuts=len(parts.directions.loops.cuts),
+        turned=bool(parts.directions.forward),
+        kinds=own.kinds,
+        shared=own.shared,
+        numbers=tuple(len(list(parameters(friction, prefix))) for prefix, friction in own.distinct),
+        inputs_of=tuple(len(friction.inputs) for friction in own.laws),
+        bristles_of=tuple(bristles),
+        holds=tuple(friction.holds for friction in own.laws),
+        directional=tuple(friction.directional for friction in own.laws),
+        reacts=parts.reacts,
+        held=len(parts.held),
+        channels=len(parts.efforts),
+        own_limits=len(parts.limits),
+        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
+        mass=tuple(parts.mass),
+        slopes=tuple(equations.slopes),
+        time_slopes=tuple(equations.time_slopes),
+        law_switches=max((len(friction.switch_events) for friction in laws), default=0),
+        constant_mass=equations.constant_mass(),
+        constant_loads=equations.constant_loads(),
+        affine=equations.affine(),
+        exact=not dampens and equations.affine() and all(friction.is_linear for friction in laws),
+        supplies=parts.supplied != 0,
+        part_slopes=tuple(tuple(column) for column in columns),
+    )
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
-    for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
-        for i, (path, _, _) in enumerate(parameters(one, prefix), 1):
+    for (prefix, member), row in zip(own.distinct, sizes.law_places(), strict=True):
+        for i, (path, _, _) in enumerate(parameters(member, prefix), 1):
             law_paths.append(path)
             places.append(row + i)
     events = [switch.events for switch in board.switches.values()]
@@ -150,7 +188,7 @@ def contact_model(
             parts.walls, mechanism.coordinates, _only_slip(mechanism)
         ),
         limits=(*(mode_text.PAINLEVE,) * any(parts.reacts), *parts.limits),
-        latched=any(one.latched for one in laws),
+        latched=any(friction.latched for friction in laws),
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
         contacts=own.contacts,
@@ -329,59 +367,6 @@ def _flags(e: se.Expr) -> set[str]:
     return {name for name in _names(e) if name[0] == "s" and name[1:].isdigit()}
 
 
-def _contact_sizes(
-    mechanism: Mechanism,
-    own: _Own,
-    equations: _Equations,
-    laws: Sequence[mode_text.LawParts],
-    board: trace.Switchboard,
-    parameter_count: int,
-    bristles: Sequence[int],
-    columns: Sequence[Mapping[int, se.Expr]],
-    *,
-    dampens: bool,
-    constants: int,
-) -> layout.ContactSizes:
-    parts = equations.parts
-    return layout.ContactSizes(
-        coordinates=len(mechanism.coordinates),
-        bristles=sum(bristles),
-        switches=len(board.switches),
-        drives=len(equations.symbols.drives),
-        parameters=parameter_count,
-        constants=constants,
-        waves=len(equations.time_slopes) if equations.waves.symbols else 0,
-        rest_is_final=equations.rest_is_final(),
-        slips=parts.directions.slips,
-        looped=parts.directions.loops.looped,
-        closing=len(parts.directions.loops.closing),
-        cuts=len(parts.directions.loops.cuts),
-        turned=bool(parts.directions.forward),
-        kinds=own.kinds,
-        shared=own.shared,
-        numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
-        inputs_of=tuple(len(law.inputs) for law in own.laws),
-        bristles_of=tuple(bristles),
-        holds=tuple(law.holds for law in own.laws),
-        directional=tuple(law.directional for law in own.laws),
-        reacts=parts.reacts,
-        held=len(parts.held),
-        channels=len(parts.efforts),
-        own_limits=len(parts.limits),
-        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
-        mass=tuple(parts.mass),
-        slopes=tuple(equations.slopes),
-        time_slopes=tuple(equations.time_slopes),
-        law_switches=max((len(law.switch_events) for law in laws), default=0),
-        constant_mass=equations.constant_mass(),
-        constant_loads=equations.constant_loads(),
-        affine=equations.affine(),
-        exact=not dampens and equations.affine() and all(law.is_linear for law in laws),
-        supplies=parts.supplied != 0,
-        part_slopes=tuple(tuple(column) for column in columns),
-    )
-
-
 def _contact_functions(
     equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]
 ) -> dict[str, Cases]:
@@ -499,7 +484,22 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     # Drives, their values from outside, and a place for the time come before parameters.
     first = 4 * len(symbols.drives) + 1 + len(index)
     text, constants = program(functions, index.values(), first)
-    sizes = _mode_sizes(symbols, mechanics, modes, len(switches), len(index), constants)
+    sizes = layout.ModeSizes(
+        coordinates=len(symbols.coordinates),
+        bristles=len(symbols.bristles),
+        slip=len(symbols.coordinates) + mechanics.slip,
+        switches=len(switches),
+        limits=len(_limits(modes)),
+        channels=len(mechanics.efforts),
+        drives=len(symbols.drives),
+        parameters=len(index),
+        constants=constants,
+        waves=0,
+        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
+        can_stick=mode_text.Mode.STICK in modes,
+        can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
+        rest_is_final=_rest_is_final(symbols, modes),
+    )
     # In series one place a state and a guard holds what harmonics add.
     if "waves" in functions:
         sizes = replace(sizes, waves=sizes.states + sizes.guards)
@@ -561,14 +561,14 @@ def _informed(
     def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, trace.Traced]:
         return {name: trace.Traced(value, board) for name, value in zip(names, values, strict=True)}
 
-    told = mechanism.contact_inputs(
+    inputs = mechanism.contact_inputs(
         trace.Traced(symbols.t, board),
         traced(mechanism.coordinates, symbols.coordinates),
         traced(mechanism.coordinates, symbols.rates),
         traced(symbols.drives, symbols.drives.values()),
     )
     (contact,) = mechanism.contacts()
-    return bound(law, of_contact(told, contact.name))
+    return bound(law, of_contact(inputs, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
@@ -688,32 +688,6 @@ def _quantities(symbols: trace.Symbols, parameters: Iterable[int]) -> list[se.Sy
 def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Case:
     """Return the derivatives of each expression with respect to each symbol."""
     return [e.diff(symbol) for e in expressions for symbol in symbols]
-
-
-def _mode_sizes(
-    symbols: trace.Symbols,
-    mechanics: dynamics.Mechanics,
-    modes: Mapping[mode_text.Mode, mode_text.ModeEquations],
-    switches: int,
-    parameters: int,
-    constants: int,
-) -> layout.ModeSizes:
-    return layout.ModeSizes(
-        coordinates=len(symbols.coordinates),
-        bristles=len(symbols.bristles),
-        slip=len(symbols.coordinates) + mechanics.slip,
-        switches=switches,
-        limits=len(_limits(modes)),
-        channels=len(mechanics.efforts),
-        drives=len(symbols.drives),
-        parameters=parameters,
-        constants=constants,
-        waves=0,
-        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
-        can_stick=mode_text.Mode.STICK in modes,
-        can_lift=any(layout.LIFT_OFF in equations.guards for equations in modes.values()),
-        rest_is_final=_rest_is_final(symbols, modes),
-    )
 
 
 def _diagram(

@@ -558,8 +558,8 @@ def _informed(
     """Return laws that see what the mechanism tells of their contacts."""
     if not any(law.inputs for law in rubbing.values()):
         return rubbing
-    told = mechanism.contact_inputs(t, *motion)
-    return {name: bound(law, of_contact(told, name)) for name, law in rubbing.items()}
+    inputs = mechanism.contact_inputs(t, *motion)
+    return {name: bound(law, of_contact(inputs, name)) for name, law in rubbing.items()}
 
 
 def _limits_of_laws(mechanism: Mechanism, laws: Mapping[str, FrictionLaw]) -> dict[str, Scalar]:
@@ -649,12 +649,12 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     inputs = variables[1 + len(paths) :]
     twin = bound(
         twin,
-        {name: trace.Traced(one, board) for name, one in zip(law.inputs, inputs, strict=False)},
+        {name: trace.Traced(item, board) for name, item in zip(law.inputs, inputs, strict=False)},
     )
     numbers, slopes = {}, {}
     # Both directions, with the speed along the slip positive in each.
     for side in (1, -1):
-        one = twin.towards(side)
+        member = twin.towards(side)
         # y0 is the speed along the direction: above 0 in slip, so that |v| needs no switch.
         board.signs = {"y0": 1}
         arguments = (
@@ -663,11 +663,11 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
             tuple(trace.Traced(z, board) for z in states),
         )
         friction = side * trace.expression(
-            one.force(*arguments)
+            member.force(*arguments)
         )  # back to the direction of the slip
-        rates = [trace.expression(rate) for rate in one.rates(*arguments)]
+        rates = [trace.expression(rate) for rate in member.rates(*arguments)]
         board.signs = {}
-        level = trace.expression(one.break_away(trace.Traced(load, board)))
+        level = trace.expression(member.break_away(trace.Traced(load, board)))
         factor, level_factor = (trace.load_factor(law, part, load) for part in (friction, level))
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]

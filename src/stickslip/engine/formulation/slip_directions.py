@@ -132,7 +132,7 @@ def _are_one(crossed: Sequence[se.Expr], other: Sequence[se.Expr]) -> bool:
     factors = []
     # At two values of the parameters: one ratio for both is one for all.
     for numbers in _trials(symbols):
-        a, b = (complex(one[first].subs(numbers)) for one in (crossed, other))
+        a, b = (complex(matrix[first].subs(numbers)) for matrix in (crossed, other))
         factors.append(a / b)
     return abs(factors[0] - factors[1]) <= 1e-9 * abs(factors[0])
 
@@ -320,7 +320,7 @@ def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
     if _is_regular(matrix):
         return
     said = (
-        f"{name} ({joined([f'{number(x)} {one}' for one, x in moving.items()])})"
+        f"{name} ({joined([f'{number(x)} {key}' for key, x in moving.items()])})"
         for name, moving in sums.items()
     )
     raise InputError(

@@ -319,7 +319,7 @@ def rebuilt(
             new = change(part)
         else:
             old = part.args
-            parts = [changed(one) for one in old]
+            parts = [changed(item) for item in old]
             # By identity: what has no switch inside is kept as it is, without a comparison of
             # trees.
             if all(map(operator.is_, parts, old)):

@@ -310,11 +310,11 @@ class Diagram(BlockDiagram):
         if state.law is None:
             n, names = self.coordinates, self.mechanism.coordinates
             straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
-            drives = {name: one.shaped(linear, t) for (name, one), linear in straight}
+            drives = {name: drive.shaped(linear, t) for (name, drive), linear in straight}
             q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
             (contact,) = self.mechanism.contacts()
-            told = self.mechanism.contact_inputs(t, q, q_dot, drives)
-            state.law = bound(law, of_contact(told, contact.name))
+            inputs = self.mechanism.contact_inputs(t, q, q_dot, drives)
+            state.law = bound(law, of_contact(inputs, contact.name))
             check_within({name: float(limit) for name, limit in state.law.limits().items()}, t)
         return state.law
 
@@ -409,7 +409,7 @@ class Diagram(BlockDiagram):
             # With the velocity at the end, a' = a - (D dt / m) a', which is solved for a'.
             lag, away = self.step * self.viscous, self._mobilities(t, y)
             ahead = lag * accelerations[self.slip - n] / (1.0 + lag * away[self.slip - n])
-            accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
+            accelerations = [a - ahead * x for a, x in zip(accelerations, away, strict=True)]
         if stuck:
             # Exactly: rounding of the balance would make the body creep.
             accelerations[self.slip - n] = 0.0
@@ -608,10 +608,10 @@ class ContactDiagram(BlockDiagram):
         Of coordinates at rest that are not held, `pushed` has the directions.
         """
         w, whole = self.equations.w, self.equations.whole
-        asked: list[Any] = [t, held, dict(pushed or {})]
+        state: list[Any] = [t, held, dict(pushed or {})]
         # By identity and by what is held: within a step the same state is asked for with other
         # holds.
-        if self.asked and self.asked[0] is y and self.asked[1:] == asked:
+        if self.asked and self.asked[0] is y and self.asked[1:] == state:
             return w, whole
         self.equations.load_at(t)
         self._put(t, y)
@@ -625,7 +625,7 @@ class ContactDiagram(BlockDiagram):
         n, modes = whole[layout.N_COORDINATES], whole[layout.MODES]
         kept = dict(zip(self.slips, held, strict=True))
         for i in range(n):
-            rate, side = y[n + i], asked[2].get(n + i, 0)
+            rate, side = y[n + i], state[2].get(n + i, 0)
             whole[modes + i] = (
                 layout.FORWARD if rate > 0.0 else layout.BACKWARD if rate < 0.0 else layout.FREE
             )
@@ -654,7 +654,7 @@ class ContactDiagram(BlockDiagram):
                 whole[layout.VALUES],
             )
             check_within(dict(zip(limits, w[whole[layout.VALUES] :], strict=False)), t)
-        self.asked[:] = [y, *asked]
+        self.asked[:] = [y, *state]
         return w, whole
 
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -678,7 +678,7 @@ class ContactDiagram(BlockDiagram):
             if side == 0:
                 break
             pushed[slip] = side
-            kept = tuple(one and slip != own for one, own in zip(kept, self.slips, strict=True))
+            kept = tuple(slips and slip != own for slips, own in zip(kept, self.slips, strict=True))
         return kept, pushed
 
     def _moving(
@@ -687,14 +687,14 @@ class ContactDiagram(BlockDiagram):
         """Work everything out at a state, with the friction of what breaks away there."""
         # What is at rest and not held breaks away, or is held after all, before its friction is
         # known.
-        resting = (y[slip] == 0.0 and not one for slip, one in zip(self.slips, held, strict=True))
+        resting = (y[slip] == 0.0 and not flag for slip, flag in zip(self.slips, held, strict=True))
         if self.break_away == "zero" or not any(resting):
             return self._at(t, y, tuple(held))
         kept, pushed = self._decided(t, y)
         n = self.coordinates
         rests = (
-            own or (one and not self._bends(slip - n))
-            for slip, one, own in zip(self.slips, kept, held, strict=True)
+            own or (slips and not self._bends(slip - n))
+            for slip, slips, own in zip(self.slips, kept, held, strict=True)
         )
         return self._at(t, y, tuple(rests), pushed)
 
@@ -712,11 +712,11 @@ class ContactDiagram(BlockDiagram):
         """Return the held slip that exceeds its level most and where it is pushed, 0 if none."""
         w, whole = self._at(t, y, held, pushed)
         n, found, excess = whole[layout.N_COORDINATES], (0, 0), 0.0
-        for slip, one in zip(self.slips, held, strict=True):
+        for slip, slips in zip(self.slips, held, strict=True):
             needed = float(w[whole[layout.NEEDED] + slip - n])
             level = float(w[whole[layout.LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
             # What no closed contact holds must not stay held by a level of 0 either.
-            if not one or (abs(needed) <= level and self._may_hold(slip - n, y)):
+            if not slips or (abs(needed) <= level and self._may_hold(slip - n, y)):
                 continue
             beyond = abs(needed) / level if level > 0.0 else math.inf
             if beyond > excess:

@@ -344,8 +344,8 @@ def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
         # Sets that have a row in common are one: a loop may close another.
         if shared[k, k]:
             own = {k, *np.flatnonzero(shared[k]).tolist()}
-            apart = [one for one in sets if not own & set(one)]
-            joined = own.union(*(one for one in sets if own & set(one)))
+            apart = [row for row in sets if not own & set(row)]
+            joined = own.union(*(row for row in sets if own & set(row)))
             sets = [*apart, sorted(joined)]
     return sets
 

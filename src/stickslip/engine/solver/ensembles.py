@@ -244,7 +244,7 @@ def run_ensemble(
     told = tuple(state for state in told if f"initial.{state}" not in columns)
     kinds, arguments, places = reducers.asked(wanted, model, t_end, count)
     gradients = tuple(
-        sorted({one.parameter for one in wanted.values() if reducers.is_gradient(one)})
+        sorted({output.parameter for output in wanted.values() if reducers.is_gradient(output)})
     )
     job = Job(mechanism, law, tuple(y0), t_end, kinds, gradients, solver, told)
     parts = _Parts(job, model, wanted, places, count)
@@ -323,7 +323,7 @@ class _Parts:
             steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
             units={
                 **{path: units[path] for path in columns},
-                **{name: reducers.output_unit(one, units) for name, one in wanted.items()},
+                **{name: reducers.output_unit(reducer, units) for name, reducer in wanted.items()},
             },
         )
 

@@ -394,10 +394,10 @@ class EventDriven(Solver):
 
     def tolerance_for(self, law: FrictionLaw | Laws) -> float:
         """Return the tolerance that holds for a law, or for several."""
-        laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
-        if not any(one.states for one in laws):
+        laws = [member for _, member in law.members] if isinstance(law, Laws) else [law]
+        if not any(member.states for member in laws):
             return SMOOTH_TOLERANCE if self.tolerance is None else self.tolerance
-        given = (one for one in (self.stiff_tolerance, self.tolerance) if one is not None)
+        given = (value for value in (self.stiff_tolerance, self.tolerance) if value is not None)
         return next(given, BRISTLE_TOLERANCE)
 
     def run(
@@ -611,11 +611,11 @@ def _difference(run: Trajectory, other: Trajectory) -> float:
     """Return the largest difference of a state, over its largest value, between two runs."""
     last = min(run.span[1], other.span[1])
     times = run.t[run.t <= last]
-    one, two = run.at(times), other.at(times)
+    seen, two = run.at(times), other.at(times)
     worst = 0.0
     for name in run.states:
-        size = float(np.abs(one[name]).max())
-        error = float(np.abs(one[name] - two[name]).max())
+        size = float(np.abs(seen[name]).max())
+        error = float(np.abs(seen[name] - two[name]).max())
         worst = max(worst, error / size if size > 0.0 else error)
     return worst
 

@@ -172,7 +172,22 @@ class FixedStep(Solver):
             if diagram.lifts(row):
                 status = Status.LIFT_OFF
                 break
-        return _trajectory(mechanism, diagram, np.array(rows), np.array(balances), status)
+        # Between samples everything is joined by straight lines.
+        samples = np.array(rows)
+        names, contacts = diagram.columns, mechanism.contacts()
+        return Trajectory(
+            t=samples[:, 0],
+            names=names,
+            units=column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
+            events=(),
+            status=status,
+            certificate=_certificate(samples[:, 0], np.array(balances), diagram),
+            span=(0.0, float(samples[-1, 0])),
+            evaluate=_Lines(names, samples),
+            only_contact=contacts[0].name if len(contacts) == 1 else "",
+            step_times=samples[:, 0],
+            states=tuple(name for name in names if name.partition(":")[0] not in OF_CONTACTS),
+        )
 
     def _times(self, t_end: float) -> list[float]:
         """Return the ends of the steps; the last one is shorter if it must be."""
@@ -278,13 +293,13 @@ def _refuse_break_away(solver: FixedStep, law: FrictionLaw | Laws | PrintedForm)
     """Refuse a friction out of rest where nothing asks for it."""
     if solver.break_away is None:
         return
-    laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
+    laws = [member for _, member in law.members] if isinstance(law, Laws) else [law]
     if solver.soft is not None:
         why = "a soft constraint has its own"
     elif isinstance(law, PrintedForm):
         why = f"{law.name}, an equation as printed, has its own"
-    elif all(one.states for one in laws):
-        names = joined([*dict.fromkeys(one.name for one in laws)])
+    elif all(form.states for form in laws):
+        names = joined([*dict.fromkeys(form.name for form in laws)])
         why = f"the bristles of {names} carry friction there"
     else:
         return
@@ -357,30 +372,6 @@ class _Lines:
             else np.interp(t, rows[:, 0], rows[:, i])
             for i, name in enumerate(self.names, start=1)
         }
-
-
-def _trajectory(
-    mechanism: Mechanism,
-    diagram: BlockDiagram,
-    rows: NDArray[np.float64],
-    balances: NDArray[np.float64],
-    status: Status,
-) -> Trajectory:
-    """Wrap the samples; between them everything is joined by straight lines."""
-    names, contacts = diagram.columns, mechanism.contacts()
-    return Trajectory(
-        t=rows[:, 0],
-        names=names,
-        units=column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
-        events=(),
-        status=status,
-        certificate=_certificate(rows[:, 0], balances, diagram),
-        span=(0.0, float(rows[-1, 0])),
-        evaluate=_Lines(names, rows),
-        only_contact=contacts[0].name if len(contacts) == 1 else "",
-        step_times=rows[:, 0],
-        states=tuple(name for name in names if name.partition(":")[0] not in OF_CONTACTS),
-    )
 
 
 def _certificate(

@@ -289,12 +289,12 @@ class IncrementalEnsemble:
             if given.size != math.prod(shape):
                 raise InputError(f"{name} must have the shape {shape}, got {given.shape}.")
         flat = self._runner.flat
-        told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
+        shared = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
         runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory
         # This thread takes the first share itself.
         first, *others = self._shares
-        waiting = [self._pool.submit(share.go_on, told, runs) for share in others]
-        first.go_on(told, runs)
+        waiting = [self._pool.submit(share.go_on, shared, runs) for share in others]
+        first.go_on(shared, runs)
         for future in waiting:
             future.result()
 
@@ -313,12 +313,12 @@ class _Share:
         self._log = runner.zeros(FIRST_ROWS * header[layout.ROW_COLUMNS])
         self._events = runner.zeros(2 * header[layout.MOST_EVENTS] * layout.EVENT_COLUMNS)
 
-    def go_on(self, told: tuple[Any, ...], runs: tuple[Any, ...]) -> None:
+    def go_on(self, shared: tuple[Any, ...], runs: tuple[Any, ...]) -> None:
         """Go on with the runs by a stretch."""
         enter, row = self.runner.kernels.enter_stretches, self.first
         whole = self._room[1]
         while True:
-            row = enter(row, self.count, *told, *runs, *self._room, self._log, self._events)
+            row = enter(row, self.count, *shared, *runs, *self._room, self._log, self._events)
             if row == self.count:
                 return
             self._log, self._events = self.runner.with_room(whole, self._log, self._events)

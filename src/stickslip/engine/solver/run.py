@@ -86,7 +86,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
     efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
-    turning = {one.name: slips_by_angle(mechanism, one) for one in mechanism.contacts()}
+    turning = {place.name: slips_by_angle(mechanism, place) for place in mechanism.contacts()}
     several = len(turning) > 1
     own = {}
     for column in columns:

@@ -423,8 +423,8 @@ def _starts(tables: Sequence[Array], count: int) -> Array:
     if not tables:
         return beginning
     if all(len(table) == 1 for table in tables):
-        one = np.unique(np.concatenate([BEGINNING + np.zeros(1), *[t[0] for t in tables]]))
-        starts = np.broadcast_to(one, (count, len(one))).copy()
+        array = np.unique(np.concatenate([BEGINNING + np.zeros(1), *[t[0] for t in tables]]))
+        starts = np.broadcast_to(array, (count, len(array))).copy()
     else:
         each = [np.broadcast_to(table, (count, table.shape[1])) for table in tables]
         starts = np.sort(np.concatenate([beginning, *each], axis=1), axis=1)

@@ -199,8 +199,8 @@ def to_nonlinear_system(
     if not (math.isfinite(speed) and speed > 0.0):
         raise InputError(f"speed [m/s] must be above 0, got {speed!r}.")
     place = place_of(mechanism, drive)
-    told, entry = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
-    model = formulate(told, laws)
+    driven, entry = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
+    model = formulate(driven, laws)
     if model.latched:
         raise InputError(
             f"to_nonlinear_system asks for rates at a state, and {model.title} has latched"
@@ -213,9 +213,9 @@ def to_nonlinear_system(
             if isinstance(laws, Laws)
             else Laws(members=tuple((contact, laws) for contact in model.contacts))
         )
-        field = _FieldOfContacts(told, own, model, entry, speed)
+        field = _FieldOfContacts(driven, own, model, entry, speed)
     else:
-        field = _Field(told, laws, model, entry, speed)
+        field = _Field(driven, laws, model, entry, speed)
     return control.NonlinearIOSystem(
         field,
         inputs=[place.name.replace(".", "_")],  # python-control allows no dots

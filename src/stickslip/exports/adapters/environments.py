@@ -31,8 +31,8 @@ PICTURE = (880, 400)
 def _spaces(task: MotorTask) -> tuple[Any, Any]:
     """Return the spaces of observations and actions."""
     bounds = task.observation_bounds
-    one = np.ones(1)
-    return Box(-bounds, bounds, dtype=np.float64), Box(-one, one, dtype=np.float64)
+    array = np.ones(1)
+    return Box(-bounds, bounds, dtype=np.float64), Box(-array, array, dtype=np.float64)
 
 
 def _given(options: Mapping[str, Any] | None) -> Mapping[str, float] | None:
@@ -137,10 +137,10 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         """
         if self._start is None:
             raise InputError("the environment has not begun: call reset() before step().")
-        told = np.asarray(action).reshape(-1)
-        done = self._steps.step(told)
+        chosen = np.asarray(action).reshape(-1)
+        done = self._steps.step(chosen)
         # As it was applied, so that `trajectory` makes the same run.
-        self._actions.append(float(np.clip(told[0], -1.0, 1.0)))
+        self._actions.append(float(np.clip(chosen[0], -1.0, 1.0)))
         self._travel += float(done.travel[0])
         self._work += float(done.work[0])
         info, terminated = self._info(), bool(done.terminated[0])
@@ -231,8 +231,8 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         laws, vary
             As of `MotorEnvironment`.
         """
-        told: object = num_envs
-        if not (isinstance(told, int | np.integer) and told >= 1):
+        count: object = num_envs
+        if not (isinstance(count, int | np.integer) and count >= 1):
             raise InputError(f"num_envs must be a whole number above 0, got {num_envs!r}.")
         if render_mode is not None:
             raise InputError(
@@ -296,10 +296,10 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
             raise InputError(
                 f"seed must be one number or {self.num_envs} of them, got {len(seed)}."
             )
-        made = [gymnasium.utils.seeding.np_random(one)[0] for one in seed]
-        told = zip(seed, made, self._generators or made, strict=True)
+        made = [gymnasium.utils.seeding.np_random(index)[0] for index in seed]
+        triples = zip(seed, made, self._generators or made, strict=True)
         # Those without a seed of their own go on.
-        self._generators = [old if one is None else new for one, new, old in told]
+        self._generators = [old if index is None else new for index, new, old in triples]
 
     def _begin(self, rows: NDArray[np.intp], given: Mapping[str, float] | None = None) -> None:
         if not rows.size:
@@ -330,14 +330,14 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         """
         if not self._begun:
             raise InputError("the environments have not begun: call reset() before step().")
-        told = np.asarray(actions)
-        if told.shape == (self.num_envs, 1):
-            told = told[:, 0]
+        chosen = np.asarray(actions)
+        if chosen.shape == (self.num_envs, 1):
+            chosen = chosen[:, 0]
         fresh = self._over
         if fresh.any():
             # Nothing pushes those whose episode is over; their step is the reset.
-            told = np.where(fresh, 0.0, told)
-        done = self._steps.step(told)
+            chosen = np.where(fresh, 0.0, chosen)
+        done = self._steps.step(chosen)
         self._travel += done.travel
         self._work += done.work
         seen, rewards = done.observations, done.rewards

@@ -251,7 +251,7 @@ def laws_of(task: MotorTask, laws: Sequence[FrictionLaw] | Draws | None) -> list
     if laws is None:
         return [task.law]
     found = laws if isinstance(laws, Sequence) else getattr(laws, "sample", tuple)()
-    if not found or not all(isinstance(one, FrictionLaw) for one in found):
+    if not found or not all(isinstance(law, FrictionLaw) for law in found):
         raise InputError(
             "laws must be friction laws, at least one, or what draws them by sample(), as a verdict"
             f" or TISSUES['wet'], got {laws!r}."
@@ -374,7 +374,7 @@ class Steps:
         """Let some begin a new episode: each draws its law, parameters and start, in this order."""
         draws = [self._draw(generator) for generator in generators]
         names = [self._runs[structure(self._laws[k])].model.states for k, *_ in draws]
-        starts = [self._start(*one, given or {}) for one in zip(names, generators, strict=True)]
+        starts = [self._start(*pair, given or {}) for pair in zip(names, generators, strict=True)]
         # Draws are alike where law and values are: such mechanisms begin together.
         alike: dict[tuple[int, ...], list[int]] = {}
         for i, (row, draw) in enumerate(zip(rows, draws, strict=True)):
@@ -396,17 +396,17 @@ class Steps:
             for name, value in {"law": law, **values}.items():
                 self.drawn[name][begun] = value
         used = dict.fromkeys(self._at)
-        self._moving = [(one, np.flatnonzero([at is one for at in self._at])) for one in used]
+        self._moving = [(share, np.flatnonzero([at is share for at in self._at])) for share in used]
 
     def step(self, actions: Array) -> Stepped:
         """Hold an action for a period in each."""
         task = self.task
-        told = np.asarray(actions)
-        if told.dtype.kind not in "iuf":
+        chosen = np.asarray(actions)
+        if chosen.dtype.kind not in "iuf":
             raise InputError(
-                f"actions must be real numbers from -1 to 1, got an array of {told.dtype}."
+                f"actions must be real numbers from -1 to 1, got an array of {chosen.dtype}."
             )
-        efforts: Array = np.array(told, dtype=np.float64)
+        efforts: Array = np.array(chosen, dtype=np.float64)
         if efforts.shape != (self.count,):
             raise InputError(
                 f"actions must have the shape ({self.count}, 1), a share of the largest effort for"

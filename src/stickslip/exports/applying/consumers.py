@@ -54,7 +54,7 @@ class Ros2(models.Model):
         try:
             text = self.data.decode("utf-8")
             root = yaml.compose(text, Loader=yaml.SafeLoader)
-            aliases = [one for one in yaml.scan(text) if isinstance(one, yaml.AliasToken)]
+            aliases = [token for token in yaml.scan(text) if isinstance(token, yaml.AliasToken)]
         except (yaml.YAMLError, UnicodeDecodeError, RecursionError):
             raise InputError(f"{self.path} is not YAML.") from None
         if aliases:
@@ -91,7 +91,7 @@ class Ros2(models.Model):
                         kind="either",
                         line=parameters["joints"].start_mark.line + 1,
                         place=(place, parameters.get("use_friction")),
-                        given={key: (one.value, "") for key, one in place.items()},
+                        given={key: (setting.value, "") for key, setting in place.items()},
                     )
 
     def elsewhere(self, name: str) -> str:
@@ -306,7 +306,7 @@ class Bam(models.Model):
             between = re.match(r"\s*", self.text[first:])
             assert between is not None  # it may be empty
             place, space = self._byte(last), between[0] or " "
-            text = "".join(f",{space}{one}" for one in added)
+            text = "".join(f",{space}{name}" for name in added)
             found.append(Edit(place, place, text.encode("ascii")))
         return found
 
@@ -330,8 +330,8 @@ def gear_law(law: FrictionLaw) -> FrictionLaw | None:
     if law.name in MODELS:
         return law
     for name in MODELS:
-        for one in LAWS[name].contained:
-            values = one.embed(law) if one.law == law.name else None
+        for containment in LAWS[name].contained:
+            values = containment.embed(law) if containment.law == law.name else None
             if values is None:
                 continue
             found = LAWS[name](**values)
@@ -343,8 +343,8 @@ def gear_law(law: FrictionLaw) -> FrictionLaw | None:
 def _same(found: FrictionLaw, law: FrictionLaw) -> bool:
     """Return whether laws agree; an option such as a level of its own at rest may be in neither."""
     forces = [
-        [one.break_away(1.0), *(one.steady(v, 1.0) for v in SPEEDS_COMPARED)]
-        for one in (found, law)
+        [member.break_away(1.0), *(member.steady(v, 1.0) for v in SPEEDS_COMPARED)]
+        for member in (found, law)
     ]
     return all(math.isclose(a, b, rel_tol=1e-12) for a, b in zip(*forces, strict=True))
 
@@ -380,7 +380,7 @@ def _of_motor(beside: models.Beside) -> tuple[Mapping[str, float], tuple[str, ..
 # The formats of model files by name.
 
 CONSUMERS: Final[Mapping[str, type[models.Model]]] = MappingProxyType(
-    {one.name: one for one in (models.Urdf, models.Mjcf, models.Physx, models.Newton, Bam, Ros2)}
+    {item.name: item for item in (models.Urdf, models.Mjcf, models.Physx, models.Newton, Bam, Ros2)}
 )
 """What laws can be applied to."""
 
@@ -399,7 +399,7 @@ def read_model(path: Path, to: str | None = None) -> models.Model:
             raise InputError(f"{path} is no file of {wanted.title}.")
         return wanted(path, data)
     if len(fitting) > 1:
-        choices = " or ".join(f"--to {one.name}, {one.title}" for one in fitting)
+        choices = " or ".join(f"--to {kind.name}, {kind.title}" for kind in fitting)
         raise InputError(f"{path} has room for friction of several programs: choose by {choices}.")
     if not fitting:
         raise _unknown(path, data)

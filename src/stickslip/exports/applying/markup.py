@@ -35,8 +35,8 @@ def edited(data: bytes, edits: Sequence[Edit]) -> bytes:
     >>> edited(b"abcd", [Edit(1, 2, b"X"), Edit(4, 4, b"!")])
     b'aXcd!'
     """
-    for one in sorted(edits, key=lambda edit: (edit.start, edit.end), reverse=True):
-        data = data[: one.start] + one.text + data[one.end :]
+    for change in sorted(edits, key=lambda edit: (edit.start, edit.end), reverse=True):
+        data = data[: change.start] + change.text + data[change.end :]
     return data
 
 
@@ -242,7 +242,7 @@ class Stage:
     def _schema(self, prim: Prim, schema: str) -> Iterator[Edit]:
         text = f'"{schema}"'
         if prim.schemas is not None:
-            names = [one for one in prim.schemas if one.kind == "text"]
+            names = [token for token in prim.schemas if token.kind == "text"]
             if any(name.text[1:-1] == schema for name in names):
                 return
             place = names[-1].end if names else prim.schemas[0].end
@@ -323,12 +323,12 @@ def _closes(path: Path, data: bytes, tokens: Sequence[Token]) -> dict[int, int]:
     """Return where what each opening mark opens is closed."""
     found: dict[int, int] = {}
     opened: list[int] = []
-    for i, one in enumerate(tokens):
-        if one.data in PAIRS and one.kind == "mark":
+    for i, token in enumerate(tokens):
+        if token.data in PAIRS and token.kind == "mark":
             opened.append(i)
-        elif one.kind == "mark" and one.data in PAIRS.values():
-            if not opened or PAIRS[tokens[opened[-1]].data] != one.data:
-                raise InputError(f"{path} is not USD: {_line(data, one.start)}.")
+        elif token.kind == "mark" and token.data in PAIRS.values():
+            if not opened or PAIRS[tokens[opened[-1]].data] != token.data:
+                raise InputError(f"{path} is not USD: {_line(data, token.start)}.")
             found[opened.pop()] = i
     if opened:
         raise InputError(f"{path} is not USD: {_line(data, tokens[opened[-1]].start)}.")
@@ -337,11 +337,11 @@ def _closes(path: Path, data: bytes, tokens: Sequence[Token]) -> dict[int, int]:
 
 def _prims(data: bytes, tokens: Sequence[Token], closes: Mapping[int, int]) -> Iterator[Prim]:
     counted, lines = 0, 1
-    for i, one in enumerate(tokens):
-        if one.kind != "word" or one.data not in SPECIFIERS:
+    for i, token in enumerate(tokens):
+        if token.kind != "word" or token.data not in SPECIFIERS:
             continue
-        lines += data.count(b"\n", counted, one.start)
-        counted = one.start
+        lines += data.count(b"\n", counted, token.start)
+        counted = token.start
         at = i + 1 if _kind(tokens, i + 1) == "text" else i + 2
         if _kind(tokens, at) != "text":
             continue

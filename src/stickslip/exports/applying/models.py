@@ -162,11 +162,11 @@ class Model(ABC):
     def joint(self, name: str) -> ModelJoint:
         """Return a joint by its name."""
         given = list(self.joints())
-        names = [one.name for one in given]
+        names = [joint.name for joint in given]
         if not name or name not in names:
             raise InputError(f"{self._unknown(name, names)}{self._unnamed(given)}")
         if Counter(names)[name] > 1:
-            lines = [str(one.line) for one in given if one.name == name]
+            lines = [str(joint.line) for joint in given if joint.name == name]
             raise InputError(
                 f"{self.path}: {len(lines)} joints are called {name!r}, in lines"
                 f" {', '.join(lines)}: rename all but one."
@@ -196,7 +196,7 @@ class Model(ABC):
         return f"{self.path} has no joint {name!r}, but {', '.join(known)}.{hint}"
 
     def _unnamed(self, given: list[ModelJoint]) -> str:
-        lines = [str(one.line) for one in given if not one.name]
+        lines = [str(joint.line) for joint in given if not joint.name]
         if not lines:
             return ""
         if len(lines) == 1:
@@ -445,7 +445,7 @@ def _parts(
             continue
         # MuJoCo looks beside the main file, then beside the one that includes
         path = next(
-            (one / name for one in (main, markup.path.parent) if (one / name).exists()), None
+            (file / name for file in (main, markup.path.parent) if (file / name).exists()), None
         )
         if path is None:
             continue  # MuJoCo says what it misses

@@ -143,7 +143,7 @@ def replay_of(record: Measurement, mechanism: mechanisms.Mechanism) -> "Replay":
         record=own,
         mechanism=mechanism,
         pieces=pieces,
-        contacts={along: one.name for along, one in fits.contacts_along(mechanism).items()},
+        contacts={along: contact.name for along, contact in fits.contacts_along(mechanism).items()},
         commands=commands,
     )
 
@@ -232,12 +232,12 @@ def _commanded(mechanism: mechanisms.Mechanism, measurement: Measurement) -> Ite
         record = with_voltage(mechanism, given, HOLD)
         set_up, what = as_recorded(mechanism, record), command_of(record)
         for piece in between_gaps(record):
-            told = fits.applied_force(set_up, piece)
+            applied = fits.applied_force(set_up, piece)
             yield _Commanded(
                 mechanism=set_up,
                 record=piece,
                 what=what or "voltage",
-                values=np.zeros(len(np.asarray(piece.time))) if told is None else told,
+                values=np.zeros(len(np.asarray(piece.time))) if applied is None else applied,
                 straight=fits.goes_straight(piece, HOLD),
             )
 
@@ -274,9 +274,9 @@ class Replay:
     def typical_inputs(self, contact: str, names: Collection[str]) -> dict[str, float]:
         """Return the usual values of contact inputs of a joint along the record, by name."""
         i = self.mechanism.coordinates.index(self._coordinate(contact))
-        told = [piece.inputs[i][0] for piece in self.pieces]
-        known = [name for name in names if all(name in one for one in told)]
-        return fits.usual_values({name: [one[name] for one in told] for name in known})
+        inputs = [piece.inputs[i][0] for piece in self.pieces]
+        known = [name for name in names if all(name in table for table in inputs)]
+        return fits.usual_values({name: [table[name] for table in inputs] for name in known})
 
     def judged(
         self,
@@ -291,7 +291,7 @@ class Replay:
         places = {self._coordinate(joint.subject.contact): joint for joint in joints}
         if len(self.contacts) == 1:  # which may have no name
             laws = dict(zip(self.contacts.values(), laws.values(), strict=True))
-        near = {**laws, **{self.contacts[along]: one.joint for along, one in places.items()}}
+        near = {**laws, **{self.contacts[along]: tested.joint for along, tested in places.items()}}
         return replace(self, laws=(laws, near), places=places)._judged(compiled)
 
     def _judged(self, compiled: Compiled | None) -> tuple[dict[str, JointReplay], tuple[str, ...]]:
@@ -299,7 +299,7 @@ class Replay:
         said: list[str] = []
         theirs = {} if compiled is None else dict(self._models(compiled, said))
         forces = {
-            one: [there.torques(piece) for piece in self.pieces] for one, there in theirs.items()
+            key: [there.torques(piece) for piece in self.pieces] for key, there in theirs.items()
         }
         constants, rows = {}, {}
         for i, name in enumerate(self.mechanism.coordinates):
@@ -308,14 +308,14 @@ class Replay:
             known = len(measured) and not self.commands
             constants[name] = float(np.mean(measured - own)) if known else 0.0
             rows[name] = [column - measured + constants[name] for column in columns], measured
-        horizon = min(HORIZON, *(one.span for one in self.pieces))
+        horizon = min(HORIZON, *(piece.span for piece in self.pieces))
         parts = list(self._parts(horizon))
         motions = self._motions(parts, constants, theirs, said)
         found = {}
-        for coordinate, one in self.places.items():
+        for coordinate, tested in self.places.items():
             errors, measured = rows[coordinate]
             if not len(measured):
-                said.append(f"{one.name} hardly moves in the record: nothing is said of it.")
+                said.append(f"{tested.name} hardly moves in the record: nothing is said of it.")
                 continue
             i = self.mechanism.coordinates.index(coordinate)
             seen = np.concatenate([part.motion(self.mechanism)[:, i] for part in parts])
@@ -335,12 +335,12 @@ class Replay:
                     (LAW, SIMPLIFIED, *theirs), errors[1:], moved, strict=True
                 )
             )
-            found[one.name] = JointReplay(
+            found[tested.name] = JointReplay(
                 spread=spread,
                 constant=constants[coordinate],
                 horizon=horizon,
                 parts=len(parts),
-                rotary=one.subject.rotary,
+                rotary=tested.subject.rotary,
                 models=models,
                 driven_by=self.commands[0].what if self.commands else "force",
             )
@@ -349,7 +349,7 @@ class Replay:
     def _forces(self, i: int, name: str, theirs: Sequence[Sequence[Array]]) -> list[Array]:
         """Return the force of a joint where it slips: measured, with both laws, and MuJoCo's."""
         contact = self.contacts.get(name, "")
-        law, near = (one.get(contact) for one in self.laws)
+        law, near = (entry.get(contact) for entry in self.laws)
         table: list[list[Array]] = []
         for number, piece in enumerate(self.pieces):
             whole = [other[number][:, i] for other in theirs]
@@ -370,7 +370,7 @@ class Replay:
 
     def _named(self, mujoco: ModuleType, model: Any) -> list[str]:
         """Return the joints of the file by coordinate of the mechanism."""
-        known = {one: place.name for one, place in self.places.items()}
+        known = {key: place.name for key, place in self.places.items()}
         found = []
         for name in self.mechanism.coordinates:
             joint = known.get(name, name)
@@ -404,7 +404,7 @@ class Replay:
         found: list[Array | None] = []
         for laws in self.laws:
             try:
-                found.append(np.concatenate([self._simulated(one, laws, known) for one in parts]))
+                found.append(np.concatenate([self._simulated(part, laws, known) for part in parts]))
             except StickslipError as error:
                 said.append(f"The record was not simulated: {' '.join(str(error).split())}")
                 return [None] * (len(self.laws) + len(theirs))
@@ -426,9 +426,9 @@ class Replay:
 
     def _simulated(self, part: "_Part", laws: Mapping[str, FrictionLaw], constants: Array) -> Array:
         names = self.mechanism.coordinates
-        time, forces, told = part.time, part.forces - constants, self._command_of(part)
-        if told is not None:
-            rig = fits.with_drive(self.commands[part.piece.record].mechanism, told[1])
+        time, forces, command = part.time, part.forces - constants, self._command_of(part)
+        if command is not None:
+            rig = fits.with_drive(self.commands[part.piece.record].mechanism, command[1])
         else:
             drives = {
                 name: Sampled(times=time, values=column, hold="first")
@@ -460,7 +460,7 @@ def driven_by(mechanism: mechanisms.Mechanism, drives: Mapping[str, Drive]) -> m
     if isinstance(mechanism, mechanisms.SerialArm):
         pairs = zip(mechanism.links, mechanism.coordinates, strict=True)
         return replace(
-            mechanism, links=tuple(replace(one, torque=drives[name]) for one, name in pairs)
+            mechanism, links=tuple(replace(link, torque=drives[name]) for link, name in pairs)
         )
     if isinstance(mechanism, mechanisms.TwoLinkArm):
         shoulder, elbow = (drives[name] for name in mechanism.coordinates)
@@ -499,7 +499,7 @@ class _Part:
         at, motions = self.rows.start, self.piece.motions
         return (
             np.array([motion.position[at] for motion in motions]),
-            np.array([one.velocity[at] for one in motions]),
+            np.array([motion.velocity[at] for motion in motions]),
         )
 
 
@@ -535,7 +535,7 @@ class _InMuJoCo:
         found = np.empty((len(piece.time), len(self.dofs)))
         motions = piece.motions
         places = np.column_stack([motion.position for motion in motions])
-        rates = np.column_stack([one.velocity for one in motions])
+        rates = np.column_stack([motion.velocity for motion in motions])
         for row, (q, v, a) in enumerate(zip(places, rates, piece.accelerations, strict=True)):
             data.qpos[self.places], data.qvel[self.dofs], data.qacc[self.dofs] = q, v, a
             self.mujoco.mj_inverse(self.model, data)
@@ -555,7 +555,7 @@ class _InMuJoCo:
         """
         model, damping = self.model, 0.0
         if command is not None:
-            motor, told = command
+            motor, drive = command
             damping = 0.5 * float(motor.force(0.0, 0.0, -SLOW) - motor.force(0.0, 0.0, SLOW)) / SLOW
             model = copy.copy(model)
             model.dof_damping[self.dofs] += damping
@@ -565,14 +565,14 @@ class _InMuJoCo:
         step, time = float(model.opt.timestep), part.time
         times = np.arange(math.ceil(time[-1] / step) + 1) * step
         forces = np.column_stack(
-            [np.interp(times + 0.5 * step, time, one) for one in (part.forces - constants).T]
+            [np.interp(times + 0.5 * step, time, item) for item in (part.forces - constants).T]
         )
         found = np.empty((len(times), len(self.dofs)))
         for row, force in enumerate(timed(forces)):
             found[row] = data.qpos[self.places]
             if command is not None:
                 x, v = data.qpos[self.places], data.qvel[self.dofs]
-                told_now = told.value(float(times[row]) + 0.5 * step)
+                told_now = drive.value(float(times[row]) + 0.5 * step)
                 data.qfrc_applied[self.dofs] = motor.force(told_now, x, v) + damping * v
             else:
                 data.qfrc_applied[self.dofs] = force
@@ -585,7 +585,7 @@ def _compared(errors: Sequence[float], unit: str) -> str:
     words = ("the law is off by", "they by", f"{MUJOCO} by")
     chosen = (*errors[:2], *errors[2:][-1:])
     return ", ".join(
-        f"{word} {quantity(one, unit)}" for word, one in zip(words, chosen, strict=False)
+        f"{word} {quantity(value, unit)}" for word, value in zip(words, chosen, strict=False)
     )
 
 

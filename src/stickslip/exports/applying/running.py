@@ -70,7 +70,7 @@ def check_workload(parts: list[Markup]) -> None:
     """Refuse a model, in the files that it is made of, that takes more than a robot does."""
     main = parts[0].path
     dirs = {
-        tag.attributes[key] for one in parts for tag in one.root.walk() for key in FOLDERS
+        tag.attributes[key] for markup in parts for tag in markup.root.walk() for key in FOLDERS
         if key in tag.attributes
     }  # fmt: skip
     total = 0.0
@@ -105,7 +105,7 @@ def limited_memory() -> Iterator[None]:
             with contextlib.suppress(OSError):  # not told
                 pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
                 before = resource.getrlimit(resource.RLIMIT_AS)
-                limits = [one for one in before if one != resource.RLIM_INFINITY]
+                limits = [index for index in before if index != resource.RLIM_INFINITY]
                 most = min([pages * resource.getpagesize() + LARGEST_GROWTH, *limits])
                 resource.setrlimit(resource.RLIMIT_AS, (most, before[1]))
                 stack.callback(resource.setrlimit, resource.RLIMIT_AS, before)
@@ -134,8 +134,8 @@ def _copied(tag: Tag, copies: float) -> Iterator[tuple[Tag, float]]:
     if tag.name in COPIES:
         copies *= max(math.prod(_readable_numbers(tag.attributes.get("count", "1"))), 1.0)
     yield tag, copies
-    for one in tag.children:
-        yield from _copied(one, copies)
+    for child in tag.children:
+        yield from _copied(child, copies)
 
 
 def _amounts(tag: Tag) -> Iterator[tuple[str, float, float]]:
@@ -295,8 +295,8 @@ def in_mujoco(model: Model, content: bytes, joints: Sequence[str]) -> tuple[Comp
                 its.solref_friction, its.solimp_friction[:3] = _numbers(SOFT), _numbers(HARD)
             spec.option.timestep = TIMESTEP
             models.append(("stiff", spec.compile()))
-        for _, one in models:
-            check_steps(model.path, LONGEST_MOTION, float(one.opt.timestep))
+        for _, item in models:
+            check_steps(model.path, LONGEST_MOTION, float(item.opt.timestep))
     # of memory that it does not get, MuJoCo says "unknown exception"
     except (ValueError, KeyError, MemoryError, RuntimeError, mujoco.FatalError) as error:
         return None, not_run(error)
@@ -323,7 +323,7 @@ def motions_of(
 
 
 def _numbers(text: str) -> list[float]:
-    return [float(one) for one in text.split()]
+    return [float(name) for name in text.split()]
 
 
 def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
@@ -335,7 +335,7 @@ def _spec(mujoco: ModuleType, model: Model, content: bytes) -> Any:
         return _unpainted(spec)
     root = ElementTree.fromstring(content)
     for link in root.iter("link"):
-        for shape in [one for one in link if one.tag in ("visual", "collision")]:
+        for shape in [element for element in link if element.tag in ("visual", "collision")]:
             link.remove(shape)
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
     spec.compiler.balanceinertia = True  # moments of inertia of a file are rounded
@@ -363,8 +363,8 @@ def _held(subject: Subject, load: float) -> float:
         return min(float(law.towards(side).break_away(load)) for side in (1, -1))
 
     def level(force: float) -> float:
-        told = gear_inputs(force, 0.0, position=0.0)
-        return break_away(bound(replace(subject.law), {**subject.at, **told}))
+        inputs = gear_inputs(force, 0.0, position=0.0)
+        return break_away(bound(replace(subject.law), {**subject.at, **inputs}))
 
     if not {"motor", "external", "transmitted"}.intersection(subject.law.inputs):
         return break_away(subject.law)
@@ -379,22 +379,22 @@ def _held(subject: Subject, load: float) -> float:
 
 
 def _motions(
-    mujoco: ModuleType, compiled: Any, one: Tested, settings: str
+    mujoco: ModuleType, compiled: Any, tested: Tested, settings: str
 ) -> Iterator[JointMotion]:
     """Yield what a joint does while the others stand still, without gravity and contacts."""
-    dof = int(compiled.jnt_dofadr[compiled.joint(one.name).id])
+    dof = int(compiled.jnt_dofadr[compiled.joint(tested.name).id])
     inertia = float(_masses(mujoco, compiled)[dof])
     compiled = alone(mujoco, compiled, [dof])
     for bit in ("GRAVITY", "LIMIT", "SPRING"):
         compiled.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{bit}"))
-    subject = one.subject
+    subject = tested.subject
     rotary, load, fastest = subject.rotary, subject.needed_load(), subject.needed_speed()
-    axis = Axis(inertia=inertia, load=load, damping=one.damping, rotary=rotary)
-    told = input_names(axis)  # such as the torque of a gear, which the motion decides
-    stated = {name: value for name, value in subject.at.items() if name not in told}
+    axis = Axis(inertia=inertia, load=load, damping=tested.damping, rotary=rotary)
+    inputs = input_names(axis)  # such as the torque of a gear, which the motion decides
+    stated = {name: value for name, value in subject.at.items() if name not in inputs}
     rest = _held(subject, load)
     sliding = abs(steady_force(subject, np.array([-fastest, fastest]), load)).max()
-    sliding += one.damping * fastest
+    sliding += tested.damping * fastest
     step, unit = float(compiled.opt.timestep), turned("N", rotary)
 
     def motion(
@@ -407,7 +407,7 @@ def _motions(
         driven = given_inputs(replace(axis, drive=drive), stated)
         ours, plain = (
             simulate(driven, law, t_end=float(t[-1]), y0={"x": 0.0, "v": start}).at(t)["x"]
-            for law in (replace(subject.law), one.joint)
+            for law in (replace(subject.law), tested.joint)
         )
         travel, costs = float(np.ptp(ours)), float(np.abs(plain - ours).max())
         return JointMotion(
@@ -479,8 +479,8 @@ def _stepped(
     data.qvel[dof] = start
     found: NDArray[np.float64] = np.empty(force.size + 1)
     found[0] = data.qpos[place]
-    for i, one in enumerate(timed(force)):
-        data.qfrc_applied[dof] = one
+    for i, level in enumerate(timed(force)):
+        data.qfrc_applied[dof] = level
         mujoco.mj_step(compiled, data)
         found[i + 1] = data.qpos[place]
     found -= found[0]

@@ -15,7 +15,7 @@ from stickslip.exports.applying.models import Beside, Carried, Model, ModelJoint
 from stickslip.exports.applying.replay import JointReplay, Replay, replay_of
 from stickslip.exports.applying.running import JointMotion, Tested, in_mujoco, motions_of
 from stickslip.exports.program import Subject
-from stickslip.exports.verb import Asked, evaluated, law_or_rig, laws_by_contact, subject_of
+from stickslip.exports.verb import Usage, evaluated, law_or_rig, laws_by_contact, subject_of
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import Given, turned
 from stickslip.show.described import Described
@@ -244,7 +244,7 @@ def apply(
     model = read_model(Path(file), to)
     wishes = Wishes(polynomial=polynomial, holds=holds)
     _check_wishes(model, wishes)
-    given = Asked(law=law, load=load, largest_speed=largest_speed, law_load=law_load)
+    given = Usage(law=law, load=load, largest_speed=largest_speed, law_load=law_load)
     rows: dict[str, AppliedJoint] = {}
     tested: list[Tested] = []
     values: list[tuple[ModelJoint, Mapping[str, str]]] = []
@@ -257,10 +257,10 @@ def apply(
         joint = model.joint(name)
         if name in rows:
             raise InputError(f"joint {name!r} is named twice; it has one friction.")
-        asked = replace(given, contact=contact or None)
+        usage = replace(given, contact=contact or None)
         if isinstance(source, FrictionLaw):
-            asked = replace(asked, rotary=joint.rotary is not False)
-        whole = subject_of(source, model.title, asked, evaluates=False, rig=None)
+            usage = replace(usage, rotary=joint.rotary is not False)
+        whole = subject_of(source, model.title, usage, evaluates=False, rig=None)
         # of several laws, each takes what it depends on
         known = {k: x for k, x in shared.items() if len(pairs) == 1 or k in whole.law.inputs}
         unasked = {k: x for k, x in unasked.items() if k not in known}
@@ -286,10 +286,10 @@ def apply(
     if run and not model.runs:
         why = f"The file was not run in {model.program}; errors are those of the friction."
     elif run:
-        compiled, why = in_mujoco(model, content, [one.name for one in tested])
+        compiled, why = in_mujoco(model, content, [made.name for made in tested])
     if compiled is not None:
         motions, why = motions_of(compiled, tested)
-        rows = {name: replace(one, motions=motions.get(name, ())) for name, one in rows.items()}
+        rows = {name: replace(row, motions=motions.get(name, ())) for name, row in rows.items()}
     remarks += [why] if why else []
     if record is not None:
         if not tested:
@@ -297,7 +297,7 @@ def apply(
         replay = replay or _replay_of(record, tested[0].subject.mechanism)
         with _of_record():
             replays, said = replay.judged(_laws(source, law, tested), tested, compiled)
-        rows = {name: replace(one, replay=replays.get(name)) for name, one in rows.items()}
+        rows = {name: replace(row, replay=replays.get(name)) for name, row in rows.items()}
         remarks += said
     return Applied(
         path=Path(file),
@@ -345,36 +345,36 @@ def _pairs(
     contacts: Sequence[str], model: Model, joints: str | Collection[str] | Mapping[str, str] | None
 ) -> list[tuple[str, str]]:
     """Return contacts and the joints that get their laws; without contacts, empty names."""
-    asked = [joints] if isinstance(joints, str) else joints
-    if asked is not None and not asked:
+    chosen = [joints] if isinstance(joints, str) else joints
+    if chosen is not None and not chosen:
         raise InputError("joints is empty: leave it out, or name at least one.")
     if not contacts:
-        if isinstance(asked, Mapping):
+        if isinstance(chosen, Mapping):
             raise InputError(
                 f"this is one law and not laws by contact, so there is no"
-                f" {', '.join(map(repr, asked))}: name joints alone."
+                f" {', '.join(map(repr, chosen))}: name joints alone."
             )
-        names = model.movable if asked is None else list(asked)
-        if asked is None and len(names) != 1:
+        names = model.movable if chosen is None else list(chosen)
+        if chosen is None and len(names) != 1:
             raise InputError(
                 f"{model.path} has {len(names)} joints that take friction"
                 f" ({', '.join(names) or 'none with a name'}), and this is one law: choose with"
                 " --joint (in Python joints)."
             )
         return [("", name) for name in names]
-    if isinstance(asked, Mapping):
-        pairs = dict(asked)
+    if isinstance(chosen, Mapping):
+        pairs = dict(chosen)
     else:
-        wanted = model.movable if asked is None else list(asked)
+        wanted = model.movable if chosen is None else list(chosen)
         pairs = {contact: name for name in wanted for contact in contacts if _same(contact, name)}
-        missing = [name for name in asked or () if name not in pairs.values()]
+        missing = [name for name in chosen or () if name not in pairs.values()]
         if missing:
             raise InputError(
                 f"no contact has the name of the joint {missing[0]!r}; contacts with a law:"
                 f" {', '.join(contacts)}. Pair them, as --joint {contacts[0]}={missing[0]}"
                 f" (in Python joints={{{contacts[0]!r}: {missing[0]!r}}})."
             )
-        if asked is None:
+        if chosen is None:
             for contact in contacts:
                 pairs.setdefault(contact, contact)  # refused with the names of the joints
     for contact in pairs:
@@ -424,7 +424,7 @@ def _beside(mechanism: mechanisms.Mechanism | None, contact: str) -> Beside:
                 inertia = max(0.0, joint.armature + joint.added_armature)
                 return Beside(damping=joint.damping, armature=inertia or None)
     if isinstance(mechanism, mechanisms.SerialArm):
-        names = [one.name for one in mechanism.contacts()]
+        names = [place.name for place in mechanism.contacts()]
         link = mechanism.links[names.index(contact) if contact else 0]
         inertia = link.rotor_inertia * link.gear_ratio**2
         return Beside(damping=link.damping, armature=inertia or None)

@@ -52,7 +52,7 @@ def told_from_outside(
         start = before.value(0.0) if isinstance(before, Drive) else float(before)
         held = {name: Sampled(times=(0.0,), values=(start,))}
         mechanism = mechanisms.given_inputs(mechanism, {contact: held} if contact else held)
-        found = [*(one for one in found if one != label_of(contact, name)), field]
+        found = [*(key for key in found if key != label_of(contact, name)), field]
     return mechanism, tuple(found)
 
 
@@ -67,20 +67,20 @@ def _from_outside(
     """Yield contact and name of what is asked for, or what laws need and nothing tells."""
     if isinstance(law, PrintedForm) or not isinstance(mechanism, mechanisms.Mechanism):
         return  # refused where it is checked with what it is given for
-    contacts = tuple(one.name for one in mechanism.contacts())
+    contacts = tuple(place.name for place in mechanism.contacts())
     laws = assigned(contacts, law)
-    asked: dict[str, list[str]] = {}
+    inputs: dict[str, list[str]] = {}
     for contact in contacts:
-        one = law_of(contact, laws)
-        for name in () if one is None else one.inputs:
-            asked.setdefault(name, []).append(contact)
-    for name, those in asked.items():
-        untold = [one for one in those if name not in mechanisms.input_names(mechanism, one)]
-        apart = [one for one in those if len(contacts) > 1 and label_of(one, name) in names]
+        friction = law_of(contact, laws)
+        for name in () if friction is None else friction.inputs:
+            inputs.setdefault(name, []).append(contact)
+    for name, those in inputs.items():
+        untold = [key for key in those if name not in mechanisms.input_names(mechanism, key)]
+        apart = [key for key in those if len(contacts) > 1 and label_of(key, name) in names]
         for contact in (*([""] if untold or name in names else []), *apart):
             if not any(
-                name in mechanisms.given_names(mechanism, one) or one in untold
-                for one in ([contact] if contact else those)
+                name in mechanisms.given_names(mechanism, key) or key in untold
+                for key in ([contact] if contact else those)
             ):
                 raise InputError(
                     f"the contact input {label_of(contact, name)!r} follows from the motion and the"
@@ -95,10 +95,10 @@ def with_inputs(
     """Return a mechanism whose drives of some names are told from outside."""
     found: dict[str, Input] = {}
     for given in names:
-        mechanism, one = _with_input(mechanism, given)
-        if given in found or one.drive in (other.drive for other in found.values()):
+        mechanism, input_ = _with_input(mechanism, given)
+        if given in found or input_.drive in (other.drive for other in found.values()):
             raise InputError(f"the input {given!r} is named twice.")
-        found[given] = one
+        found[given] = input_
     return mechanism, found
 
 
@@ -222,7 +222,7 @@ def _factors(unit: str) -> dict[str, int]:
     """Return the powers of the units that stand in a unit, in their order."""
     found: dict[str, int] = {}
     above, *below = unit.split("/")
-    sides = [(above, 1), *((one.removeprefix("(").removesuffix(")"), -1) for one in below)]
+    sides = [(above, 1), *((key.removeprefix("(").removesuffix(")"), -1) for key in below)]
     for side, sign in sides:
         for factor in side.split():
             parsed = _FACTOR.fullmatch(factor)
@@ -300,7 +300,7 @@ def variables_of(
     )
     found += _parameters(mechanism, law, model, len(found))
     first_state = len(found)
-    inputs_of = [i for i, one in enumerate(found) if one.role == "input"]
+    inputs_of = [i for i, variable in enumerate(found) if variable.role == "input"]
     # Forces may depend on all states and inputs.
     every = (*inputs_of, *range(first_state, first_state + len(model.states)))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
@@ -471,7 +471,7 @@ def _shapes_tables(mechanism: mechanisms.Mechanism, path: str, value: float) -> 
     # Another value, and NaN, which spreads to all that is made of it.
     other = value * SHIFT if value else SHIFT - 1.0
     before = _made_before(mechanism, path, value)
-    return any(_made_before(mechanism, path, one) != before for one in (other, math.nan))
+    return any(_made_before(mechanism, path, number) != before for number in (other, math.nan))
 
 
 def _made_before(mechanism: mechanisms.Mechanism, path: str, value: float) -> Any:
@@ -481,7 +481,7 @@ def _made_before(mechanism: mechanisms.Mechanism, path: str, value: float) -> An
     twin = shadow(mechanism, "mechanism", own.__getitem__)
     try:
         return (
-            [[(one.time_scale(), list(one.pieces(1.0))) for one in parts_of(drive)]
+            [[(part.time_scale(), list(part.pieces(1.0))) for part in parts_of(drive)]
              for drive in twin.drives().values()],
             dict(twin.start()),
         )  # fmt: skip
@@ -510,7 +510,7 @@ def _drive_unit(mechanism: mechanisms.Mechanism, name: str) -> str:
         for coordinate in mechanism.coordinates
     }
     unit = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    kinds = {unit[one] for one, change in moved.items() if abs(abs(change) - 1.0) < 1e-9}
+    kinds = {unit[key] for key, change in moved.items() if abs(abs(change) - 1.0) < 1e-9}
     if len(kinds) == 1:
         return "N m" if kinds == {"rad"} else "N"
     loads = (mechanism.loads(0.0, q, q, drives) for drives in (still, pushed))
@@ -560,7 +560,7 @@ class Heading:
 
 def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi) -> bytes:
     """Return the model description."""
-    guards = sum(one.role == "indicator" for one in variables)
+    guards = sum(signal.role == "indicator" for signal in variables)
     token = "guid" if fmi == 2 else "instantiationToken"
     root = Element(
         "fmiModelDescription",
@@ -659,8 +659,8 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
         kind = "Int32" if variable.whole else "Float64"
         SubElement(place, kind, {**common, **typed})
         return
-    one = SubElement(place, "ScalarVariable", common)
-    SubElement(one, "Integer" if variable.whole else "Real", typed)
+    element = SubElement(place, "ScalarVariable", common)
+    SubElement(element, "Integer" if variable.whole else "Real", typed)
 
 
 def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> None:
@@ -696,4 +696,4 @@ def _known(variable: Variable, first: int) -> dict[str, str]:
     """Return the states and inputs that a variable depends on, counted from `first`."""
     if variable.depends_on is None:
         return {}
-    return {"dependencies": " ".join(str(one + first) for one in variable.depends_on)}
+    return {"dependencies": " ".join(str(index + first) for index in variable.depends_on)}

@@ -347,7 +347,7 @@ def export_fmu(
         driven, laws, model, y0=start, nominals=nominals, inputs=found
     )
     names = [variable.name for variable in variables]
-    twice = [one for one in found if names.count(one) > 1]
+    twice = [key for key in found if names.count(key) > 1]
     if twice:
         raise InputError(
             f"the input {twice[0]!r} has the name of another variable: name the drive by its path."

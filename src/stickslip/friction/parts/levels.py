@@ -513,7 +513,7 @@ def _read(name: str) -> list[tuple[float, float]]:
         scales = _scales(headers[-1], said)
     points = []
     for i, line in enumerate(lines, 1):
-        cells = [one for one in re.split(r"[;,\s]+", line.strip()) if one]
+        cells = [key for key in re.split(r"[;,\s]+", line.strip()) if key]
         try:
             x, y = map(float, cells)
         except ValueError:
@@ -534,7 +534,7 @@ def _scales(header: str, said: str) -> tuple[float, float]:
         unit = named[1].strip() if named else allowed[0]
         unit = "1" if unit == "-" else unit
         try:
-            (target, *_) = [one for one in allowed if one == unit or is_of(unit, one)]
+            (target, *_) = [name for name in allowed if name == unit or is_of(unit, name)]
             found.append(1.0 if target == unit else factor(unit, target))
         except (StickslipError, ValueError):
             raise InputError(

@@ -237,7 +237,7 @@ class Maxwell(Elements):
         # Elements yield at the level at rest, whatever the speed: `force` has what speed leaves of
         # it.
         length, way = s.rest / p.bristle_stiffness, sign(s.along)
-        left = (share * length - one * way for share, one in zip(shares(z), z, strict=True))
+        left = (share * length - bend * way for share, bend in zip(shares(z), z, strict=True))
         return tuple(where(room > 0.0, s.along, 0.0) for room in left)
 
     @override
@@ -246,7 +246,7 @@ class Maxwell(Elements):
     ) -> tuple[Scalar, ...]:
         length = s.rest / p.bristle_stiffness
         return tuple(
-            pulled(one, share * length, s, time) for share, one in zip(shares(z), z, strict=True)
+            pulled(bend, share * length, s, time) for share, bend in zip(shares(z), z, strict=True)
         )
 
     @override
@@ -278,12 +278,12 @@ class GMS(Elements):
         sigma_0, way = p.bristle_stiffness, sign(s.along)
         return tuple(
             latched(
-                one * way - share * g / sigma_0,  # slips from where it reaches its level
-                one * s.along,  # until slip turns
-                p.attraction * (share / sigma_0 * way - one / g),
+                bend * way - share * g / sigma_0,  # slips from where it reaches its level
+                bend * s.along,  # until slip turns
+                p.attraction * (share / sigma_0 * way - bend / g),
                 s.along,
             )
-            for share, one in zip(shares(z), z, strict=True)
+            for share, bend in zip(shares(z), z, strict=True)
         )
 
     @override
@@ -292,13 +292,13 @@ class GMS(Elements):
     ) -> tuple[Scalar, ...]:
         way, fades = sign(s.along), exp(-p.attraction * time / g)
         found = []
-        for share, one in zip(shares(z), z, strict=True):
+        for share, bend in zip(shares(z), z, strict=True):
             limit = share * g / p.bristle_stiffness
-            reached = one * way + abs(s.along) * time - limit
-            slips = limit * way + (one - limit * way) * fades
-            sticks = where(one * way > limit, slips, pulled(one, limit, s, time))
+            reached = bend * way + abs(s.along) * time - limit
+            slips = limit * way + (bend - limit * way) * fades
+            sticks = where(bend * way > limit, slips, pulled(bend, limit, s, time))
             # what slipped the other way sticks, and slips from where it reaches its level
-            hold = where(one * s.along > 0.0, 1.0, where(reached > 0.0, 0.0, -1.0))
+            hold = where(bend * s.along > 0.0, 1.0, where(reached > 0.0, 0.0, -1.0))
             found.append(where(hold > 0.0, latched(reached, hold, slips, sticks), sticks))
         return tuple(found)
 

@@ -277,4 +277,4 @@ def parts_of(drive: Drive) -> list[Drive]:
     """
     if not isinstance(drive, Sum):
         return [drive]
-    return [one for part in drive.parts for one in parts_of(part)]
+    return [sub for part in drive.parts for sub in parts_of(part)]

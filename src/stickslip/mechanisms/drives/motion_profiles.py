@@ -252,7 +252,7 @@ class TimedThreePhase(Stepped):
         if self.frequency is None:
             return given
         slower = 1.0 / (self.frequency * sum(given))
-        first, middle, last = (slower * one for one in given)
+        first, middle, last = (slower * value for value in given)
         return first, middle, last
 
     @property
@@ -756,15 +756,15 @@ class _Spline:
         size = count + 3
         # Each sample sees four splines: the normal equations have four bands.
         bands = np.zeros((4, size))
-        for i, one in enumerate(basis):
+        for i, share in enumerate(basis):
             for k, other in enumerate(basis[i:]):
-                bands[k] += np.bincount(cell + i, one * other, size)
+                bands[k] += np.bincount(cell + i, share * other, size)
         self.factor = _banded_factor(bands.tolist())
         self.weights, residual = np.zeros(size), y
         for _ in range(2 if self.factor else 0):  # the second round takes off rounding
             right = sum(np.bincount(cell + i, one * residual, size) for i, one in enumerate(basis))
             self.weights = self.weights + _banded_solution(self.factor, right)
-            residual = y - sum(one * self.weights[cell + i] for i, one in enumerate(basis))
+            residual = y - sum(item * self.weights[cell + i] for i, item in enumerate(basis))
         self.squares = float(residual @ residual) if self.factor else math.inf
 
     def bent_by_noise(self, h: float) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.rigs import CYCLES, KINETIC, STEP, CartRun, CartStudy, RestRule, Share
 from stickslip.paper.sections.common import (
     BACK_SLIP,
@@ -148,19 +148,19 @@ def _run_table(runs: Sequence[CartRun]) -> report.Table:
     return report.Table(columns=columns, rows=rows)
 
 
-def _run_row(one: CartRun) -> report.Row:
-    exact = one.key.endswith("exact")
-    later = sorted((1e3 * travel for travel in one.travels[1:]), key=abs)
+def _run_row(run: CartRun) -> report.Row:
+    exact = run.key.endswith("exact")
+    later = sorted((1e3 * travel for travel in run.travels[1:]), key=abs)
     steady = abs(later[-1] - later[0]) < STEADY * abs(later[0])
     ends = [significant(travel, 3) for travel in (later[0], later[-1])]
     following = ends[0] if steady else " to ".join(ends)
     return report.Row(
         cells=(
-            report.Name(text=one.title, aside="events located" if exact else STEP_TEXT),
-            significant(one.travel, 3),
-            f"{significant(1e3 * one.travels[0], 3)}, then {following}",
-            significant(1e3 * one.least_velocity, 3),
-            significant(1e3 * one.mean_return, 3),
+            report.Name(text=run.title, aside="events located" if exact else STEP_TEXT),
+            significant(run.travel, 3),
+            f"{significant(1e3 * run.travels[0], 3)}, then {following}",
+            significant(1e3 * run.least_velocity, 3),
+            significant(1e3 * run.mean_return, 3),
         ),
         chosen=exact,
     )
@@ -281,8 +281,8 @@ def _choice_text(found: PaperAudit) -> str:
     )
 
 
-def _label(one: CartRun) -> str:
-    return "by select" if one.key == "selected" else "the paper’s example"
+def _label(run: CartRun) -> str:
+    return "by select" if run.key == "selected" else "the paper’s example"
 
 
 def _choice_table(study: CartStudy) -> report.Table:
@@ -290,18 +290,18 @@ def _choice_table(study: CartStudy) -> report.Table:
         study.choices,
         (
             "law",
-            lambda one: report.Name(
-                text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)
+            lambda run: report.Name(
+                text=f"{run.law.title}, {_label(run)}", aside=values_of(run.law)
             ),
         ),
-        (FIRST_CYCLE, lambda one: fixed(1e3 * one.travels[0], 2)),
-        (numbers("last cycle\nmm"), lambda one: fixed(1e3 * one.travels[-1], 2)),
-        (BACK_SLIP, lambda one: back_slip_text(one.mean_return)),
+        (FIRST_CYCLE, lambda run: fixed(1e3 * run.travels[0], 2)),
+        (numbers("last cycle\nmm"), lambda run: fixed(1e3 * run.travels[-1], 2)),
+        (BACK_SLIP, lambda run: back_slip_text(run.mean_return)),
         (
             numbers("lowest normal\nforce, N", "lowest normal force, N"),
-            lambda one: fixed(one.least_normal_force, 3),
+            lambda run: fixed(run.least_normal_force, 3),
         ),
-        chosen=lambda one: one.key == "selected",
+        chosen=lambda run: run.key == "selected",
     )
 
 
@@ -341,23 +341,23 @@ def _return_text(found: PaperAudit) -> str:
     study = found.cart
     back = [choice for choice in study.choices if choice.mean_return > 0.0]
     if back:
-        ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
+        ways = ", ".join(f"{_label(run)}: {quantity(run.mean_return, 'm', 2)}" for run in back)
         return f"The cart slips back in a cycle: {ways}."
-    asked = max(largest_pull(one) for one in study.choices)
+    pull = max(largest_pull(run) for run in study.choices)
     return (
-        f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
+        f"The cart never slips back: at rest the swing pulls it back with up to {percent(pull)} of"
         " the normal force, less than friction can hold. At a lower level of"
         f" {KINETIC:g} it does slip back, as the tables above show."
     )
 
 
-def largest_pull(one: CartRun) -> float:
+def largest_pull(run: CartRun) -> float:
     """Return the largest backward pull on the resting cart, over the normal force.
 
     NaN if it never rests.
     """
-    first, last = one.run.span
-    seen = one.run.at(np.union1d(np.linspace(first, last, 20_000), one.run.t))
+    first, last = run.run.span
+    seen = run.run.at(np.union1d(np.linspace(first, last, 20_000), run.run.t))
     resting = seen["mode"] == 0
     pulls = -seen["friction"][resting] / seen["normal_force"][resting]
     return float(max(pulls, default=math.nan))
@@ -414,7 +414,7 @@ def rest_section(found: PaperAudit) -> report.Section:
 
 
 def _rest_text(found: PaperAudit) -> str:
-    steps = sorted({one.dt for one in found.rest_rules if one.dt is not None}, reverse=True)
+    steps = sorted({rule.dt for rule in found.rest_rules if rule.dt is not None}, reverse=True)
     level = found.values.mu_k * found.values.load / found.values.rig.mass
     jumps = joined([f"{significant(1e3 * level * dt, 2)} mm/s in {1e3 * dt:g} ms" for dt in steps])
     return (
@@ -440,10 +440,10 @@ def _rest_caption(found: PaperAudit) -> str:
     wide = [rest_rule for rest_rule in found.rest_rules if rest_rule.band > 0.0 and rest_rule.rests]
     narrow = [one for one in found.rest_rules if one.band > 0.0 and not one.rests]
     parts = []
-    for one in wide:
-        off = one.block.travel / exact.block.travel - 1.0
+    for rule in wide:
+        off = rule.block.travel / exact.block.travel - 1.0
         parts.append(
-            f"{number(1e3 * one.band)} mm/s in steps of {1e3 * (one.dt or 0.0):g} ms"
+            f"{number(1e3 * rule.band)} mm/s in steps of {1e3 * (rule.dt or 0.0):g} ms"
             f" ({percent(off)} too far)"
         )
     text = f"Bands that hold the block: {joined(parts)}." if parts else "No band holds the block."
@@ -485,10 +485,10 @@ def break_away_section(found: PaperAudit) -> report.Section:
 def _groups(found: PaperAudit) -> list[list[CartRun]]:
     """Return the runs with a constant level, by their kinetic coefficient."""
     groups: dict[float, list[CartRun]] = {}
-    for one in found.cart.break_away:
-        kinetic = getattr(one.law, "kinetic_coefficient", None)
-        if one.law.name == "coulomb" and kinetic is not None:
-            groups.setdefault(kinetic, []).append(one)
+    for run in found.cart.break_away:
+        kinetic = getattr(run.law, "kinetic_coefficient", None)
+        if run.law.name == "coulomb" and kinetic is not None:
+            groups.setdefault(kinetic, []).append(run)
     return list(groups.values())
 
 
@@ -499,7 +499,7 @@ def _later(run: CartRun) -> tuple[float, float]:
 def _spread(runs: list[CartRun]) -> float:
     """Return by how much travels of later cycles differ between runs, over the travel."""
     low = min(_later(run)[0] for run in runs)
-    high = max(_later(one)[1] for one in runs)
+    high = max(_later(run)[1] for run in runs)
     return (high - low) / abs(high)
 
 
@@ -529,8 +529,8 @@ def _break_away_text(found: PaperAudit) -> str:
 
 
 def _break_away_row(run: CartRun) -> report.Row:
-    low, high = (significant(1e3 * one, 4) for one in _later(run))
-    reached = [significant(one, 3) for one in run.largest_friction]
+    low, high = (significant(1e3 * value, 4) for value in _later(run))
+    reached = [significant(value, 3) for value in run.largest_friction]
     later = reached[1:]
     steady = len(set(later)) == 1
     return report.Row(
@@ -551,14 +551,14 @@ def _break_away_caption(found: PaperAudit) -> str:
         first = [1e3 * run.travels[0] for run in runs]
         ends = f"{interval(min(first), max(first))} mm"
         parts.append(f"at $mu_k$ = {kinetic} the first cycle has {ends}")
-    slipping = [one for one in found.cart.break_away if one.mean_return > 0.0]
+    slipping = [run for run in found.cart.break_away if run.mean_return > 0.0]
     text = f"By level, {joined(parts)}."
     if _spread(_groups(found)[0]) < SAME:
         text += (
             " Later on the swing reverses its acceleration at once and asks for more than any of"
             " these levels at that instant, so that the cart starts at the same time with each."
         )
-    held = [one for one in found.cart.break_away if one.mean_return == 0.0]
+    held = [run for run in found.cart.break_away if run.mean_return == 0.0]
     if slipping and held:
         pull = largest_pull(held[-1])
         text += (

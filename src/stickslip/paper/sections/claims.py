@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.engine.trajectory import Trajectory
 from stickslip.friction import LuGre
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import ROUNDING, Consequence, Requirement, StepTravel
 from stickslip.paper.rigs import CYCLES, KINETIC, PUSH_DURATION
 from stickslip.paper.sections.cart import largest_pull
@@ -131,11 +131,11 @@ def _step_table(found: PaperAudit) -> Table:
     return Table(columns=columns, rows=rows, caption=caption)
 
 
-def step_cells(one: StepTravel) -> tuple[str, str]:
+def step_cells(travel: StepTravel) -> tuple[str, str]:
     """Return the travel where sgn 0 = 0 and where friction begins at the break-away level."""
-    if one.scatter is None:
-        return fixed(one.travel, 3), fixed(one.static, 3)
-    low, high = one.scatter
+    if travel.scatter is None:
+        return fixed(travel.travel, 3), fixed(travel.static, 3)
+    low, high = travel.scatter
     return "—", f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
@@ -163,15 +163,15 @@ def _creep_table(found: PaperAudit) -> Table:
         found.creeps,
         (
             "Stribeck velocity",
-            lambda one: f"$v_s$ = {significant(1e3 * one.stribeck_velocity, 4)} mm/s",
+            lambda creep: f"$v_s$ = {significant(1e3 * creep.stribeck_velocity, 4)} mm/s",
         ),
-        (numbers("10 ms, no rule\nmean, m", "mean, m"), lambda one: fixed(one.mean, 2)),
+        (numbers("10 ms, no rule\nmean, m", "mean, m"), lambda creep: fixed(creep.mean, 2)),
         (
             numbers("scatter\nm"),
-            lambda one: f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
+            lambda creep: f"{fixed(min(creep.travels), 2)} to {fixed(max(creep.travels), 2)}",
         ),
-        (numbers("10 ms, rule\nfor rest, m", "with rule, m"), lambda one: fixed(one.held, 3)),
-        (numbers("1 ms, no rule\nm", "in 1 ms, m"), lambda one: fixed(one.fine, 3)),
+        (numbers("10 ms, rule\nfor rest, m", "with rule, m"), lambda creep: fixed(creep.held, 3)),
+        (numbers("1 ms, no rule\nm", "in 1 ms, m"), lambda creep: fixed(creep.fine, 3)),
         caption=caption,
     )
 
@@ -388,25 +388,25 @@ def _equations(audit: PaperAudit) -> Iterator[Claim]:
         )
 
 
-def _ends(one: Consequence, test: str) -> str:
-    seen = one.outcome(test)
+def _ends(consequence: Consequence, test: str) -> str:
+    seen = consequence.outcome(test)
     assert seen is not None
-    right, viscous = significant(seen.corrected.travel, 3), _assumed(one)
+    right, viscous = significant(seen.corrected.travel, 3), _assumed(consequence)
     if seen.printed.diverged:
         return f"diverges, instead of {right} m{viscous}"
     return f"ends at {significant(seen.printed.criteria.travel, 3)} m, not {right} m{viscous}"
 
 
-def _assumed(one: Consequence) -> str:
+def _assumed(consequence: Consequence) -> str:
     """Name the viscous part with which an equation is run where Table II gives its law none."""
-    viscous = getattr(one.corrected, "viscous_coefficient", 0.0)
-    if one.form.equation not in ("(5)", "(9)") or not viscous:
+    viscous = getattr(consequence.corrected, "viscous_coefficient", 0.0)
+    if consequence.form.equation not in ("(5)", "(9)") or not viscous:
         return ""
     return f" (with $sigma_2$ = {viscous:g} N s/m, assumed)"
 
 
-def _corrected(one: Consequence, test: str) -> float:
-    seen = one.outcome(test)
+def _corrected(consequence: Consequence, test: str) -> float:
+    seen = consequence.outcome(test)
     assert seen is not None
     return seen.corrected.travel
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Literal, TypeVar
 
 from stickslip.friction import FrictionLaw, PrintedForm
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.rigs import viscous_fit
 from stickslip.quantities import fields_of
 from stickslip.show.formatting import quantity, significant
@@ -39,7 +39,7 @@ def table(
     chosen: Callable[[T], bool] = lambda _: False,
 ) -> Table:
     """Return a table with a row for each item; each column stands beside what makes its cells."""
-    heads = [Column(head=one) if isinstance(one, str) else one for one, _ in columns]
+    heads = [Column(head=column) if isinstance(column, str) else column for column, _ in columns]
     rows = [
         Row(cells=tuple(cell(item) for _, cell in columns), chosen=chosen(item)) for item in items
     ]
@@ -48,9 +48,12 @@ def table(
 
 def fitted_text(found: PaperAudit) -> str:
     """Say within which range the travels bound the viscous part; nothing where it is assumed."""
-    for one in viscous_fit(found.verdict) if found.own else ():
-        if one.path == "friction.viscous_coefficient" and found.values.viscous == one.value:
-            low, high = (significant(end, 2) for end in (one.low, one.high))
+    for estimate in viscous_fit(found.verdict) if found.own else ():
+        if (
+            estimate.path == "friction.viscous_coefficient"
+            and found.values.viscous == estimate.value
+        ):
+            low, high = (significant(end, 2) for end in (estimate.low, estimate.high))
             return f"fitted to the travels, {low} to {high}"
     return ""
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from stickslip.friction import PRINTED_EQUATIONS, LuGre, PrintedForm, RightEquation
-from stickslip.paper.audit import PaperAudit
+from stickslip.paper.paper_audit import PaperAudit
 from stickslip.paper.printed import (
     BACKWARD,
     BRISTLE_STEP,
@@ -146,7 +146,7 @@ def _energy_text(found: PaperAudit) -> str:
 
 def misprint_section(found: PaperAudit) -> report.Section:
     """Show where each defect acts, as printed and with a stick rule added."""
-    errs = {key: sum(one.differs(key) for one in found.consequences) for key in TESTS}
+    errs = {key: sum(defect.differs(key) for defect in found.consequences) for key in TESTS}
     heading = (
         f"As printed, {in_words(errs['coast'])} equations err when the block coasts forwards,"
         f" {in_words(errs['push'])} when it is pushed from rest"
@@ -231,14 +231,16 @@ def _values_table(found: PaperAudit) -> report.Table:
     )
     return table(
         found.consequences,
-        ("equation", lambda one: f"{one.form.equation} {one.form.title}"),
+        ("equation", lambda consequence: f"{consequence.form.equation} {consequence.form.title}"),
         (
             report.Column(head="values as printed", phone="label", label="as printed:"),
-            lambda one: values_of(one.printed),
+            lambda consequence: values_of(consequence.printed),
         ),
         (
             report.Column(head="values of the corrected law", phone="label", label="corrected:"),
-            lambda one: report.Name(text=values_of(one.corrected, load), aside=one.corrected.title),
+            lambda consequence: report.Name(
+                text=values_of(consequence.corrected, load), aside=consequence.corrected.title
+            ),
         ),
         caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
         f" The weight $W$ of (4) is that load.{other}",
@@ -560,7 +562,7 @@ def _run_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
             ),
             (
                 "(5) in steps of 10 ms",
-                f"$v_s$ {joined([significant(1e3 * one, 4) for one in CREEPING])} mm/s; sgn $v$"
+                f"$v_s$ {joined([significant(1e3 * value, 4) for value in CREEPING])} mm/s; sgn $v$"
                 " added",
                 "tried",
             ),

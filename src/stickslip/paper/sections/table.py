@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from stickslip.engine.solver import BreakAway
 from stickslip.friction import Stribeck
-from stickslip.paper.audit import PaperAudit, TableRow
+from stickslip.paper.paper_audit import PaperAudit, TableRow
 from stickslip.paper.printed import Requirement
 from stickslip.paper.rigs import PUSH_DURATION, SPEED
 from stickslip.paper.sections.common import fitted_text, numbers, travel_axis

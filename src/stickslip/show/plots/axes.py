@@ -84,9 +84,9 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     else:
         given = _axes_of(ax)
         figure = cast("Figure", given[0].get_figure(root=True))
-        width = min(one.get_window_extent().width for one in given)
+        width = min(axes.get_window_extent().width for axes in given)
     # What was on the axes before is the user's, and keeps its style.
-    before = {artist for one in given or () for artist in one.findobj()}
+    before = {artist for axes in given or () for artist in axes.findobj()}
     points = width * 72 / figure.dpi
     with theme.readers_style(points if given is None else None) as own:
         panels = _drawn(draw, figure, given, narrow=points < NARROW_BELOW)
@@ -121,7 +121,7 @@ def panel_grid(figure: Figure, count: int, columns: int, **layout: Any) -> list[
 def _axes_of(ax: object) -> list[Axes]:
     """Return the axes that were given, in one list."""
     found = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))
-    if not found or not all(isinstance(one, Axes) for one in found):
+    if not found or not all(isinstance(panel, Axes) for panel in found):
         raise InputError(
             "ax must be matplotlib Axes, a sequence of Axes for several panels, or a Figure, got"
             f" {ax!r}."

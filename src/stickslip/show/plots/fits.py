@@ -149,7 +149,7 @@ def draw_prediction_error(
         upper.set_ylabel(label)
         upper.set_title(above, color=MUTED)
         lower.set_title(below, color=MUTED)
-        top = max(float(np.nanmax(one.blocks)) for one in series.values())
+        top = max(float(np.nanmax(errors.blocks)) for errors in series.values())
         lower.set_ylim(0.0, (1.5 if _fit_one_line(series, narrow) else 1.9) * top)
         lower.set_xlim(edges[0], edges[-1])
         lower.set_xlabel("time, s")
@@ -244,22 +244,22 @@ def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
     if stretches := fit.problem.samples:
         return MapPoints(
-            velocity=np.concatenate([one.velocity for one in stretches]),
-            friction=np.concatenate([one.friction for one in stretches]),
+            velocity=np.concatenate([stretch.velocity for stretch in stretches]),
+            friction=np.concatenate([stretch.friction for stretch in stretches]),
             load=float(np.median(np.concatenate([stretch.load for stretch in stretches]))),
             measured=fit.friction_was_measured,
             trend=np.concatenate(
                 [
-                    np.zeros(len(one.friction))
-                    if one.time is None
-                    else trend_of(one.time, one.velocity)
-                    for one in stretches
+                    np.zeros(len(stretch.friction))
+                    if stretch.time is None
+                    else trend_of(stretch.time, stretch.velocity)
+                    for stretch in stretches
                 ]
             ),
             beside={
-                name: np.concatenate([one.beside[name] for one in stretches])
+                name: np.concatenate([stretch.beside[name] for stretch in stretches])
                 for name in stretches[0].beside
-                if all(name in one.beside for one in stretches)
+                if all(name in stretch.beside for stretch in stretches)
             },
         )
     try:
@@ -321,13 +321,14 @@ def rows_of(fit: RecordFit) -> Rows:
         "velocity": np.zeros(len(t)),
         "position": np.zeros(len(t)),
     }
-    for number, one in enumerate(fit.measurement.records()):
+    for number, trial in enumerate(fit.measurement.records()):
         own = record == number
         motion: dict[str, tuple[drawing.Array, drawing.Array] | None] = {
-            "velocity": speeds_of(fit, one)
+            "velocity": speeds_of(fit, trial),
+            "position": None,
         }
-        known = "position" in one.quantities() and one.time is not None
-        motion["position"] = (one.time, np.asarray(one.values("position"))) if known else None  # type: ignore[assignment]
+        if "position" in trial.quantities() and trial.time is not None:
+            motion["position"] = trial.time, np.asarray(trial.values("position"))
         for name, pair in motion.items():
             column = columns[name]
             if pair is None or column is None:
@@ -624,9 +625,9 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: drawing.Targ
     fits = {fit.law.title: fit} if isinstance(fit, RecordFit) else fit
     if not fits:
         raise InputError("plot_friction_map needs at least one fit, got none.")
-    for one in fits.values():
-        check_type("fit", one, RecordFit)
-        refuse_joints(one, "plot_friction_map")
+    for fitted in fits.values():
+        check_type("fit", fitted, RecordFit)
+        refuse_joints(fitted, "plot_friction_map")
     points = map_points(next(iter(fits.values())))
     if points is None or not points.velocity.any():
         raise InputError(
@@ -757,13 +758,13 @@ def plot_scores(verdict: Verdict, ax: drawing.Target = None) -> Axes:
     best = verdict.best.name if verdict.best else ""
     rows = [
         Interval(
-            one.title,
-            one.score,
-            math.nan if one.score_error is None else one.score_error,
-            one.name == best,
+            candidate.title,
+            candidate.score,
+            math.nan if candidate.score_error is None else candidate.score_error,
+            candidate.name == best,
         )
-        for one in verdict.scored
-        if one.score is not None
+        for candidate in verdict.scored
+        if candidate.score is not None
     ]
     if not rows:
         raise InputError(f"no law has a held-out error to plot. {verdict.words.no_score}".strip())
@@ -812,19 +813,19 @@ def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: st
     by, small = scale_of(np.concatenate(gaps), unit)
 
     def draw(figure: Figure, narrow: bool) -> None:
-        for (above, below), one in zip(_places(figure, len(pieces), narrow), pieces, strict=True):
+        for (above, below), piece in zip(_places(figure, len(pieces), narrow), pieces, strict=True):
             above.plot(
-                one.t, factor * one.measured, "o", color=DATA, markersize=2.5, alpha=0.6,
+                piece.t, factor * piece.measured, "o", color=DATA, markersize=2.5, alpha=0.6,
                 markeredgewidth=0, zorder=1,
             )  # fmt: skip
-            for name, y in one.predicted.items():
+            for name, y in piece.predicted.items():
                 style: dict[str, Any] = {
                     "color": look[name].colour, "linewidth": 0.75 * look[name].width,
                     "linestyle": "-" if name == chosen else DASHED, "zorder": look[name].order,
                 }  # fmt: skip
-                above.plot(one.t, factor * y, **style)
-                below.plot(one.t, by * (one.measured - y), **style)
-            above.set_title(one.name, color=MUTED)
+                above.plot(piece.t, factor * y, **style)
+                below.plot(piece.t, by * (piece.measured - y), **style)
+            above.set_title(piece.name, color=MUTED)
             above.set_ylabel(drawing.labelled(quantity, shown))
             below.set_ylabel(drawing.labelled("error", small))
             below.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)

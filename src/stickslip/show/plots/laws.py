@@ -63,7 +63,7 @@ def _panel(axes: Axes, results: Mapping[str, characterization.Characteristic]) -
 def _name(figure: Figure, panels: Sequence[Axes], narrow: bool) -> None:
     """Name the curves of all panels once, where there are several."""
     found = [panel.get_legend_handles_labels() for panel in panels if panel.get_legend() is None]
-    handles, labels = max(found, key=lambda one: len(one[1]), default=([], []))
+    handles, labels = max(found, key=lambda legend: len(legend[1]), default=([], []))
     if len(labels) < LEGEND:
         return
     if figure.get_layout_engine() is None:  # of a user: nothing makes room beside the panels
@@ -164,9 +164,9 @@ def _motion(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
 
 def _hunting(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     _motion(axes, results, style)
-    one = next(iter(results.values()))
-    factor, _ = scale_of([float(np.abs(one.position).max())], "m")
-    axes.axhline(factor * one.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+    result = next(iter(results.values()))
+    factor, _ = scale_of([float(np.abs(result.position).max())], "m")
+    axes.axhline(factor * result.target, color=theme.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
 
 
 def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
@@ -174,7 +174,7 @@ def _passivity(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> No
     energies = [result.worst for result in results.values()]
     factor, unit = _energy_scale(energies)
     colours = [style[name].colour for name in names]
-    axes.barh(range(len(names)), [factor * one for one in energies], color=colours, height=0.5)
+    axes.barh(range(len(names)), [factor * item for item in energies], color=colours, height=0.5)
     for place, name in enumerate(names if len(names) > 1 else []):
         theme.label_at(axes, 0.0, place - 0.32, name, theme.INK, offset=(-6, 3), align="right")
     axes.set_yticks([])
@@ -688,8 +688,21 @@ def draw_friction_map(
             seen = (velocity >= first) & (velocity <= last)
             _points(axes, factor * velocity[seen], friction[seen], turn[seen])
             lines = _inside(curves, first, last, factor)
-            _lines(axes, lines, look, chosen)
-            _frame(axes, (factor * first, factor * last), friction[seen], lines, spread)
+            for name, (v, force) in lines.items():
+                colour, _, width, order = look[name]
+                dashes = "-" if name == chosen else (0, (5, 2))
+                axes.plot(v, force, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+            # Set the limits: a few points far out are cut off rather than flatten the rest.
+            low, high = np.percentile(friction[seen], [OUTER, 100 - OUTER])
+            forces = np.concatenate([[low, high, 0.0], *[force for _, force in lines.values()]])
+            margin = 0.06 * max(float(np.ptp(forces)), 1e-12)
+            axes.set_xscale("log" if spread else "linear")
+            axes.set_xlim(*(factor * first, factor * last))
+            axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
+            axes.axhline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
+            if not spread:
+                axes.locator_params(axis="x", nbins=7)
+                axes.axvline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         if low_speeds:
             grid.flat[0].set_title("all speeds", color=theme.MUTED)
@@ -734,12 +747,12 @@ def _sides(velocity: Array) -> tuple[bool, bool]:
     return (back, ahead) if back or ahead else (True, True)
 
 
-def _curve(one: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> tuple[Array, Array]:
+def _curve(law: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> tuple[Array, Array]:
     """Return a curve in the directions that were measured; at rest each ends at break-away."""
-    v, force = characteristic(one.law, load, v_max)
+    v, force = characteristic(law.law, load, v_max)
     middle = len(v) // 2  # of an even number: two are at rest, one for each direction
     kept = slice(0 if sides[0] else middle, len(v) if sides[1] else middle)
-    return v[kept], force[kept] + one.offset
+    return v[kept], force[kept] + law.offset
 
 
 def _is_spread(velocity: Array) -> bool:
@@ -783,38 +796,6 @@ def _say_trend(axes: Axes) -> None:
         )  # fmt: skip
 
 
-def _lines(
-    axes: Axes,
-    lines: Mapping[str, tuple[Array, Array]],
-    look: Mapping[str, LineStyle],
-    chosen: str,
-) -> None:
-    for name, (v, force) in lines.items():
-        colour, _, width, order = look[name]
-        dashes = "-" if name == chosen else (0, (5, 2))
-        axes.plot(v, force, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-
-
-def _frame(
-    axes: Axes,
-    span: tuple[float, float],
-    friction: Array,
-    lines: Mapping[str, tuple[Array, Array]],
-    spread: bool,
-) -> None:
-    """Set the limits: a few points far out are cut off rather than flatten the rest."""
-    low, high = np.percentile(friction, [OUTER, 100 - OUTER])
-    forces = np.concatenate([[low, high, 0.0], *[force for _, force in lines.values()]])
-    margin = 0.06 * max(float(np.ptp(forces)), 1e-12)
-    axes.set_xscale("log" if spread else "linear")
-    axes.set_xlim(*span)
-    axes.set_ylim(float(forces.min()) - margin, float(forces.max()) + margin)
-    axes.axhline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
-    if not spread:
-        axes.locator_params(axis="x", nbins=7)
-        axes.axvline(0.0, color=theme.LINE, linewidth=0.8, zorder=0)
-
-
 def _names(
     axes: Axes,
     curves: Mapping[str, tuple[Array, Array]],
@@ -832,8 +813,8 @@ def _names(
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: name != chosen)
     for name, side in zip(ordered, (1, -1), strict=False):
-        told = name == chosen and len(curves) > 1
-        lines = wrapped((f"chosen: {name}" if told else name).split(), WIDTH)
+        marked = name == chosen and len(curves) > 1
+        lines = wrapped((f"chosen: {name}" if marked else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
         theme.label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,

@@ -225,8 +225,8 @@ def _map(axes: Axes, measurement: data.Measurement) -> None:
 def _travels(axes: Axes, measurement: data.Measurement) -> None:
     """Draw the numbers of each trial beside each other, with their uncertainties."""
     name = measurement.travelled or measurement.quantities()[0]
-    records = [one for one in measurement.records() if name in one.quantities()]
-    values = [np.ravel(one.values(name)) for one in records]
+    records = [trial for trial in measurement.records() if name in trial.quantities()]
+    values = [np.ravel(trial.values(name)) for trial in records]
     factor, unit = scale_of(np.concatenate(values), measurement.unit(name))
     for place, (record, found) in enumerate(zip(records, values, strict=True), 1):
         doubt = factor * record.uncertainty.get(name, 0.0)
@@ -240,7 +240,7 @@ def _travels(axes: Axes, measurement: data.Measurement) -> None:
             capsize=4.0,
         )
     axes.set_xticks(
-        range(1, len(records) + 1), [one.name or f"{n}" for n, one in enumerate(records, 1)]
+        range(1, len(records) + 1), [trial.name or f"{n}" for n, trial in enumerate(records, 1)]
     )
     axes.set_xlim(0.4, len(records) + 0.6)
     axes.set_xlabel("trial")
@@ -613,7 +613,32 @@ def draw_trials(comparison: TrialComparison, *, condition: str | None = None) ->
         count = len(order) + 1
         grid = figure.subplots(*((count, 1) if narrow else (1, count)), squeeze=False)
         for axes, i in zip(grid.flat, order, strict=False):
-            _parameter(axes, comparison, i, name, values, colours)
+            # Draw a parameter of all trials over the condition, with its line.
+            words = [value for value in dict.fromkeys(values) if isinstance(value, str)]
+            for trial, value, colour in zip(comparison.trials, values, colours, strict=True):
+                estimate = trial.estimates[i]
+                if value is None or not estimate.bounded:
+                    continue
+                place = float(words.index(value)) if isinstance(value, str) else value
+                axes.plot(
+                    [place, place], [estimate.low, estimate.high], color=colour, linewidth=1.5
+                )
+                axes.plot([place], [estimate.value], "o", color=colour, markersize=5)
+            path = comparison.trials[0].estimates[i].path
+            for line in comparison.lines:
+                if line.path == path and line.condition == name:
+                    axes.plot(line.ends, line.values, color=theme.MUTED, linewidth=1.2, zorder=1)
+            if words:
+                axes.set_xticks(range(len(words)), words)
+                axes.margins(x=0.3)
+            quantity = comparison.trials[0].estimates[i].quantity
+            unit = unit_text(quantity.unit)
+            title = theme.symbol_label(quantity.symbol)
+            axes.set_title(f"{title}, {unit}" if unit else title, color=theme.MUTED)
+            what = data.condition_name(name) or "trial"
+            in_unit = unit_text(data.condition_unit(name))
+            axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
+            axes.grid(axis="y")
         _curves(grid.flat[count - 1], comparison, colours)
 
     return draw
@@ -663,40 +688,6 @@ def _colours(values: Sequence[float | str | None]) -> list[str]:
         else:
             found.append(theme.DATA if value is None else WORDS[words.index(value) % len(WORDS)])
     return found
-
-
-def _parameter(
-    axes: Axes,
-    comparison: TrialComparison,
-    i: int,
-    condition: str,
-    values: Sequence[float | str | None],
-    colours: Sequence[str],
-) -> None:
-    """Draw a parameter of all trials over the condition, with its line."""
-    words = [value for value in dict.fromkeys(values) if isinstance(value, str)]
-    for trial, value, colour in zip(comparison.trials, values, colours, strict=True):
-        one = trial.estimates[i]
-        if value is None or not one.bounded:
-            continue
-        place = float(words.index(value)) if isinstance(value, str) else value
-        axes.plot([place, place], [one.low, one.high], color=colour, linewidth=1.5)
-        axes.plot([place], [one.value], "o", color=colour, markersize=5)
-    path = comparison.trials[0].estimates[i].path
-    for line in comparison.lines:
-        if line.path == path and line.condition == condition:
-            axes.plot(line.ends, line.values, color=theme.MUTED, linewidth=1.2, zorder=1)
-    if words:
-        axes.set_xticks(range(len(words)), words)
-        axes.margins(x=0.3)
-    quantity = comparison.trials[0].estimates[i].quantity
-    unit = unit_text(quantity.unit)
-    title = theme.symbol_label(quantity.symbol)
-    axes.set_title(f"{title}, {unit}" if unit else title, color=theme.MUTED)
-    what = data.condition_name(condition) or "trial"
-    in_unit = unit_text(data.condition_unit(condition))
-    axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
-    axes.grid(axis="y")
 
 
 def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> None:

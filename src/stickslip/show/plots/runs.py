@@ -91,7 +91,31 @@ def draw_states(run: Trajectory, *, band: Band | None = None) -> Draw:
     def draw(figure: Figure, narrow: bool) -> None:
         panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for axes, names in zip(panels, units.values(), strict=True):
-            _coordinates(axes, run, seen, names, times, band, narrow=narrow)
+            # Draw coordinates of one unit; those of a few are named, many are curves of one colour.
+            factor, unit = scale_of(
+                np.concatenate([seen[name] for name in names]), run.units[names[0]]
+            )
+            at = run.at(times)
+            few = len(names) <= len(SERIES)
+            for i, name in enumerate(names):
+                colour = SERIES[i] if few else theme.MUTED
+                width = 1.8 if few else 0.9
+                axes.plot(seen.t, factor * seen[name], color=colour, linewidth=width, label=name)
+                if band is not None and name in band.states:
+                    shade_band(axes, band, name, seen.span[1], factor=factor, colour=colour)
+                if few:
+                    axes.plot(times, factor * at[name], "o", color=colour, markersize=3.5, zorder=4)
+            what = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
+            axes.set_ylabel(f"{what}, {unit}")
+            axes.margins(x=0, y=0.1)
+            axes.grid(axis="y")
+            if few and len(names) > 1:
+                axes.legend(
+                    loc="lower left",
+                    bbox_to_anchor=(0.0, 1.0),
+                    ncols=2 if narrow else len(names),
+                    frameon=False,
+                )
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
 
@@ -105,41 +129,6 @@ def shade_band(
     shown = band.t <= last
     low, _, high = factor * band.states[name][:, shown]
     axes.fill_between(band.t[shown], low, high, color=colour, alpha=0.22, linewidth=0)
-
-
-def _coordinates(
-    axes: Axes,
-    run: Trajectory,
-    seen: Trajectory,
-    names: list[str],
-    times: list[float],
-    band: Band | None,
-    *,
-    narrow: bool,
-) -> None:
-    """Draw coordinates of one unit; those of a few are named, many are curves of one colour."""
-    factor, unit = scale_of(np.concatenate([seen[name] for name in names]), run.units[names[0]])
-    at = run.at(times)
-    few = len(names) <= len(SERIES)
-    for i, name in enumerate(names):
-        colour = SERIES[i] if few else theme.MUTED
-        width = 1.8 if few else 0.9
-        axes.plot(seen.t, factor * seen[name], color=colour, linewidth=width, label=name)
-        if band is not None and name in band.states:
-            shade_band(axes, band, name, seen.span[1], factor=factor, colour=colour)
-        if few:
-            axes.plot(times, factor * at[name], "o", color=colour, markersize=3.5, zorder=4)
-    what = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
-    axes.set_ylabel(f"{what}, {unit}")
-    axes.margins(x=0, y=0.1)
-    axes.grid(axis="y")
-    if few and len(names) > 1:
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            ncols=2 if narrow else len(names),
-            frameon=False,
-        )
 
 
 def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: float) -> None:
@@ -612,7 +601,7 @@ def draw_motion(
             label_ends(
                 panels[0],
                 panels[0].get_xlim()[1],
-                [(float(one.y[-1]), [one.text], one.colour) for one in named],
+                [(float(curve.y[-1]), [curve.text], curve.colour) for curve in named],
             )
 
     return draw

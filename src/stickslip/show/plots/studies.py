@@ -45,7 +45,7 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
     places = np.arange(len(runs)) if parameter is None else runs.parameters[parameter]
     early = np.array([not status.complete for status in runs.status])
 
-    reasons = dict.fromkeys(one.label for one in runs.status if not one.complete)
+    reasons = dict.fromkeys(ending.label for ending in runs.status if not ending.complete)
     ended = "\n".join(
         ["ended early:", *(textwrap.fill(reason, REASON_WIDTH) for reason in reasons)]
     )
@@ -373,7 +373,31 @@ def draw_cycles(
         left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         left.margins(x=0, y=0.25 if narrow else 0.12)
         _progress(left, {name: drawing.dense(run) for name, run in runs.items()}, slip, look)
-        _near_zero(right, runs, chosen, cycle, rate, look)
+        first, last = cycle
+        # Fixed steps are shown where they stand, so that one sees them.
+        times = {
+            name: [first, *run.t[(run.t > first) & (run.t < last)], last]
+            for name, run in runs.items()
+        }
+        times[chosen] = list(np.union1d(np.linspace(first, last, CYCLE_SAMPLES), times[chosen]))
+        inside = {name: run.at(times[name]) for name, run in runs.items()}
+        reach = -CYCLE_ROOM * min(float(run[rate].min()) for run in inside.values())
+        factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
+        for name, run in inside.items():
+            colour, _, width, order = look[name]
+            right.plot(
+                run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
+                linewidth=width, markersize=2.5, zorder=order,
+            )  # fmt: skip
+        spans = [
+            (max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first
+        ]
+        shade(right, drawing.within(spans, last))
+        right.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+        right.set_xlim(first, last)
+        if reach > 0.0:
+            right.set_ylim(-factor * reach, factor * reach)
+        right.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
         for axes in (left, right):
             axes.set_xlabel("time, s")
 
@@ -394,38 +418,6 @@ def _progress(
     axes.set_ylabel(f"displacement, {unit}")
     axes.grid(axis="y")
     drawing.label_curves(axes, curves)
-
-
-def _near_zero(
-    axes: Axes,
-    runs: Mapping[str, Trajectory],
-    chosen: str,
-    cycle: tuple[float, float],
-    rate: str,
-    look: Mapping[str, drawing.LineStyle],
-) -> None:
-    first, last = cycle
-    # Fixed steps are shown where they stand, so that one sees them.
-    times = {
-        name: [first, *run.t[(run.t > first) & (run.t < last)], last] for name, run in runs.items()
-    }
-    times[chosen] = list(np.union1d(np.linspace(first, last, CYCLE_SAMPLES), times[chosen]))
-    inside = {name: run.at(times[name]) for name, run in runs.items()}
-    reach = -CYCLE_ROOM * min(float(run[rate].min()) for run in inside.values())
-    factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
-    for name, run in inside.items():
-        colour, _, width, order = look[name]
-        axes.plot(
-            run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
-            linewidth=width, markersize=2.5, zorder=order,
-        )  # fmt: skip
-    spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
-    shade(axes, drawing.within(spans, last))
-    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
-    axes.set_xlim(first, last)
-    if reach > 0.0:
-        axes.set_ylim(-factor * reach, factor * reach)
-    axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
 
 
 def plot_limit_cycle(
@@ -699,29 +691,33 @@ def draw_validation(seen: Validation, *, record: int = 0) -> Draw:
     return _record(seen.records[record])
 
 
-def _record(one: ValidatedRecord) -> Draw:
-    kept = slice(None, None, max(1, len(one.t) // MOST_POINTS))
-    t = one.t[kept]
+def _record(record: ValidatedRecord) -> Draw:
+    kept = slice(None, None, max(1, len(record.t) // MOST_POINTS))
+    t = record.t[kept]
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-        factor, unit = scale_of(one.predicted, one.unit)
-        fine, fine_unit = scale_of(one.residual, one.unit)
-        above.plot(t, factor * one.measured[kept], ".", color=DATA, markersize=3, label="measured")
-        above.plot(t, factor * one.predicted[kept], color=C1, linewidth=1.6, label="predicted")
-        below.plot(t, fine * one.residual[kept], ".", color=DATA, markersize=3)
+        factor, unit = scale_of(record.predicted, record.unit)
+        fine, fine_unit = scale_of(record.residual, record.unit)
+        above.plot(
+            t, factor * record.measured[kept], ".", color=DATA, markersize=3, label="measured"
+        )
+        above.plot(t, factor * record.predicted[kept], color=C1, linewidth=1.6, label="predicted")
+        below.plot(t, fine * record.residual[kept], ".", color=DATA, markersize=3)
         below.axhline(0.0, color=C1, linewidth=1.0)
-        if one.band is not None:
-            low, high = one.band[:, kept]
+        if record.band is not None:
+            low, high = record.band[:, kept]
             above.fill_between(
                 t, factor * low, factor * high, color=C1, alpha=0.22, linewidth=0, label="95 % band"
             )
-            middle = one.predicted[kept]
+            middle = record.predicted[kept]
             below.fill_between(
                 t, fine * (low - middle), fine * (high - middle), color=C1, alpha=0.22, linewidth=0
             )
         above.legend(loc="best")
-        above.set_ylabel(f"{'displacement' if one.quantity == 'position' else 'velocity'}, {unit}")
+        above.set_ylabel(
+            f"{'displacement' if record.quantity == 'position' else 'velocity'}, {unit}"
+        )
         below.set_ylabel(f"residual, {fine_unit}")
         below.set_xlabel("time, s")
         for axes in (above, below):
@@ -742,15 +738,17 @@ def _travels(seen: Validation) -> Draw:
         axes = figure.add_subplot()
         everything = [value for travel in travels for value in (travel.measured, travel.predicted)]
         factor, unit = scale_of(everything, travels[0].unit)
-        predicted = factor * np.array([one.predicted for one in travels])
-        if all(one.low is not None for one in travels):
-            ends = factor * np.array([[one.low, one.high] for one in travels], dtype=np.float64)
+        predicted = factor * np.array([travel.predicted for travel in travels])
+        if all(travel.low is not None for travel in travels):
+            ends = factor * np.array(
+                [[travel.low, travel.high] for travel in travels], dtype=np.float64
+            )
             axes.vlines(places, ends[:, 0], ends[:, 1], color=C1, alpha=0.4, linewidth=8)
         axes.plot(places, predicted, "_", color=C1, markersize=12, label="predicted, 95 % band")
         axes.errorbar(
             places,
-            [factor * one.measured for one in travels],
-            [1.96 * factor * one.uncertainty for one in travels],
+            [factor * travel.measured for travel in travels],
+            [1.96 * factor * travel.uncertainty for travel in travels],
             fmt="o",
             color=C2,
             markersize=4,

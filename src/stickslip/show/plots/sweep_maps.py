@@ -214,7 +214,9 @@ def plot_velocity_band(
 
 def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:
     """Hatch where runs ended early along the horizontal axis, with the reasons in a legend."""
-    early = np.array([[not one.complete for one in row] for row in status.reshape(len(values), -1)])
+    early = np.array(
+        [[not ending.complete for ending in row] for row in status.reshape(len(values), -1)]
+    )
     for low, high in _stretches(values, early.any(axis=1)):
         axes.axvspan(low, high, zorder=0, **STOPPED)
     _name_early_ends(axes, status)
@@ -222,7 +224,7 @@ def _mark_early_ends(axes: Axes, values: Any, status: Any) -> None:
 
 def _name_early_ends(axes: Axes, status: Any) -> None:
     """Name what is hatched above the panel: the reasons for which runs ended early, if some did."""
-    reasons = dict.fromkeys(one.label for one in status.ravel() if not one.complete)
+    reasons = dict.fromkeys(ending.label for ending in status.ravel() if not ending.complete)
     handles, _ = axes.get_legend_handles_labels()
     figure = cast("Figure", axes.get_figure(root=True))
     width = figure.bbox.width * pixel_of(figure)
@@ -268,7 +270,7 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
 
 def _hatch_cells(axes: Axes, xs: Any, ys: Any, status: Any) -> None:
     """Hatch the cells of a map whose runs ended early; what is drawn on them covers that."""
-    early = [[not one.complete for one in row] for row in status]
+    early = [[not ending.complete for ending in row] for row in status]
     if not np.any(early):
         return
     x, y = _edges(np.asarray(xs)), _edges(np.asarray(ys))

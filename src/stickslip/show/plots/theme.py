@@ -242,10 +242,10 @@ def _recolour(artist: Artist, name: str, colours: Mapping[str, tuple[float, ...]
     get, put = (getattr(artist, f"{verb}_{name}", None) for verb in ("get", "set"))
     before = to_rgba_array(get()) if get is not None and put is not None else ()
     after = [
-        (*colours[key][:3], one[3])
-        if (key := to_hex(one)) in colours and (key != SURFACE or name.endswith("facecolor"))
-        else tuple(one)
-        for one in before
+        (*colours[key][:3], setting[3])
+        if (key := to_hex(setting)) in colours and (key != SURFACE or name.endswith("facecolor"))
+        else tuple(setting)
+        for setting in before
     ]
     if put is not None and not np.array_equal(after, before):
         put(after if isinstance(artist, Collection) else after[0])

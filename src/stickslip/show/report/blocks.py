@@ -746,7 +746,7 @@ class PageSections(Generic[V]):
         """Return what makes the sections of a page."""
         return (
             partial(self.opening, verdict, origin.data, remark),
-            *(partial(one, verdict) for one in self.middle),
+            *(partial(maker, verdict) for maker in self.middle),
             partial(self.reproduce, verdict, origin),
         )
 

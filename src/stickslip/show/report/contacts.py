@@ -217,10 +217,10 @@ def laws_section(about: ContactsReport) -> page.Section:
     kinds = {type(law): law for law in laws.values()}
     rows = []
     for name, law in laws.items():
-        for path, one, value in parameters(law, "friction"):
+        for path, known_quantity, value in parameters(law, "friction"):
             what = path.removeprefix("friction.").replace("_", " ").capitalize()
-            unit = "none" if one.unit == "1" else one.unit
-            cells = [name, law.title, f"{what} ${one.symbol}$", number(value, 4), unit]
+            unit = "none" if known_quantity.unit == "1" else known_quantity.unit
+            cells = [name, law.title, f"{what} ${known_quantity.symbol}$", number(value, 4), unit]
             if known is not None:
                 prefix = "" if isinstance(known.law, str) else f"{name}."
                 cells += how_known(known, prefix + path.removeprefix("friction."))

@@ -27,7 +27,7 @@ def characterization_page(
     >>> [section.id for section in page.sections]
     ['overview', 'laws', 'steady', 'reproduce']
     """
-    titles = [one.title for one in found.all]
+    titles = [law.title for law in found.all]
     tests = [_test(name, results, found) for name, results in found.by_test.items()]
     return page.Page(
         title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
@@ -42,12 +42,12 @@ def _overview(found: Characterization) -> page.Section:
     """Return what each test says, for all laws."""
     blocks: list[page.Block] = []
     names = {name: next(iter(results.values())).title for name, results in found.by_test.items()}
-    for name in dict.fromkeys(name for one in found.all for name in one.failed):
+    for name in dict.fromkeys(name for result in found.all for name in result.failed):
         names.setdefault(name, name.capitalize())
-    for one in found.all:
+    for law in found.all:
         if found.others:
-            blocks.append(page.Subheading(text=one.title))
-        rows = tuple(Row(cells=(title, one.told(name))) for name, title in names.items())
+            blocks.append(page.Subheading(text=law.title))
+        rows = tuple(Row(cells=(title, law.told(name))) for name, title in names.items())
         blocks.append(Table(columns=(Column(head="test"), Column(head="result")), rows=rows))
     heading = "What the law does" if not found.others else "What the laws do"
     return page.Section(id="overview", nav="Overview", heading=heading, blocks=tuple(blocks))
@@ -56,19 +56,19 @@ def _overview(found: Characterization) -> page.Section:
 def _laws(found: Characterization) -> page.Section:
     """Return formulas and parameters."""
     blocks: list[page.Block] = []
-    for one in found.all:
-        blocks.append(page.Subheading(text=one.title))
-        blocks.append(page.Math(latex=one.law.formula))
+    for law in found.all:
+        blocks.append(page.Subheading(text=law.title))
+        blocks.append(page.Math(latex=law.law.formula))
         rows = tuple(
             Row(
                 cells=(
                     f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$",
-                    number(getattr(one.law, name), 6),
+                    number(getattr(law.law, name), 6),
                     "none" if quantity.unit == "1" else quantity.unit,
                 )
             )
-            for name, quantity in fields_of(type(one.law)).items()
-            if getattr(one.law, name) is not None
+            for name, quantity in fields_of(type(law.law)).items()
+            if getattr(law.law, name) is not None
         )
         columns = (
             Column(head="parameter"),
@@ -77,8 +77,8 @@ def _laws(found: Characterization) -> page.Section:
         )
         if rows:
             blocks.append(Table(columns=columns, rows=rows))
-        if one.matched:
-            blocks.append(page.Caption(text=one.matched))
+        if law.matched:
+            blocks.append(page.Caption(text=law.matched))
     heading = "The law" if not found.others else "The laws"
     return page.Section(id="laws", nav=heading, heading=heading, blocks=tuple(blocks))
 
@@ -102,7 +102,7 @@ def _test(
         prefix=f"figure-{name}",
     )
     blocks.append(page.Figure(svg=svg, caption=f"**{first.title}.** {first.conditions}"))
-    failed = [(one.title, one.failed[name]) for one in found.all if name in one.failed]
+    failed = [(law.title, law.failed[name]) for law in found.all if name in law.failed]
     blocks += [page.Note(title=f"{title}: no result.", text=why) for title, why in failed]
     return page.Section(id=name, nav=first.title, heading=first.title, blocks=tuple(blocks))
 
@@ -112,7 +112,7 @@ def _end(
 ) -> page.Section:
     """Return sources, commands and versions."""
     blocks: list[page.Block] = []
-    references = law_references([one.law for one in found.all], {})
+    references = law_references([law.law for law in found.all], {})
     if references:
         blocks.append(page.References(items=references))
     if commands:

@@ -315,14 +315,14 @@ def _cycle_table(about: RunReport) -> Table:
     return Table(columns=tuple(columns), rows=tuple(_cycle_row(about, k, cycles[k]) for k in shown))
 
 
-def _cycle_row(about: RunReport, place: int, one: DrivenCycle) -> Row:
-    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.advance, 4)]
+def _cycle_row(about: RunReport, place: int, cycle: DrivenCycle) -> Row:
+    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(cycle.advance, 4)]
     if about.band is not None:
         spreads = about.band.cycles
         low, _, high = spreads[place]
         cells.append(Scale(1e3, "").interval(low, high))
-    cells += [_thousandth(value) for value in (one.advance / one.period, one.back_slip)]
-    cells += [_thousandth(one.least_velocity), number(one.least_normal_force)]
+    cells += [_thousandth(value) for value in (cycle.advance / cycle.period, cycle.back_slip)]
+    cells += [_thousandth(cycle.least_velocity), number(cycle.least_normal_force)]
     return Row(cells=tuple(cells))
 
 
@@ -472,11 +472,11 @@ def law_section(about: RunReport) -> page.Section:
     """Return the law with its parameters, their intervals, and what does not carry over."""
     law = about.law
     rows = []
-    for path, one, value in parameters(law, "friction"):
+    for path, known_quantity, value in parameters(law, "friction"):
         name = path.removeprefix("friction.")
         span, how = how_known(about.estimates, name)
-        label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
-        unit = unit_on(about.rig.mechanism, one)
+        label = f"{name.replace('_', ' ').capitalize()} ${known_quantity.symbol}$"
+        unit = unit_on(about.rig.mechanism, known_quantity)
         unit = "none" if unit == "1" else unit
         rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
     for name, (own, other) in equated(law).items():
@@ -555,7 +555,7 @@ def explained(band: Band) -> list[page.Block]:
         Row(
             cells=(
                 _in_words(path.removeprefix("friction.").removeprefix("mechanism.")),
-                *(one.text_of("first", place) for one in shares.values()),
+                *(indices.text_of("first", place) for indices in shares.values()),
             )
         )
         for place, path in enumerate(band.draws)
@@ -677,7 +677,8 @@ def _travels(seen: Validation) -> Table:
         *(Column(head=head, numeric=True, phone="label", label=f"{head}:") for head in heads),
     )
     rows = (
-        Row(cells=(one.name, one.quantity.replace("_", " "), *one.cells())) for one in seen.travels
+        Row(cells=(travel.name, travel.quantity.replace("_", " "), *travel.cells()))
+        for travel in seen.travels
     )
     return Table(columns=columns, rows=tuple(rows))
 

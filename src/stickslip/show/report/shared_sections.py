@@ -154,12 +154,14 @@ def parameters(
     """
     (head, said), (title, lines) = last, remarks
 
-    def row(one: Estimate) -> Row:
-        value, doubt = one.parts
-        unit = "" if one.quantity.unit == "1" else one.quantity.unit
-        shown = Number(value=value, doubt=doubt, unit=unit) if one.bounded else one.plus_minus
-        name = Name(text=label(one), aside="" if one.bounded else one.reason)
-        return Row(cells=(name, shown, said(one, unit)))
+    def row(estimate: Estimate) -> Row:
+        value, doubt = estimate.parts
+        unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
+        shown = (
+            Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus
+        )
+        name = Name(text=label(estimate), aside="" if estimate.bounded else estimate.reason)
+        return Row(cells=(name, shown, said(estimate, unit)))
 
     columns = (
         Column(head="parameter"),
@@ -245,9 +247,9 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[page.KeyValue, .
 def _balance(*energies: float) -> list[str]:
     """Return energies in one unit and with the decimals of the largest, which has four digits."""
     scale = scale_of(energies, "J")
-    largest = scale.factor * max((abs(one) for one in energies if math.isfinite(one)), default=0.0)
+    largest = scale.factor * max((abs(x) for x in energies if math.isfinite(x)), default=0.0)
     if not largest >= 1e-3:
-        return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
+        return [with_unit(significant(scale.factor * energy, 4), scale.unit) for energy in energies]
     decimals = max(3 - math.floor(math.log10(largest)), 0)
     return [
         with_unit(fixed(scale.factor * energy, decimals) if energy else "0", scale.unit)
@@ -287,7 +289,7 @@ def reproduce(
         if caption:
             blocks.append(page.Caption(text=caption))
     known = [*items, *([page.KeyValue(key="Data", value=data)] if data else [])]
-    known += (page.KeyValue(key=name, value=one) for name, one in origin.versions.items())
+    known += (page.KeyValue(key=name, value=version) for name, version in origin.versions.items())
     known += [
         page.KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
     ]

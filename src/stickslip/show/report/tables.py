@@ -297,16 +297,16 @@ def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = 
     (0.1, 1.0, 10.0, 100.0)
     """
     known = [
-        (scale.factor * one, scale.factor * half if math.isfinite(half) else 0.0)
-        for one, half in zip_longest(errors, halves, fillvalue=0.0)
-        if 0.0 < one < math.inf
+        (scale.factor * error, scale.factor * half if math.isfinite(half) else 0.0)
+        for error, half in zip_longest(errors, halves, fillvalue=0.0)
+        if 0.0 < error < math.inf
     ]
     if len(known) < 2:
         return None
-    scores = [one for one, _ in known]
-    end = max(one + half for one, half in known)
+    scores = [error for error, _ in known]
+    end = max(error + half for error, half in known)
     if max(scores) > _WIDEST * min(scores):
-        low = min(max(one - half, _SHORTEST * one) for one, half in known)
+        low = min(max(error - half, _SHORTEST * error) for error, half in known)
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(end)) + 1)
         ticks = tuple(10.0**power for power in powers)
         shown = ticks[:: 1 + len(ticks) // 6]

@@ -4,45 +4,6 @@ A `Task` says which part of a record is fitted, which part judges, and by what. 
 to stickslip and to its peers.
 """
 
-from stickslip.study.benchmark.definition import (
-    ClosedLoop,
-    CoefficientError,
-    Error,
-    FeatureError,
-    ForceError,
-    PositionError,
-    Published,
-    Task,
-)
-from stickslip.study.benchmark.peers import PEERS, Peer
-from stickslip.study.benchmark.runs import (
-    OURS,
-    Results,
-    Row,
-    benchmark_page,
-    run,
-    summary_rows,
-    task,
-    tasks,
-)
+from stickslip.lazy import attach
 
-__all__ = [
-    "OURS",
-    "PEERS",
-    "ClosedLoop",
-    "CoefficientError",
-    "Error",
-    "FeatureError",
-    "ForceError",
-    "Peer",
-    "PositionError",
-    "Published",
-    "Results",
-    "Row",
-    "Task",
-    "benchmark_page",
-    "run",
-    "summary_rows",
-    "task",
-    "tasks",
-]
+__getattr__, __dir__, __all__ = attach(__name__)

@@ -211,28 +211,28 @@ class ClosedLoop(Metric):
         errors: list[float] = []
         parts: list[np.ndarray[Any, Any]] = []
         start: dict[str, float] = {}
-        for one in record.records():
-            opened = one.overrides.get("mechanism.drive.current_limit") == 0.0
+        for trial in record.records():
+            opened = trial.overrides.get("mechanism.drive.current_limit") == 0.0
             if not opened:
                 if parts:
                     errors.append(float(np.mean(np.concatenate(parts))))
-                parts, start = [], {"theta": float(np.asarray(one.position)[0])}
+                parts, start = [], {"theta": float(np.asarray(trial.position)[0])}
             rig: Any = fit.mechanism
             motor = replace(rig.drive, supply=self.supply, supply_resistance=self.supply_resistance)
             motor = (
                 replace(motor, drive=None, loop=None, current_limit=0.0)
                 if opened
-                else _looped(motor, one)
+                else _looped(motor, trial)
             )
             run = simulate(
                 replace(rig, drive=motor),
                 fit.law,
-                t_end=float(np.asarray(one.time)[-1]),
+                t_end=float(np.asarray(trial.time)[-1]),
                 y0=start,
             )
-            angles = np.asarray(run.at(np.asarray(one.time))["theta"])
+            angles = np.asarray(run.at(np.asarray(trial.time))["theta"])
             start = {name: float(run[name][-1]) for name in ("theta", "omega")}
-            parts.append(np.abs(angles - np.asarray(one.position)))
+            parts.append(np.abs(angles - np.asarray(trial.position)))
         errors.append(float(np.mean(np.concatenate(parts))))
         spread = (
             float(np.std(errors, ddof=1)) / math.sqrt(len(errors)) if len(errors) > 1 else math.nan

@@ -118,8 +118,8 @@ def samples(
     for whole in record.records():
         opened = motor is not None and whole.overrides.get("mechanism.drive.current_limit") == 0.0
         set_up = mechanism if motor else vary(mechanism, "mechanism", whole.overrides)
-        for one in between_gaps(whole):
-            time, motion, force, load = _even(one, names, "friction" if measured else "force")
+        for trial in between_gaps(whole):
+            time, motion, force, load = _even(trial, names, "friction" if measured else "force")
             dt = float(time[1] - time[0])
             # Position and force through one filter: what it delays or takes off cancels.
             q, force = _filtered(motion, task.cutoff, dt), _filtered(force, task.cutoff, dt)
@@ -137,7 +137,7 @@ def samples(
                 # of speed.
                 fast = np.abs(v[inner, j]) > SLIP_SHARE * np.max(np.abs(v[inner, j]))
                 number = np.full(len(time), j)
-                volts = np.full(len(time), np.nan) if opened or motor is None else _on(one, time)
+                volts = np.full(len(time), np.nan) if opened or motor is None else _on(trial, time)
                 columns = (force[:, j], slopes[:, j], number, v[:, j], load, volts)
                 parts.append(tuple(column[inner][fast] for column in columns))
     force, slopes, joint, velocity, load, voltage = (
@@ -197,11 +197,11 @@ class Regression:
     def __init__(self, task: Task, record: Measurement, fit: RecordFit[Any]) -> None:
         self.fit, self.unknown = fit, fit.free_parameters
         own = self.unknown.paths
-        linear = [one for one in own if one.startswith("mechanism.") and one != "mechanism.offset"]
+        linear = [key for key in own if key.startswith("mechanism.") and key != "mechanism.offset"]
         self.motor = "mechanism.drive.torque_constant" in own
         # A motor's unknowns enter by its voltage, and not as terms of the motion.
         if self.motor:
-            linear = [one for one in linear if not one.startswith("mechanism.drive.")]
+            linear = [text for text in linear if not text.startswith("mechanism.drive.")]
             linear += ["mechanism.inertia"]
         stated = {path for path, _, _ in parameters(task.mechanism, "mechanism")}
         # links that nobody described are parameters of the fitted robot only
@@ -240,7 +240,7 @@ class Regression:
             here = rows.joint == j
             force[here] += changed.steady(rows.velocity[here], rows.load[here])
         if self.motor:
-            k, r = (values[f"mechanism.drive.{one}"] for one in ("torque_constant", "resistance"))
+            k, r = (values[f"mechanism.drive.{name}"] for name in ("torque_constant", "resistance"))
             # Torque k i of a motor whose current is (U - k v) / R, without inductance.
             force -= np.nan_to_num(k / r * (rows.voltage - k * rows.velocity))
         return force
@@ -305,7 +305,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
         unknown.add(f"p{i}", value=value, min=low[i], max=high[i])
 
     def residual(unknown: Any) -> Array:
-        at = np.array([one.value for one in unknown.values()])
+        at = np.array([parameter.value for parameter in unknown.values()])
         # Least squares cannot go on from a residual that is not finite.
         return np.nan_to_num(model.rows.force - model(at), nan=1e6, posinf=1e6, neginf=-1e6)
 
@@ -325,7 +325,7 @@ def _by_lmfit(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
 def _by_pysindy(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
     """Select terms of the acceleration, as its optimiser does, and read them as friction."""
     sindy = _library("pysindy")
-    inertias = [one for one in INERTIAS if hasattr(task.mechanism, one[10:])]
+    inertias = [name for name in INERTIAS if hasattr(task.mechanism, name[10:])]
     rows = samples(task, task.mechanism, record, inertias)
     a, weights, inertia = _parts_of(task.mechanism, rows)
     v, size = rows.velocity, np.abs(rows.velocity)
@@ -437,10 +437,10 @@ def _by_mujoco(task: Task, record: Measurement, fit: RecordFit[Any]) -> Found:
             " peer mujoco out."
         ) from None
     mechanism: Any = task.mechanism
-    own = {path: one for path, one in SETTERS.items() if path in fit.free_parameters.paths}
+    own = {path: setter for path, setter in SETTERS.items() if path in fit.free_parameters.paths}
     start = dict(zip(fit.free_parameters.paths, fit.free_parameters.start.tolist(), strict=True))
     # The shortest step of all records, as the model has one.
-    steps = [float(np.median(np.diff(np.asarray(one.time)))) for one in record.records()]
+    steps = [float(np.median(np.diff(np.asarray(trial.time)))) for trial in record.records()]
     model_of = {
         "step": min(steps),
         "gear": -start.get("mechanism.offset", 0.0),
@@ -544,7 +544,7 @@ def by_speed(
 
     SciPy's is c + b V, as Coulomb and viscous friction are; that of lmfit c + a ln V.
     """
-    fitted, judged = (_speed_and_coefficient(one) for one in (record, judging))
+    fitted, judged = (_speed_and_coefficient(trial) for trial in (record, judging))
     late = np.asarray(judging.time) >= since
     if name == "scipy":
         from scipy.optimize import curve_fit
@@ -562,8 +562,8 @@ def by_speed(
             return c + a * np.log(v)
 
         found = lmfit.Model(logarithmic).fit(fitted[1], v=fitted[0], c=0.5, a=0.01)
-        best = [found.params[one].value for one in ("c", "a")]
-        halves = np.array([NORMAL * found.params[one].stderr for one in ("c", "a")])
+        best = [found.params[key].value for key in ("c", "a")]
+        halves = np.array([NORMAL * found.params[key].stderr for key in ("c", "a")])
         predicted, paths = found.eval(v=judged[0]), ("c", "a")
     error = float(np.sqrt(np.mean((judged[1] - predicted)[late] ** 2)))
     note = f"{len(fitted[0]):,} rows, the speed of the load point; {WHITE}"
@@ -584,8 +584,8 @@ def _speed_and_coefficient(record: Measurement) -> tuple[Array, Array]:
 
 PEERS: Final[Mapping[str, Peer]] = MappingProxyType(
     {
-        one.name: one
-        for one in (
+        peer.name: peer
+        for peer in (
             Peer(
                 name="scipy",
                 title="SciPy curve_fit, Coulomb + viscous",

@@ -259,7 +259,7 @@ def tx40_robot() -> Robot:
 
 def _rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
     (a, b, c), (d, e, f) = (
-        [round(one(math.pi * x), 12) for x in (roll, pitch, yaw)] for one in (math.cos, math.sin)
+        [round(wave(math.pi * x), 12) for x in (roll, pitch, yaw)] for wave in (math.cos, math.sin)
     )
     rows = (
         (c * b, c * e * d - f * a, c * e * a + f * d),
@@ -363,8 +363,8 @@ ROBOT_TASKS = (
         title="Schunk arm, six joints under replayed torques, links unknown",
         record="schunk_arm",
         files=(*EVEN, *ODD),
-        fitted=f"runs {', '.join(one[3:] for one in EVEN)}",
-        judged=f"runs {', '.join(one[3:] for one in ODD)}, between them",
+        fitted=f"runs {', '.join(key[3:] for key in EVEN)}",
+        judged=f"runs {', '.join(key[3:] for key in ODD)}, between them",
         mechanism=robot_of(SCHUNK, {}),
         split=_schunk,
         metric=definition.ForceError(),
@@ -468,14 +468,14 @@ def logs() -> list[Log]:
 
 def joined(chosen: Sequence[Log], *, loop: bool = False) -> Measurement:
     """Return files as trials of one measurement."""
-    trials = tuple(record for one in chosen for record in one.records(loop=loop))
+    trials = tuple(record for log in chosen for record in log.records(loop=loop))
     return Measurement(trials=trials, name="xl330")
 
 
 def _gains() -> tuple[Measurement, Measurement]:
     every = logs()
-    own = [one for one in every if one.gain != HELD_OUT]
-    return joined(own), joined([one for one in every if one.gain == HELD_OUT], loop=True)
+    own = [log for log in every if log.gain != HELD_OUT]
+    return joined(own), joined([log for log in every if log.gain == HELD_OUT], loop=True)
 
 
 SERVO_TASKS = (
@@ -489,7 +489,7 @@ SERVO_TASKS = (
         mechanism=RIG,
         split=_gains,
         metric=definition.ClosedLoop(supply=SUPPLY, supply_resistance=DROOP),
-        vary=("friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{one}" for one in UNKNOWN)),
+        vary=("friction.*", "mechanism.rest_angle", *(f"mechanism.drive.{key}" for key in UNKNOWN)),
         laws=("coulomb-viscous", "bam-m3", "bam-m4"),
         selects=False,
         route="shooting",

@@ -171,9 +171,9 @@ class Results(Tabular):
         return {"seconds": "s"}
 
 
-def _text(one: Mapping[str, Any]) -> str:
-    ends = "" if one["low"] is None else f" ({one['low']:.4g} to {one['high']:.4g})"
-    return f"{one['path']} = {one['value']:.5g}{ends} {one['unit']}"
+def _text(row: Mapping[str, Any]) -> str:
+    ends = "" if row["low"] is None else f" ({row['low']:.4g} to {row['high']:.4g})"
+    return f"{row['path']} = {row['value']:.5g}{ends} {row['unit']}"
 
 
 def run(
@@ -223,15 +223,15 @@ def run(
     """
     check_executor(executor)
     chosen = [task(name) for name in names]
-    asked = (
-        [name for name, one in PEERS.items() if _version(one.package)] if peers is None else peers
+    tools = (
+        [name for name, peer in PEERS.items() if _version(peer.package)] if peers is None else peers
     )
-    for name in asked:
+    for name in tools:
         if name not in PEERS:
             raise UnknownNameError("peer of the benchmark", name, PEERS)
         if not _version(PEERS[name].package):  # before minutes of fits
             require_library(PEERS[name].package, "benchmark", f"leave the peer {name} out")
-    pairs = [(one.name, tool) for one in chosen for tool in (OURS, *asked)]
+    pairs = [(one.name, tool) for one in chosen for tool in (OURS, *tools)]
     folder = Path(folder)
     known = _read(folder / JOURNAL)
     # By all that a result depends on: a result of other code or data is not taken.
@@ -261,11 +261,11 @@ def run(
         rows=tuple(row for pair in pairs for row in there.get(pair, ())),
         made=made,
         complete=complete,
-        versions=_versions(asked),
+        versions=_versions(tools),
     )
     if results.rows:
         write_file(folder / TABLE, results.to_dataframe().to_csv(index=False))
-        rows = [_plain(one) for one in results.rows]
+        rows = [_plain(row) for row in results.rows]
         content = {"versions": results.versions, "complete": complete, "rows": rows}
         write_file(folder / DOCUMENT, json_text(document("benchmark", content)))
     return results
@@ -273,25 +273,25 @@ def run(
 
 def made_by(name: str, tool: str) -> tuple[tuple[str, str], list[Row]]:
     """Return the rows of a tool on a task; what it cannot do is said in a row."""
-    asked = task(name)
+    case = task(name)
     empty = Row(task=name, tool=tool)
-    if tool in asked.left_out:
-        return (name, tool), [replace(empty, failed=f"left out: {asked.left_out[tool]}")]
+    if tool in case.left_out:
+        return (name, tool), [replace(empty, failed=f"left out: {case.left_out[tool]}")]
     try:
-        rows = list(_ours(asked) if tool == OURS else _of_peer(asked, tool))
+        rows = list(_ours(case) if tool == OURS else _of_peer(case, tool))
     # What a peer cannot do is a result; an error of the program is none and passes.
     except (StickslipError, ValueError, RuntimeError, ArithmeticError) as error:
         rows = [replace(empty, failed=f"{type(error).__name__}: {error}")]
     return (name, tool), rows
 
 
-def _options(asked: Task) -> dict[str, Any]:
-    route = {} if asked.route is None else {"route": asked.route}
-    return {"vary": list(asked.vary), "settings": asked.settings, **route}
+def _options(case: Task) -> dict[str, Any]:
+    route = {} if case.route is None else {"route": case.route}
+    return {"vary": list(case.vary), "settings": case.settings, **route}
 
 
-def _fit(asked: Task, law: Any, record: Any) -> Any:
-    return fit(asked.mechanism, law, record, **_options(asked))
+def _fit(case: Task, law: Any, record: Any) -> Any:
+    return fit(case.mechanism, law, record, **_options(case))
 
 
 def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -301,78 +301,76 @@ def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
     return time.process_time() - begun, found
 
 
-def _ours(asked: Task) -> Iterator[Row]:
+def _ours(case: Task) -> Iterator[Row]:
     """Yield the laws of a selection, or each law fitted."""
-    fitted, judging = asked.split()
-    row = Row(task=asked.name, tool=OURS)
-    if not asked.selects:
-        for law in asked.laws or ():
+    fitted, judging = case.split()
+    row = Row(task=case.name, tool=OURS)
+    if not case.selects:
+        for law in case.laws or ():
             own = replace(row, law=law, title=law)
             try:
                 own = replace(own, title=law_type(law).title)
-                seconds, found = _timed(partial(_fit, asked, law, fitted))
-                yield _judged(replace(own, seconds=seconds), asked, found, judging)
+                seconds, found = _timed(partial(_fit, case, law, fitted))
+                yield _judged(replace(own, seconds=seconds), case, found, judging)
             except StickslipError as error:
                 yield replace(own, failed=str(error))
         return
-    seconds, verdict = _timed(
-        lambda: select(asked.mechanism, asked.laws, fitted, **_options(asked))
-    )
-    for one in verdict.candidates:
+    seconds, verdict = _timed(lambda: select(case.mechanism, case.laws, fitted, **_options(case)))
+    for item in verdict.candidates:
         # Of the laws, the one that the selection recommends and did not drop.
-        named = one is verdict.best and not one.dropped
+        named = item is verdict.best and not item.dropped
         own = replace(
-            row, law=one.name, title=one.title, seconds=seconds, named=named, outcome=one.outcome
+            row, law=item.name, title=item.title, seconds=seconds, named=named, outcome=item.outcome
         )
-        if one.fit is None:
-            yield replace(own, failed=one.dropped or "not fitted")
+        if item.fit is None:
+            yield replace(own, failed=item.dropped or "not fitted")
         else:
-            yield _judged(own, asked, one.fit, judging)
+            yield _judged(own, case, item.fit, judging)
 
 
-def _judged(row: Row, asked: Task, found: Any, judging: Any) -> Row:
-    error, doubt = asked.metric.of(found, judging)
+def _judged(row: Row, case: Task, found: Any, judging: Any) -> Row:
+    error, doubt = case.metric.of(found, judging)
     estimates = tuple(
         {
-            "path": one.path,
-            "symbol": one.quantity.symbol,
-            "unit": one.quantity.unit,
-            "value": one.value,
+            "path": item.path,
+            "symbol": item.quantity.symbol,
+            "unit": item.quantity.unit,
+            "value": item.value,
             # Without a finite interval both ends are left out.
-            "low": one.low if math.isfinite(one.high - one.low) and not one.reason else None,
-            "high": one.high if math.isfinite(one.high - one.low) and not one.reason else None,
+            "low": item.low if math.isfinite(item.high - item.low) and not item.reason else None,
+            "high": item.high if math.isfinite(item.high - item.low) and not item.reason else None,
         }
-        for one in found.estimates
+        for item in found.estimates
     )
     return replace(row, error=error, doubt=doubt, estimates=estimates)
 
 
-def _of_peer(asked: Task, tool: str) -> Iterator[Row]:
+def _of_peer(case: Task, tool: str) -> Iterator[Row]:
     """Yield what a peer finds, judged as the fit of stickslip with its values."""
     peer = PEERS[tool]
-    fitted, judging = asked.split()
-    if isinstance(asked.metric, CoefficientError):
-        since = asked.metric.since
-        seconds, (told, error) = _timed(lambda: by_speed(tool, fitted, judging, since))
+    fitted, judging = case.split()
+    if isinstance(case.metric, CoefficientError):
+        since = case.metric.since
+        seconds, (estimate, error) = _timed(lambda: by_speed(tool, fitted, judging, since))
         numbers = tuple(
             {
                 "path": path, "symbol": path, "unit": "s/m" if path == "b" else "1", "value": value,
-                "low": _end_of(told, path, -1.0), "high": _end_of(told, path, 1.0),
+                "low": _end_of(estimate, path, -1.0), "high": _end_of(estimate, path, 1.0),
             }
-            for path, value in told.values.items()
+            for path, value in estimate.values.items()
         )  # fmt: skip
         law = {"scipy": "c + b V", "lmfit": "c + a ln V"}[tool]
         yield Row(
-            task=asked.name, tool=tool, law=law, title=f"{peer.title.partition(',')[0]}, {law}",
-            error=error, estimates=numbers, seconds=seconds, outcome=told.note,
+            task=case.name, tool=tool, law=law, title=f"{peer.title.partition(',')[0]}, {law}",
+            error=error, estimates=numbers, seconds=seconds, outcome=estimate.note,
         )  # fmt: skip
         return
     # Its own fit tells unknowns and start, and judges values of others by the same steps.
-    own = _fit(asked, peer.law, fitted)
-    seconds, found = _timed(lambda: peer.fit(asked, fitted, own))
+    own = _fit(case, peer.law, fitted)
+    seconds, found = _timed(lambda: peer.fit(case, fitted, own))
     at = _at(own, found)
-    row = Row(task=asked.name, tool=tool, law=peer.law, title=peer.title, seconds=seconds)
-    error, doubt = asked.metric.of(at, judging)
+    row = Row(task=case.name, tool=tool, law=peer.law, title=peer.title, seconds=seconds)
+    error, doubt = case.metric.of(at, judging)
     estimates = tuple(
         {
             "path": item.path,
@@ -430,10 +428,10 @@ def _versions(peers: Iterable[str]) -> dict[str, str]:
 
 def _digest(name: str, tool: str) -> str:
     """Return the hash of all that a result depends on: task, data, versions, code of both."""
-    asked = task(name)
-    own = [asked.dataset.file(file) for file in asked.files]
-    data = [(one.name, one.sha256 or one.source_sha256) for one in own]
-    code = [inspect.getsource(sys.modules[asked.split.__module__]), _code()]
+    case = task(name)
+    own = [case.dataset.file(file) for file in case.files]
+    data = [(file.name, file.sha256 or file.source_sha256) for file in own]
+    code = [inspect.getsource(sys.modules[case.split.__module__]), _code()]
     packages = _versions([] if tool == OURS else [tool])
     text = repr((name, tool, data, code, packages))
     return hashlib.sha256(text.encode()).hexdigest()
@@ -460,8 +458,8 @@ def _plain(row: Row) -> dict[str, Any]:
 def _row(plain: Mapping[str, Any]) -> Row:
     """Return a row that JSON had."""
     values: dict[str, Any] = {
-        key: math.nan if one is None else tuple(one) if isinstance(one, list) else one
-        for key, one in plain.items()
+        key: math.nan if value is None else tuple(value) if isinstance(value, list) else value
+        for key, value in plain.items()
     }
     return Row(**values)
 
@@ -478,8 +476,8 @@ def _read(path: Path) -> dict[str, list[Row]]:
     # Each line by itself: one that was cut off does not cost the others.
     for line in lines:
         try:
-            one = json.loads(line)
-            found[one["digest"]] = [_row(row) for row in one["rows"]]
+            entry = json.loads(line)
+            found[entry["digest"]] = [_row(row) for row in entry["rows"]]
         except (KeyError, RecursionError, TypeError, ValueError):
             continue
     return found
@@ -520,22 +518,22 @@ def benchmark_page(results: Results, *, reproduce: Sequence[str] = ()) -> Page:
 def best_of(rows: Sequence[Row]) -> Row | None:
     """Return the row with the least error."""
     known = [row for row in rows if math.isfinite(row.error)]
-    return min(known, key=lambda one: one.error, default=None)
+    return min(known, key=lambda row: row.error, default=None)
 
 
 def of_ours(rows: Sequence[Row]) -> Row | None:
     """Return the law that is named; where none is, the best of those that were fitted."""
     own = [row for row in rows if row.tool == OURS]
-    named = [one for one in own if one.named]
+    named = [row for row in own if row.named]
     return named[0] if named else best_of(own)
 
 
-def scale_for(asked: Task, rows: Sequence[Row]) -> Scale:
+def scale_for(case: Task, rows: Sequence[Row]) -> Scale:
     """Return what errors of a task are shown in, by the least of them."""
-    if asked.metric.unit == "1":
+    if case.metric.unit == "1":
         return Scale(100.0, "%")
     best = best_of(rows)
-    return scale_of([] if best is None else [best.error], asked.metric.unit)
+    return scale_of([] if best is None else [best.error], case.metric.unit)
 
 
 def error_text(scale: Scale, row: Row | None) -> tuple[str, str]:
@@ -550,12 +548,12 @@ def summary_rows(results: Results) -> list[list[str]]:
     """Return the cells of the overview: task, our law, its error, that of each peer."""
     found = []
     for name in dict.fromkeys(row.task for row in results.rows):
-        rows, asked = results.of(name), task(name)
-        scale, ours = scale_for(asked, rows), of_ours(rows)
+        rows, case = results.of(name), task(name)
+        scale, ours = scale_for(case, rows), of_ours(rows)
         law = "" if ours is None else ours.title + ("" if ours.named else " (not named)")
-        by_tool = {one.tool: one for one in rows}
+        by_tool = {row.tool: row for row in rows}
         judged = (ours, *(by_tool.get(tool) for tool in PEERS))
-        found.append([name, law, *(_in_words(scale, one) for one in judged)])
+        found.append([name, law, *(_in_words(scale, row) for row in judged)])
     return found
 
 
@@ -573,11 +571,11 @@ def _overview(results: Results, names: Sequence[str]) -> Section:
     )
     rows = []
     for name in names:
-        asked, own = task(name), results.of(name)
-        scale, ours = scale_for(asked, own), of_ours(own)
+        case, own = task(name), results.of(name)
+        scale, ours = scale_for(case, own), of_ours(own)
         law = Name(text=NONE) if ours is None else Name(text=ours.title, aside=_whether(ours))
-        cells: list[Cell] = [Name(text=name, aside=asked.title), law, _number(scale, ours)]
-        by_tool = {one.tool: one for one in own}
+        cells: list[Cell] = [Name(text=name, aside=case.title), law, _number(scale, ours)]
+        by_tool = {row.tool: row for row in own}
         rows.append(
             TableRow(cells=(*cells, *(_number(scale, by_tool.get(tool)) for tool in PEERS)))
         )
@@ -605,46 +603,46 @@ def _number(scale: Scale, row: Row | None) -> Cell:
     return NONE if value == NONE else Number(value=value, doubt=doubt, unit=scale.unit)
 
 
-def _section(asked: Task, rows: Sequence[Row]) -> Section:
-    scale, record = scale_for(asked, rows), asked.dataset
+def _section(case: Task, rows: Sequence[Row]) -> Section:
+    scale, record = scale_for(case, rows), case.dataset
     best = best_of(rows)
     facts = [
         ("Record", f"{record.name}: {record.title}"),
         ("Source", f"{record.citation} https://github.com/{record.repository}"),
         ("Licence", record.licence),
-        ("Fitted", asked.fitted),
-        ("Judged", asked.judged),
-        ("Metric", asked.metric.text),
-        *((one.what, f"{one.result} ({one.source})") for one in asked.published),
+        ("Fitted", case.fitted),
+        ("Judged", case.judged),
+        ("Metric", case.metric.text),
+        *((peer.what, f"{peer.result} ({peer.source})") for peer in case.published),
     ]
-    if asked.truth:
-        told = joined([f"{name} {number(value)}" for name, value in asked.truth.items()])
-        facts.append(("True values", told))
+    if case.truth:
+        truth = joined([f"{name} {number(value)}" for name, value in case.truth.items()])
+        facts.append(("True values", truth))
     blocks: list[Block] = [KeyValues(items=tuple(KeyValue(key=k, value=v) for k, v in facts))]
     shown = [row for row in rows if math.isfinite(row.error)]
-    ordered = sorted(shown, key=lambda one: one.error)
+    ordered = sorted(shown, key=lambda row: row.error)
     if ordered:
         marks = [
-            Interval(_called(one), one.error, one.doubt, one.named)
-            for one in ordered
+            Interval(_called(row), row.error, row.doubt, row.named)
+            for row in ordered
             # Errors far beyond would press all others to one end of the axis.
-            if best is not None and one.error < 50.0 * best.error
+            if best is not None and row.error < 50.0 * best.error
         ]
         height = max(INTERVAL_SIZE[1], 60 + 34 * len(marks))
         svg = inline_svg(
-            draw_intervals(marks, "error on what was not seen", asked.metric.unit),
+            draw_intervals(marks, "error on what was not seen", case.metric.unit),
             wide=(INTERVAL_SIZE[0], height),
-            alt=f"Errors of {len(marks)} laws on {asked.title}",
-            prefix=f"figure-{asked.name}",
+            alt=f"Errors of {len(marks)} laws on {case.title}",
+            prefix=f"figure-{case.name}",
         )
         blocks.append(
-            Figure(svg=svg, caption=f"**{asked.title}.** Dot: error; bar: ± 1 standard error.")
+            Figure(svg=svg, caption=f"**{case.title}.** Dot: error; bar: ± 1 standard error.")
         )
         blocks.append(_table(scale, ordered))
-    failed = [f"{_called(one)}: {one.failed}" for one in rows if one.failed]
+    failed = [f"{_called(row)}: {row.failed}" for row in rows if row.failed]
     blocks += [Caption(text=f"{text.rstrip('.')}.") for text in dict.fromkeys(failed)]
-    heading = asked.title if best is None else f"{asked.title}: {_called(best)} errs least"
-    return Section(id=f"task-{asked.name}", nav=asked.name, heading=heading, blocks=tuple(blocks))
+    heading = case.title if best is None else f"{case.title}: {_called(best)} errs least"
+    return Section(id=f"task-{case.name}", nav=case.name, heading=heading, blocks=tuple(blocks))
 
 
 def _called(row: Row) -> str:
@@ -687,10 +685,10 @@ def parameters_text(estimates: Sequence[Mapping[str, Any]]) -> str:
     '$mu_k$ = 0.25 (0.2 to 0.3)'
     """
     texts = []
-    for one in estimates[:SHOWN]:
-        low, high = one["low"], one["high"]
+    for row in estimates[:SHOWN]:
+        low, high = row["low"], row["high"]
         ends = "no interval" if low is None else f"{number(low, 3)} to {number(high, 3)}"
-        texts.append(f"${one['symbol']}$ = {quantity(one['value'], one['unit'], 3)} ({ends})")
+        texts.append(f"${row['symbol']}$ = {quantity(row['value'], row['unit'], 3)} ({ends})")
     more = len(estimates) - SHOWN
     return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
 

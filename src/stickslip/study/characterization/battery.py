@@ -90,20 +90,20 @@ class Characterization(InPanels):
     def results(self) -> Mapping[str, Characteristic]:
         """The tests that were made, by name."""
         found = {name: getattr(self, name.replace("-", "_")) for name in TESTS}
-        return {name: one for name, one in found.items() if one is not None}
+        return {name: value for name, value in found.items() if value is not None}
 
     @property
     def by_test(self) -> dict[str, dict[str, Characteristic]]:
         """Results of all laws by test, and by the title of the law for each."""
         found: dict[str, dict[str, Characteristic]] = {}
-        for one in self.all:
-            for name, result in one.results.items():
-                found.setdefault(name, {})[one.title] = result
+        for law in self.all:
+            for name, result in law.results.items():
+                found.setdefault(name, {})[law.title] = result
         return found
 
     def to_dict(self) -> dict[str, Any]:
         """Return laws, sentences and numbers, as in JSON."""
-        one = {
+        entry = {
             "law": self.law.name,
             "title": self.title,
             "parameters": {name: getattr(self.law, name) for name in fields_of(type(self.law))},
@@ -112,13 +112,13 @@ class Characterization(InPanels):
             "tests": {name: result.to_dict() for name, result in self.results.items()},
             "failed": dict(self.failed),
         }
-        return {**one, "others": [other.to_dict() for other in self.others]}
+        return {**entry, "others": [other.to_dict() for other in self.others]}
 
     def _summary(self) -> Summary:
         if self.others:
-            head = ["test", *(one.title for one in self.all)]
-            names = dict.fromkeys(name for one in self.all for name in one.results)
-            rows = [[name, *(one.told(name) for one in self.all)] for name in names]
+            head = ["test", *(law.title for law in self.all)]
+            names = dict.fromkeys(name for law in self.all for name in law.results)
+            rows = [[name, *(law.told(name) for law in self.all)] for name in names]
             return Summary(sentence=f"{len(self.all)} laws side by side.", head=head, rows=rows)
         rows = [[name, self.told(name)] for name in (*self.results, *self.failed)]
         return Summary(sentence=f"{self.title}, normal force {number(self.load)} N.", rows=rows)
@@ -192,27 +192,27 @@ def characterize(
             raise UnknownNameError("test", name, tuple(TESTS))
     if not chosen:
         raise InputError(f"tests must name one of {', '.join(TESTS)}, got none.")
-    given = [law_with_values(one, load) for one in (law, *others)]
+    given = [law_with_values(friction, load) for friction in (law, *others)]
     notes = [""] * len(given)
     # Levels and stiffness of the first law, so that differences are those of the shape.
     if match:
-        for i, one in enumerate(given[1:], 1):
-            given[i], notes[i] = _matched(one, given[0])
+        for i, member in enumerate(given[1:], 1):
+            given[i], notes[i] = _matched(member, given[0])
     tried = [
         (title, twin, at, note)
-        for one, note in zip(given, notes, strict=True)
-        for title, twin, at in _levels(one, inputs or {})
+        for friction, note in zip(given, notes, strict=True)
+        for title, twin, at in _levels(friction, inputs or {})
     ]
     _refuse_unused(inputs or {}, given)
     titles = _distinct([title for title, *_ in tried])
     benches: list[Bench] = []
-    for _, one, at, _ in tried:
+    for _, member, at, _ in tried:
         # Settings of matched laws are the same too.
         same = (benches[0].force, benches[0].speed) if benches and match else None
-        benches.append(Bench.of(one, load, rig, at, same))
+        benches.append(Bench.of(member, load, rig, at, same))
     count, done = len(chosen) * len(tried), itertools.count(1)
     found: list[Characterization] = []
-    for title, bench, (_, one, _, note) in zip(titles, benches, tried, strict=True):
+    for title, bench, (_, member, _, note) in zip(titles, benches, tried, strict=True):
         results: dict[str, Any] = {}
         failed: dict[str, str] = {}
         for name in chosen:
@@ -230,7 +230,7 @@ def characterize(
                 progress(next(done), count)
         found.append(
             Characterization(
-                title=title, law=one, load=load, matched=note, failed=failed, **results
+                title=title, law=member, load=load, matched=note, failed=failed, **results
             )
         )
     return dataclasses.replace(found[0], others=tuple(found[1:]))
@@ -288,7 +288,7 @@ def _levels(
     # Every combination of values, the last input fastest.
     for values in itertools.product(*choices):
         at = {name: float(value) for name, value in zip(law.inputs, values, strict=True)}
-        told = "".join(f", {name} {_input_text(name, one)}" for name, one in at.items())
+        told = "".join(f", {name} {_input_text(name, value)}" for name, value in at.items())
         yield f"{law.title}{told}", law, at
 
 

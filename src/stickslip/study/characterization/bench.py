@@ -55,9 +55,9 @@ class Characteristic(OnAxes, Tabular, ABC):
     def to_dict(self) -> dict[str, Any]:
         """Return sentence, conditions and numbers, as in JSON."""
         found: dict[str, Any] = {"sentence": self.sentence, "conditions": self.conditions}
-        for one in dataclasses.fields(self):
-            if one.name != "conditions":
-                found[one.name] = _plain(getattr(self, one.name))
+        for entry in dataclasses.fields(self):
+            if entry.name != "conditions":
+                found[entry.name] = _plain(getattr(self, entry.name))
         return found
 
     @final
@@ -85,7 +85,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, Mapping):
-        return {key: _plain(one) for key, one in value.items()}
+        return {key: _plain(item) for key, item in value.items()}
     return value
 
 
@@ -274,13 +274,13 @@ class Bench(Parametrised):
     @functools.cached_property
     def levels(self) -> tuple[float, float]:
         """The lowest and the highest level of forward motion [N]: of sliding, and of rest."""
-        scales = {name: one.scale for name, one in fields_of(type(self.law)).items()}
+        scales = {name: quantity.scale for name, quantity in fields_of(type(self.law)).items()}
         found = [
             float(value) * self.load
             for name, scale in scales.items()
             if scale in ("level", "level+") and (value := getattr(self.law, name)) is not None
         ]
-        found = [one for one in found if one > 0.0]
+        found = [value for value in found if value > 0.0]
         held = float(self.curve.towards(1).break_away(self.load))
         slow = abs(float(self.curve.steady(USUAL_SPEED, self.load)))
         found = found or ([held] if held > 0.0 else [slow])
@@ -296,7 +296,11 @@ class Bench(Parametrised):
         """Speed at which friction changes [m/s]: the Stribeck velocity, or one like it."""
         if self.scales is not None:
             return self.scales[1]
-        names = [name for name, one in fields_of(type(self.law)).items() if one.scale == "speed"]
+        names = [
+            name
+            for name, quantity in fields_of(type(self.law)).items()
+            if quantity.scale == "speed"
+        ]
         found = [float(getattr(self.law, name)) for name in names if getattr(self.law, name)]
         return min(found, default=USUAL_SPEED)
 

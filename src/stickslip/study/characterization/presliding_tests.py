@@ -103,7 +103,7 @@ def break_away(
     [1.5, 1.5]
     """
     top = bench.force
-    rates = [top * one for one in RATES] if rates is None else rates
+    rates = [top * rate for rate in RATES] if rates is None else rates
     return BreakAway(
         rate=np.array(rates, dtype=np.float64),
         force=np.array([_pulled(bench, rate) for rate in rates]),

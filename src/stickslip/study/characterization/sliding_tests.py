@@ -219,7 +219,7 @@ def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:
         forces.append(seen["friction"])
         times = (LAG_CYCLES - 1 + slowing) * period, (LAG_CYCLES - slowing) * period
         levels.append(run.at(times)["friction"])
-    slow, fast = (quantity(one * bench.speed, "m/s") for one in (MEAN - SWING, MEAN + SWING))
+    slow, fast = (quantity(value * bench.speed, "m/s") for value in (MEAN - SWING, MEAN + SWING))
     return Lag(
         frequency=np.array(frequencies, dtype=np.float64),
         velocity=np.array(velocities),
@@ -348,7 +348,7 @@ def cycle_energy(
     >>> float(cycle_energy(Coulomb(kinetic_coefficient=0.5), [0.1, -0.1], [1.0, 1.0])[0])
     0.1
     """
-    v, t = (np.atleast_2d(np.asarray(one, dtype=np.float64).T).T for one in (velocity, duration))
+    v, t = (np.atleast_2d(np.asarray(item, dtype=np.float64).T).T for item in (velocity, duration))
     if v.shape != t.shape or not (t > 0.0).all():
         raise InputError(
             f"a cycle needs as many durations above 0 s as velocities, got {v.shape[0]} velocities"
@@ -356,7 +356,7 @@ def cycle_energy(
         )
     # Without states friction follows from the velocity: no steps are needed.
     if not law.states:
-        force = np.array([law.steady(one, load) for one in v]) + np.zeros_like(v)
+        force = np.array([law.steady(item, load) for item in v]) + np.zeros_like(v)
         return np.asarray((force * v * t).sum(axis=0))
     length = presliding_length(law, load)
     z = tuple(np.zeros(v.shape[1]) for _ in law.states)
@@ -385,14 +385,14 @@ def _moved(
 
     def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
         with flags:
-            return tuple(np.asarray(one) + np.zeros_like(v) for one in law.rates(v, load, at))
+            return tuple(np.asarray(rate) + np.zeros_like(v) for rate in law.rates(v, load, at))
 
     def power(at: tuple[Array, ...]) -> Array:
         with flags:
             return np.asarray(law.force(v, load, at)) * v
 
     def after(step: Array, by: tuple[Array, ...]) -> tuple[Array, ...]:
-        return tuple(one + step * rate for one, rate in zip(z, by, strict=True))
+        return tuple(array + step * rate for array, rate in zip(z, by, strict=True))
 
     work = np.zeros_like(v)
     before, k1 = power(z), rates(z)
@@ -402,8 +402,8 @@ def _moved(
         k4 = rates(after(h, k3))
         start, first = z, k1
         z = tuple(
-            one + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-            for one, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
+            array + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+            for array, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
         )
         k1 = rates(z)
         half = tuple(  # of the cubic through both ends
@@ -474,9 +474,9 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
         speed, way, energy = speed[:, best], way[:, best], energy[best]
         spread = SPREAD / (n + 1)
         near = [
-            np.repeat(one, AROUND, axis=1)
+            np.repeat(array, AROUND, axis=1)
             * np.exp(random.normal(scale=spread, size=(PIECES, KEPT * AROUND)))
-            for one in (speed, way)
+            for array in (speed, way)
         ]
         fastest = CYCLE_SPEEDS[1] * bench.speed
         near = [np.clip(near[0], -fastest, fastest), np.minimum(near[1], WAYS[1] * bench.reach)]

@@ -139,10 +139,10 @@ def stick_slip_map(
         if stiffnesses is None
         else np.array(stiffnesses, float)
     )
-    told = progress or (lambda _done, _all: None)
+    report = progress or (lambda _done, _all: None)
     speed, stiffness = (grid.ravel() for grid in np.meshgrid(v, k))
     amplitude, sticks, bad = _runs(bench, speed, stiffness)
-    told(1, HALVINGS + 1)
+    report(1, HALVINGS + 1)
     shape = len(k), len(v)
     sticks, amplitude = sticks.reshape(shape), amplitude.reshape(shape)
     # The highest speed of each row at which it sticks: the boundary lies behind it.
@@ -156,7 +156,7 @@ def stick_slip_map(
             stuck = np.zeros(len(k), dtype=bool)
             stuck[inner] = _runs(bench, middle[inner], k[inner])[1]
             low, high = np.where(stuck, middle, low), np.where(stuck, high, middle)
-        told(n + 2, HALVINGS + 1)
+        report(n + 2, HALVINGS + 1)
     boundary = np.where(inner, np.sqrt(low * high), np.where(last < 0, np.nan, np.inf))
     return StickSlipMap(
         speed=v,
@@ -164,7 +164,7 @@ def stick_slip_map(
         amplitude=amplitude,
         sticks=sticks,
         boundary=boundary,
-        linear=np.array([np.nan if bench.latched else _linear_limit(bench, one, v) for one in k]),
+        linear=np.array([np.nan if bench.latched else _linear_limit(bench, item, v) for item in k]),
         closed_form=_closed_form(bench, k),
         uncertified=bad,
         conditions=(
@@ -185,8 +185,8 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     bad = 0
     # Runs of one ensemble end together: those of about one duration are made in one.
     group = np.floor(np.log(needed) / np.log(RATIO)).astype(int)
-    for one in np.unique(group):
-        chosen = np.flatnonzero(group == one)
+    for label in np.unique(group):
+        chosen = np.flatnonzero(group == label)
         end = float(needed[chosen].max())
         varied = {
             "mechanism.speed": speed[chosen],
@@ -320,7 +320,7 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
         return np.asarray(found, dtype=float) / speed
 
     found = root(rates, np.full(len(law.states), 0.9))
-    return tuple(round(float(one) * length, 17) for one in found.x)
+    return tuple(round(float(bend) * length, 17) for bend in found.x)
 
 
 # An axis under PID control: whether it hunts about its target.

@@ -225,7 +225,8 @@ class FrictionCompensation(Parametrised):
                 f" {', '.join(measured) or 'none'}."
             )
         load, *inputs = (
-            one(t, measured) if callable(one) else one for one in (self.load, *self.inputs.values())
+            value(t, measured) if callable(value) else value
+            for value in (self.load, *self.inputs.values())
         )
         law = self.law
         if inputs:
@@ -430,12 +431,12 @@ class PartialLinearisation(Parametrised):
 
     def _line(self, speed: float) -> _Line:
         # Laws are affine in the load: two loads tell the line.
-        none, one = (sliding_force(self.law, speed, load) for load in (0.0, 1.0))
-        return _Line(none, one - none)
+        none, loaded = (sliding_force(self.law, speed, load) for load in (0.0, 1.0))
+        return _Line(none, loaded - none)
 
     def _holding(self, side: float) -> _Line:
-        none, one = (side * float(self.law.break_away(load)) for load in (0.0, 1.0))
-        return _Line(none, one - none)
+        none, loaded = (side * float(self.law.break_away(load)) for load in (0.0, 1.0))
+        return _Line(none, loaded - none)
 
     def _sliding(self, table: Any, row: int, target: float, friction: _Line) -> float | None:
         """Solve acceleration, normal force and friction for the command."""

@@ -357,10 +357,10 @@ class DynamicsOfContacts:
             "mass": turn.T @ mass @ turn,
             "forces": turn.T @ h,
             "friction_direction": turn.T @ slips,
-            "command_direction": np.column_stack([turn.T @ (one - h) for one, _ in commands]),
+            "command_direction": np.column_stack([turn.T @ (item - h) for item, _ in commands]),
             "normal": loads,
             "normal_by_friction": np.column_stack(frictions),
-            "normal_by_command": np.column_stack([one - loads for _, one in commands]),
+            "normal_by_command": np.column_stack([normal - loads for _, normal in commands]),
             "contacts": self.model.contacts,
         }
 
@@ -419,7 +419,19 @@ def dynamics_at(
     """
     t = TIME.check("dynamics_at", "t", t)
     if len(mechanism.contacts()) > 1:
-        return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
+        _refuse_prescribed(mechanism)
+        places = every_place(mechanism) if drive is None else places_of(mechanism, drive)
+        driven, names = mechanism, []
+        for place in places.values():
+            driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
+            names.append(name)
+        state = _states(q or {}, mechanism.coordinates) + _states(q_dot or {}, mechanism.rates)
+        found = DynamicsOfContacts(driven, names).dynamics(mechanism, t, state)
+        if isinstance(drive, str):
+            for name in ("command_direction", "normal_by_command"):
+                found[name] = found[name][:, 0]
+            return Dynamics(**found)
+        return Dynamics(**found, drives=tuple(places))
     if drive is not None and not isinstance(drive, str):
         named = list(places_of(mechanism, drive))
         if len(named) > 1:
@@ -445,29 +457,6 @@ def dynamics_at(
         normal_by_friction=float(table[1, n]),
         normal_by_command=float(table[2, n]),
     )
-
-
-def _of_several(
-    mechanism: Mechanism,
-    t: float,
-    q: Mapping[str, float],
-    q_dot: Mapping[str, float],
-    drive: str | Sequence[str] | None,
-) -> Dynamics:
-    """Return the dynamics of a mechanism with several contacts."""
-    _refuse_prescribed(mechanism)
-    places = every_place(mechanism) if drive is None else places_of(mechanism, drive)
-    driven, names = mechanism, []
-    for place in places.values():
-        driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
-        names.append(name)
-    state = _states(q, mechanism.coordinates) + _states(q_dot, mechanism.rates)
-    found = DynamicsOfContacts(driven, names).dynamics(mechanism, t, state)
-    if isinstance(drive, str):
-        for name in ("command_direction", "normal_by_command"):
-            found[name] = found[name][:, 0]
-        return Dynamics(**found)
-    return Dynamics(**found, drives=tuple(places))
 
 
 def _refuse_prescribed(mechanism: Mechanism) -> None:

@@ -381,7 +381,26 @@ def closed_loop(
     driven = mechanism
     for name, place in places.items():
         driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
-    return _result(onward, driven, book, timing, names, tuple(places) if several else (), throw)
+    drives = tuple(places) if several else ()
+    run = onward.finished(driven)
+    if book.cancelled:
+        run = replace(run, status=Status.CANCELLED)
+    if throw:
+        refuse(run)
+    requested = np.array(book.asked)
+    requested = requested if drives else requested[:, 0]
+    limited = np.array([timing.within(value) for value in requested.flat]).reshape(requested.shape)
+    return ClosedLoop(
+        run=run,
+        mechanism=driven,
+        t=np.array(book.t),
+        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
+        requested=requested,
+        commands=limited,
+        period=timing.period,
+        delay=timing.delay,
+        drives=drives,
+    )
 
 
 def _check(
@@ -443,11 +462,11 @@ class _Walk:
         for k in range(count):
             t, end = times[k], times[k + 1]
             seen = self.sensors.read(self.onward.state())
-            asked = self._asked(self.controller(t, seen), t)
+            request = self._asked(self.controller(t, seen), t)
             book.t.append(t)
             book.measured.append(seen)
-            book.asked.append(asked)
-            for command, value in zip(self.commands.values(), asked, strict=True):
+            book.asked.append(request)
+            for command, value in zip(self.commands.values(), request, strict=True):
                 command.told.append(self.timing.within(value))
             if not self._onward(k, t, end, book):
                 return book
@@ -459,11 +478,11 @@ class _Walk:
 
     def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
         """Run from a sample to the next; return whether it was reached."""
-        told = {name: command.stretches(k, t, end) for name, command in self.commands.items()}
-        together = list(zip(*told.values(), strict=True))
+        pieces = {name: command.stretches(k, t, end) for name, command in self.commands.items()}
+        together = list(zip(*pieces.values(), strict=True))
         ends = [*[lines[0][0] for lines in together[1:]], end]
         for lines, until in zip(together, ends, strict=True):
-            for name, line in zip(told, lines, strict=True):
+            for name, line in zip(pieces, lines, strict=True):
                 book.stretches[name].append(line)
             book.end = until
             if not self.onward.advance(until, [(value, slope) for _, value, slope in lines]):
@@ -493,36 +512,6 @@ def _number(command: Any, t: float) -> float:
             f"the controller must return a finite number, got {command!r} at t = {number(t, 6)} s."
         )
     return value
-
-
-def _result(
-    onward: IncrementalRun,
-    driven: Mechanism,
-    book: _Book,
-    timing: Timing,
-    names: Sequence[str],
-    drives: tuple[str, ...],
-    throw: bool,
-) -> ClosedLoop:
-    run = onward.finished(driven)
-    if book.cancelled:
-        run = replace(run, status=Status.CANCELLED)
-    if throw:
-        refuse(run)
-    asked = np.array(book.asked)
-    asked = asked if drives else asked[:, 0]
-    commands = np.array([timing.within(value) for value in asked.flat]).reshape(asked.shape)
-    return ClosedLoop(
-        run=run,
-        mechanism=driven,
-        t=np.array(book.t),
-        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
-        requested=asked,
-        commands=commands,
-        period=timing.period,
-        delay=timing.delay,
-        drives=drives,
-    )
 
 
 # Limit cycles: whether a run repeats itself, how far it swings and how often.
@@ -653,11 +642,11 @@ def _crossings(t: Any, x: Any) -> Any:
     middle, reach = 0.5 * (x.max() + x.min()), 0.5 * HYSTERESIS * np.ptp(x)
     # With hysteresis: a side is known only beyond a tenth of the range from the middle.
     side = np.where(x > middle + reach, 1, np.where(x < middle - reach, -1, 0))
-    told = np.flatnonzero(side)
-    ups = [k for k in range(1, len(told)) if side[told[k]] > 0 > side[told[k - 1]]]
+    sided = np.flatnonzero(side)
+    ups = [k for k in range(1, len(sided)) if side[sided[k]] > 0 > side[sided[k - 1]]]
     found = []
     for k in ups:
-        a, b = told[k - 1], told[k]
+        a, b = sided[k - 1], sided[k]
         # The first sample above the middle, and a straight line from the one before.
         i = a + int(np.flatnonzero(x[a + 1 : b + 1] > middle)[0])
         found.append(t[i] + (t[i + 1] - t[i]) * (middle - x[i]) / (x[i + 1] - x[i]))

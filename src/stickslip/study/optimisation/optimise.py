@@ -373,7 +373,30 @@ def optimise_profile(
     reference = best = work.best_of(parametrisation.space_of(REFERENCE, plan.limits, knots), start)
     if known != REFERENCE:
         best = work.best_of(space, start, done=reference)
-    return _optimum(work, law, known, best, reference.judged, start)
+    # The result, run once more with a certificate.
+    problem, plan = work.problem, work.plan
+    if best.judged is None:
+        raise ConvergenceError(
+            f"no {known} motion satisfies the limits among the {best.evaluations} evaluated: widen"
+            " the limits, or increase evaluations."
+        )
+    whole = problems.fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
+    return Optimum(
+        mechanism=whole,
+        law=law,
+        searched=known,
+        goal=problem.goal,
+        limits=plan.limits,
+        scenarios=problem.scenarios,
+        best=best.judged,
+        three_phase=reference.judged,
+        start=start,
+        run=simulate(whole, law, t_end=_steady_end(whole, law)),
+        polished=best.polished,
+        evaluations=best.evaluations,
+        seed=plan.seed,
+        cancelled=best.cancelled,
+    )
 
 
 def _each(mechanism: Mechanism, laws: Sequence[Friction] | None) -> list[FrictionLaw | Laws] | None:
@@ -388,40 +411,6 @@ def _versions() -> list[str]:
     from importlib.metadata import version
 
     return [version(name) for name in ("cma", "numpy", "stickslip")]
-
-
-def _optimum(
-    work: "_Work",
-    law: FrictionLaw | Laws,
-    kind: str,
-    best: "_Best",
-    reference: problems.ScoredMotion | None,
-    start: problems.ScoredMotion,
-) -> Optimum:
-    """Return the result, run once more with a certificate."""
-    problem, plan = work.problem, work.plan
-    if best.judged is None:
-        raise ConvergenceError(
-            f"no {kind} motion satisfies the limits among the {best.evaluations} evaluated: widen"
-            " the limits, or increase evaluations."
-        )
-    whole = problems.fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
-    return Optimum(
-        mechanism=whole,
-        law=law,
-        searched=kind,
-        goal=problem.goal,
-        limits=plan.limits,
-        scenarios=problem.scenarios,
-        best=best.judged,
-        three_phase=reference,
-        start=start,
-        run=simulate(whole, law, t_end=_steady_end(whole, law)),
-        polished=best.polished,
-        evaluations=best.evaluations,
-        seed=plan.seed,
-        cancelled=best.cancelled,
-    )
 
 
 def _steady_end(mechanism: Mechanism, law: FrictionLaw | Laws) -> float:
@@ -567,8 +556,8 @@ def _best(
     cancelled: bool = False,
 ) -> _Best:
     """Return the best motion within the limits, the first of equals."""
-    good = [one for one in known if one[0].feasible]
-    judged, polished = max(good, key=lambda one: one[0].value, default=(None, False))
+    good = [pair for pair in known if pair[0].feasible]
+    judged, polished = max(good, key=lambda motion: motion[0].value, default=(None, False))
     return _Best(judged=judged, polished=polished, evaluations=evaluations, cancelled=cancelled)
 
 

@@ -105,9 +105,9 @@ def motor_of(mechanism: Mechanism) -> str:
     >>> motor_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
     'drive'
     """
-    for one in dataclasses.fields(mechanism):
-        if isinstance(getattr(mechanism, one.name), Prescribed) and mechanism.guided():
-            return one.name
+    for entry in dataclasses.fields(mechanism):
+        if isinstance(getattr(mechanism, entry.name), Prescribed) and mechanism.guided():
+            return entry.name
     raise InputError(
         f"mechanism must have a prescribed motion to be optimised, got {type(mechanism).__name__}"
         " without one: give it Prescribed(profile=...), as in PendulumCart(pendulum=...) or"
@@ -240,7 +240,33 @@ def measure(mechanism: Mechanism, law: FrictionLaw | Laws, *, samples: int = SAM
             return _cut_short(run, period, run.span[1] / (count * period))
         repeats = _repeats(mechanism, run, count, period)
         if repeats or 2 * count > MOST_CYCLES:
-            return _measured(mechanism, profile, run, count, repeats, samples)
+            slip = slip_of_body(mechanism)
+            begin, end = (count - 1) * profile.period, count * profile.period
+            nodes = _nodes(run, profile, float(begin), float(end), samples)
+            seen = run.at(nodes)
+            columns = _columns(mechanism, seen)
+            stretches = _stretches(profile, nodes, float(begin))
+            extremes = _extremes(run, nodes, columns, mechanism)
+            x, accelerations = seen[slip], _accelerations(profile)
+            return Cycle(
+                run=run,
+                begin=float(begin),
+                period=float(profile.period),
+                repeats=repeats,
+                travel=float(x[-1] - x[0]),
+                work=_positive_work(mechanism, run, nodes),
+                back_slip=float(np.maximum(-np.diff(x), 0.0).sum()),
+                peaks={
+                    name: _peaks(column, stretches, extremes[name], both=name != "load_share")
+                    for name, column in columns.items()
+                }
+                | {"acceleration": accelerations},
+                position=extremes["position"],
+                rate=extremes["rate"],
+                acceleration=float(accelerations.max()),
+                effort=extremes["effort"],
+                load_share=extremes["load_share"],
+            )
         count *= 2
 
 
@@ -262,43 +288,6 @@ def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -
     more = (x[-1] - x[0]) - (x[0] - before[slip][0])
     return bool(
         abs(more) <= REPEATED * np.ptp(x) and abs(v[-1] - v[0]) <= REPEATED * np.abs(v).max()
-    )
-
-
-def _measured(
-    mechanism: Mechanism,
-    profile: Profile,
-    run: Trajectory,
-    count: int,
-    repeats: bool,
-    samples: int,
-) -> Cycle:
-    slip = slip_of_body(mechanism)
-    begin, end = (count - 1) * profile.period, count * profile.period
-    nodes = _nodes(run, profile, float(begin), float(end), samples)
-    seen = run.at(nodes)
-    columns = _columns(mechanism, seen)
-    stretches = _stretches(profile, nodes, float(begin))
-    extremes = _extremes(run, nodes, columns, mechanism)
-    x, accelerations = seen[slip], _accelerations(profile)
-    return Cycle(
-        run=run,
-        begin=float(begin),
-        period=float(profile.period),
-        repeats=repeats,
-        travel=float(x[-1] - x[0]),
-        work=_positive_work(mechanism, run, nodes),
-        back_slip=float(np.maximum(-np.diff(x), 0.0).sum()),
-        peaks={
-            name: _peaks(column, stretches, extremes[name], both=name != "load_share")
-            for name, column in columns.items()
-        }
-        | {"acceleration": accelerations},
-        position=extremes["position"],
-        rate=extremes["rate"],
-        acceleration=float(accelerations.max()),
-        effort=extremes["effort"],
-        load_share=extremes["load_share"],
     )
 
 

@@ -375,10 +375,10 @@ class _Steps:
             self.known[key] = judged
             if judged is not None and judged.feasible and judged.value > self.top:
                 self.best, self.top = u, judged.value
-            told = (
+            answer = (
                 None if self.watch is None else self.watch("polish", self.evaluations, 0, self.top)
             )
-            if told is False:
+            if answer is False:
                 raise _EndedError
         return self.known[key]
 

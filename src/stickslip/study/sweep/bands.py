@@ -197,10 +197,11 @@ class Band(OnAxes, Tabular):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON; by coordinate where there are several."""
-        travels = {name: one._asdict() for name, one in self.travels.items()}
+        travels = {name: spread._asdict() for name, spread in self.travels.items()}
         means = {name: velocity._asdict() for name, velocity in self.mean_velocities.items()}
         cycles = {
-            name: [one._asdict() for one in own] for name, own in self.travels_by_cycle.items()
+            name: [spread._asdict() for spread in own]
+            for name, own in self.travels_by_cycle.items()
         }
         alone = len(travels) == 1
         return {
@@ -251,8 +252,8 @@ def band_of(
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
-    asked = np.asarray(times, dtype=np.float64).ravel()
-    kept_times = POINTS + whole + asked.size
+    wanted = np.asarray(times, dtype=np.float64).ravel()
+    kept_times = POINTS + whole + wanted.size
     errors.check_size(
         "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
     )
@@ -263,7 +264,7 @@ def band_of(
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     # Ends of whole cycles, which rounding must not put behind the end of the run.
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
-    grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, asked]))
+    grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, wanted]))
     runs = ensemble(
         mechanism,
         law,
@@ -342,23 +343,25 @@ def draws_of(
     declared = [*parameters(mechanism, "mechanism")]
     values = {path: value for path, _, value in declared}
     known = {path: quantity for path, quantity, _ in declared}
-    spreads = {full_path(name, known): one for name, one in uncertainties.items()}
+    spreads = {full_path(name, known): uncertainty for name, uncertainty in uncertainties.items()}
     random = np.random.default_rng([seed, 1])  # independent of the draws of the law
     # drawn again where a mechanism refuses them: to cut them off at a bound would heap them there
     kept: list[dict[str, float]] = []
     tried = 0
     while len(kept) < count:
-        one = {path: float(random.normal(values[path], spread)) for path, spread in spreads.items()}
+        draw = {
+            path: float(random.normal(values[path], spread)) for path, spread in spreads.items()
+        }
         tried += 1
         with contextlib.suppress(errors.ParameterError):
-            vary(mechanism, "mechanism", one)
-            kept.append(one)
+            vary(mechanism, "mechanism", draw)
+            kept.append(draw)
         if tried > count and len(kept) < VALID_SHARE * tried:
             raise errors.InputError(
                 f"nearly all samples of {', '.join(spreads)} are invalid for"
                 f" {type(mechanism).__name__}: state smaller uncertainties."
             )
-    return draws | {path: np.array([one[path] for one in kept]) for path in spreads}
+    return draws | {path: np.array([entry[path] for entry in kept]) for path in spreads}
 
 
 def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
@@ -370,8 +373,8 @@ def _most_correlated(estimates: LawEstimates) -> tuple[str, str, float] | None:
     scale = np.where(spread > 0.0, spread, 1.0)
     # Without the diagonal; what has no spread has no correlation.
     matrix = table / np.outer(scale, scale) - np.diag((spread > 0.0).astype(float))
-    one, other = np.unravel_index(int(np.argmax(np.abs(matrix))), matrix.shape)
-    return f"friction.{names[one]}", f"friction.{names[other]}", float(matrix[one, other])
+    row, other = np.unravel_index(int(np.argmax(np.abs(matrix))), matrix.shape)
+    return f"friction.{names[row]}", f"friction.{names[other]}", float(matrix[row, other])
 
 
 def _only(what: str, table: Mapping[str, T]) -> T:
@@ -385,4 +388,4 @@ def _only(what: str, table: Mapping[str, T]) -> T:
 
 
 def _spread(values: Array) -> Spread:
-    return Spread(*(float(one) for one in np.quantile(values, QUANTILES)))
+    return Spread(*(float(value) for value in np.quantile(values, QUANTILES)))

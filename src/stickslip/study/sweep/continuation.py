@@ -1177,11 +1177,11 @@ def _pair_outside(point: _Point) -> bool | None:
 
 def _change(before: Signature, after: Signature) -> tuple[str, str]:
     """Return the kind of a change of what happens in a period, and the sentence."""
-    counts = [{(c, what): n for c, what, n in one} for one in (before, after)]
-    keys = sorted({key for one in counts for key in one})
+    counts = [{(c, what): n for c, what, n in pair} for pair in (before, after)]
+    keys = sorted({key for count in counts for key in count})
     parts, reversals, kind = list[str](), list[str](), "reversal"
     for key in keys:
-        a, b = (one.get(key, 0) for one in counts)
+        a, b = (count.get(key, 0) for count in counts)
         contact, what = key
         if a == b or what.startswith("mode "):
             continue

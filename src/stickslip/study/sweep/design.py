@@ -298,7 +298,7 @@ class Design(metaclass=Described):
             )
         else:
             columns = zip(self.factors.items(), self.shares(start, stop).T, strict=True)
-            found = {path: one.at(share) for (path, one), share in columns}
+            found = {path: range_.at(share) for (path, range_), share in columns}
         # Multiples last, once all other factors have their values.
         for path, factor in self.factors.items():
             if factor.times:
@@ -488,14 +488,14 @@ def first_order_of(
         raise InputError(f"shares of the spread need {FEWEST_DRAWS} runs, got {count}.")
     _refuse_constant(output, values)
     names = list(draws)
-    for one, other in itertools.combinations(range(many), 2):
+    for combination, other in itertools.combinations(range(many), 2):
         # Ranges of the law may tie draws whose estimates are independent. Of many pairs one may
         # seem correlated by chance: the level is shared among all of them.
         pairs = many * (many - 1) / 2
         limit = NormalDist().inv_cdf(1.0 - 0.5 * FALSE_ALARMS / pairs) / math.sqrt(count)
         with np.errstate(all="ignore"):
-            correlation = float(np.corrcoef(table[:, one], table[:, other])[0, 1])
-        refuse_correlated(names[one], names[other], correlation, limit)
+            correlation = float(np.corrcoef(table[:, combination], table[:, other])[0, 1])
+        refuse_correlated(names[combination], names[other], correlation, limit)
     found = salib("analyze.rbd_fast", "leave shares of the spread out").analyze(
         unit_cube(many), table, values, num_resamples=RESAMPLES, conf_level=LEVEL, seed=seed
     )
@@ -511,11 +511,11 @@ def first_order_of(
     )
 
 
-def refuse_correlated(one: str, other: str, correlation: float, limit: float) -> None:
+def refuse_correlated(name: str, other: str, correlation: float, limit: float) -> None:
     """Refuse shares of single parameters where two of them vary together."""
     if abs(correlation) > limit:
         raise InputError(
-            f"{one} and {other} are correlated (by {number(correlation, 2)}): the spread has no"
+            f"{name} and {other} are correlated (by {number(correlation, 2)}): the spread has no"
             " share of each alone."
         )
 

@@ -412,11 +412,11 @@ def velocity_band(
         path=path,
         values=values,
         unit=maps[0].units[path],
-        velocities=np.array([one.velocity for one in maps]),
+        velocities=np.array([velocity_map.velocity for velocity_map in maps]),
         velocity_unit=maps[0].unit,
         level=level,
         error=error,
-        reasons=tuple(dict.fromkeys(text for one in maps for text in one.early_ends())),
+        reasons=tuple(dict.fromkeys(text for part in maps for text in part.early_ends())),
     )
 
 

@@ -577,18 +577,18 @@ def _translations(
     one is run in which all contacts slip, as what is stuck hides what its place does.
     """
     stopped = {stop.coordinate for stop in stops_of(mechanism)}
-    asked = [q for q in mechanism.coordinates if q not in prescribed and q not in stopped]
+    free = [q for q in mechanism.coordinates if q not in prescribed and q not in stopped]
     rates = {r: TRIAL_RATE for r in mechanism.rates if r not in prescribed}
     start = initial_state("orbit", mechanism, law, {**mechanism.start(), **rates})
     run = solver.bare(mechanism, law, y0=start, t_end=TRIAL_SHARE * cycle)
-    if not asked or not run.status.complete:
+    if not free or not run.status.complete:
         return ()
     found = run.differentiate(
-        np.array([TRIAL_SHARE * cycle]), [f"initial.{name}" for name in asked]
+        np.array([TRIAL_SHARE * cycle]), [f"initial.{name}" for name in free]
     )[0]
-    exact = np.array([[float(name == q) for q in asked] for name in states])
+    exact = np.array([[float(name == q) for q in free] for name in states])
     return tuple(
-        q for q, gap in zip(asked, np.abs(found - exact).max(axis=0), strict=True) if gap <= ALONG
+        q for q, gap in zip(free, np.abs(found - exact).max(axis=0), strict=True) if gap <= ALONG
     )
 
 

@@ -238,7 +238,7 @@ def early_ends(
     """
     sentences = []
     # In the order in which they are met.
-    for reason in dict.fromkeys(one for one in status.ravel() if not one.complete):
+    for reason in dict.fromkeys(ending for ending in status.ravel() if not ending.complete):
         here = status == reason
         where = _where(here, axes or {}, units or {})
         sentences.append(
@@ -270,7 +270,7 @@ def _where(here: NDArray[np.bool_], axes: Mapping[str, Array], units: Mapping[st
 
 def reasons_of(status: NDArray[np.object_]) -> list[str]:
     """Return why each run ended early, in words; empty where it is complete."""
-    return ["" if one.complete else one.value for one in status.ravel()]
+    return ["" if ending.complete else ending.value for ending in status.ravel()]
 
 
 def names_of(status: NDArray[np.object_]) -> NDArray[np.str_]:
@@ -282,4 +282,4 @@ def names_of(status: NDArray[np.object_]) -> NDArray[np.str_]:
     >>> names_of(np.array([[Status.END_TIME, Status.ZENO]])).tolist()
     [['END_TIME', 'ZENO']]
     """
-    return np.array([one.name for one in status.ravel()]).reshape(status.shape)
+    return np.array([ending.name for ending in status.ravel()]).reshape(status.shape)

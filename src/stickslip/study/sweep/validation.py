@@ -221,7 +221,7 @@ class ValidatedTravel(metaclass=Described):
         if self.low is not None and self.high is not None:
             band = scale.interval(self.low, self.high)
         answer = {True: "yes", False: "no", None: "—"}[self.inside]
-        return (*(scale.quantity(one, 4) for one in known), band, answer)  # type: ignore[return-value]
+        return (*(scale.quantity(x, 4) for x in known), band, answer)  # type: ignore[return-value]
 
     @property
     def inside(self) -> bool | None:
@@ -639,14 +639,14 @@ def _compared(mechanism: Mechanism, record: Measurement, name: str) -> str:
     known = record.quantities()
     if record.joints:
         raise InputError(f"{name}: predictions are not compared with records of several joints.")
-    by_hand = [one for one in ("force", "reference", "pull", "spring_force") if one in known]
+    by_hand = [key for key in ("force", "reference", "pull", "spring_force") if key in known]
     if by_hand:
         raise InputError(
             f"{name} is driven by what was recorded ({joined(by_hand)}), which a run of"
             f" {type(mechanism).__name__} from its start does not see: `fit` with `validate`"
             " predicts such records."
         )
-    compared = next((one for one in ("position", "velocity") if one in known), None)
+    compared = next((key for key in ("position", "velocity") if key in known), None)
     if compared is None or record.time is None:
         raise InputError(
             f"{name}: predictions are compared with position or velocity in time, and the"
@@ -687,7 +687,7 @@ def _shifted(
     # residuals over shifts have many minima where a motion repeats itself: the lowest is sought
     # first, and refined then
     tried = np.linspace(-most, most, 81)
-    best = int(np.argmin([size(one) for one in tried]))
+    best = int(np.argmin([size(shift) for shift in tried]))
     near = (float(tried[max(best - 1, 0)]), float(tried[min(best + 1, 80)]))
     found = minimize_scalar(size, bounds=near, method="bounded")
     return float(found.x), float(found.fun)
@@ -732,7 +732,7 @@ def _travels(
         simulated = np.sum(((with_errors - predicted[:, None]) / spread[:, None]) ** 2, axis=0)
         seen = np.array([trial.travel for trial in trials])
         as_large = float(np.mean(simulated >= np.sum(((seen - predicted) / spread) ** 2)))
-    units = {name: one.unit for name, one in QUANTITIES.items()}
+    units = {name: known_quantity.unit for name, known_quantity in QUANTITIES.items()}
     turning = slips_by_angle(mechanism)
     return Validation(
         travels=tuple(

@@ -1,11 +1,5 @@
 """Suites that mechanisms and laws of other packages can run on themselves."""
 
-from stickslip.study.testing.friction import check_friction
-from stickslip.study.testing.mechanisms import check_mechanism
-from stickslip.study.testing.report import ConformanceFinding, Report
+from stickslip.lazy import attach
 
-__all__ = ["ConformanceFinding", "Report", "check_friction", "check_mechanism"]
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__, __all__ = attach(__name__)

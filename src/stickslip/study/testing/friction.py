@@ -172,7 +172,7 @@ def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float
     stiffness = float(law.force(0.0, load, (1.0,) * len(law.states)))
     z = (sense * level / stiffness,) * len(law.states)
     # of several, some hold more than their share, but none of equal ones twice as much
-    beyond = tuple((1.01 if len(z) == 1 else 2.0) * one for one in z)
+    beyond = tuple((1.01 if len(z) == 1 else 2.0) * value for value in z)
     v = sense * 1e-3
     with Latches():
         turning = law.rates(0.0, load, z)
@@ -182,9 +182,9 @@ def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float
     relaxes = made is not None and made.memory is not None and made.memory.part.relaxes
     if not relaxes and any(rate != 0.0 for rate in turning):
         yield "the bristle deflections change at rest"
-    later = tuple(one + 1e-6 * abs(one / v) * rate for one, rate in zip(beyond, rates, strict=True))
+    later = tuple(x + 1e-6 * abs(x / v) * rate for x, rate in zip(beyond, rates, strict=True))
     with Latches():
-        held, grown = (law.force(0.0, load, one) for one in (beyond, later))
+        held, grown = (law.force(0.0, load, pair) for pair in (beyond, later))
     if sense * (grown - held) > 0.0:
         yield f"bristles at the break-away level of {number(level)} N deflect further"
 

@@ -338,7 +338,7 @@ def _prescribed(case: _Case) -> Mapping[str, float]:
 
 
 def _drives(case: _Case) -> Iterator[str]:
-    held = {id(one) for one in _drives_in(case.mechanism)}
+    held = {id(part) for part in _drives_in(case.mechanism)}
     for name, drive in case.mechanism.drives().items():
         if not name:
             yield f"a drive is named {name!r}"
@@ -432,11 +432,11 @@ def _mirrored(case: _Case) -> Iterator[str]:
         end = min(run.span[1], image.span[1])
         t = np.linspace(0.0, end, 50)[1:-1]
         for name in (*own, *(column for column in run.names if column.startswith("friction"))):
-            one, other = run.at(t)[name], image.at(t)[name]
+            array, other = run.at(t)[name], image.at(t)[name]
             # a moment of stick more or less grows as the square root of a rounding
-            if np.abs(one + other).max() > 1e-6 * (np.abs(run[name]).max() + 1e-9):
+            if np.abs(array + other).max() > 1e-6 * (np.abs(run[name]).max() + 1e-9):
                 yield (
-                    f"{name} from {dict(start)} differs by {number(np.abs(one + other).max(), 2)}"
+                    f"{name} from {dict(start)} differs by {number(np.abs(array + other).max(), 2)}"
                 )
 
 

@@ -79,7 +79,9 @@ class Report:
         lines = [f"{self.subject}: {head}"]
         for check in failed:
             lines.append(f"- {check}")
-            lines += [f"    {one.problem}" for one in self.findings if one.check == check]
+            lines += [
+                f"    {finding.problem}" for finding in self.findings if finding.check == check
+            ]
         if self.skipped:
             lines.append(f"Not checked until these are corrected: {'; '.join(self.skipped)}")
         return lines
@@ -138,26 +140,26 @@ def suite(of: Callable[[Case], Parametrised], declares: str, names: Sequence[str
     }
 
 
-def kebab_case(one: Any) -> Iterator[str]:
+def kebab_case(model: Any) -> Iterator[str]:
     """Yield a name that rig files and registries cannot use."""
-    name = getattr(one, "name", None)
+    name = getattr(model, "name", None)
     if not isinstance(name, str) or not _KEBAB.fullmatch(name):
         yield (
-            f"{type(one).__name__}.name is {name!r}; expected a kebab-case name such as"
+            f"{type(model).__name__}.name is {name!r}; expected a kebab-case name such as"
             " 'two-mass-axis'"
         )
 
 
-def declared(one: Any, names: Sequence[str]) -> Iterator[str]:
+def declared(model: Any, names: Sequence[str]) -> Iterator[str]:
     """Yield class attributes that are missing."""
     for name in names:
-        if not hasattr(type(one), name):
-            yield f"{type(one).__name__}.{name} is missing"
+        if not hasattr(type(model), name):
+            yield f"{type(model).__name__}.{name} is missing"
 
 
-def frozen(one: Any) -> Iterator[str]:
+def frozen(model: Any) -> Iterator[str]:
     """Yield what keeps objects from being values: they are compared, varied and cached as such."""
-    kind = type(one)
+    kind = type(model)
     settings = kind.__dict__.get("__dataclass_params__")
     if settings is None:
         yield f"{kind.__name__} lacks its own @dataclass(frozen=True, kw_only=True)"
@@ -166,16 +168,16 @@ def frozen(one: Any) -> Iterator[str]:
         yield f"{kind.__name__} is not frozen"
     if not all(field.kw_only for field in dataclasses.fields(kind)):
         yield f"{kind.__name__} is not keyword-only"
-    hash(one)
-    if dataclasses.replace(one) != one:
+    hash(model)
+    if dataclasses.replace(model) != model:
         yield "a copy does not equal the original"
 
 
-def quantities_declared(one: Parametrised) -> Iterator[str]:
+def quantities_declared(model: Parametrised) -> Iterator[str]:
     """Yield numbers without a quantity, and symbols that are there twice."""
-    quantities = fields_of(type(one))
-    for field in dataclasses.fields(one):
-        value = getattr(one, field.name)
+    quantities = fields_of(type(model))
+    for field in dataclasses.fields(model):
+        value = getattr(model, field.name)
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if number and field.name not in quantities:
             yield f"{field.name} is a number without a Quantity, so it has no derivatives"
@@ -188,9 +190,9 @@ def quantities_declared(one: Parametrised) -> Iterator[str]:
         symbols[quantity.symbol] = name
 
 
-def explained(one: Parametrised) -> Iterator[str]:
+def explained(model: Parametrised) -> Iterator[str]:
     """Yield what nothing explains: docstring of the class, text below the field, `Doc`."""
-    kind = type(one)
+    kind = type(model)
     text = vars(kind).get("__doc__") or ""
     if not text.strip() or text.startswith(f"{kind.__name__}("):  # written by dataclass itself
         yield f"{kind.__name__} has no docstring"
@@ -201,12 +203,12 @@ def explained(one: Parametrised) -> Iterator[str]:
             yield f"{name} is documented neither below its field nor in the docstring of the class"
 
 
-def parameters_checked(one: Parametrised) -> Iterator[str]:
+def parameters_checked(model: Parametrised) -> Iterator[str]:
     """Yield values outside their range that are taken all the same."""
-    for name, quantity in fields_of(type(one)).items():
+    for name, quantity in fields_of(type(model)).items():
         for value in _outside(quantity):
             try:
-                dataclasses.replace(one, **{name: value})
+                dataclasses.replace(model, **{name: value})
             except ParameterError:
                 continue
             yield f"{name} = {number(value, 6)} is accepted, but must be {quantity.range}"

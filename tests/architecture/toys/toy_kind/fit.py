@@ -83,7 +83,9 @@ class SlideProblem(Problem):
         """Setting of each slide (n,)."""
         seen: dict[Any, int] = {}
         settings = zip(self.blocks, self.durations.tolist(), strict=True)
-        return np.array([seen.setdefault(one, len(seen)) for one in settings], dtype=np.intp)
+        return np.array(
+            [seen.setdefault(setting, len(seen)) for setting in settings], dtype=np.intp
+        )
 
     def law_with(self, values: Array) -> FrictionLaw:
         """Return the law with values (p,) of what is looked for."""
@@ -190,9 +192,13 @@ def problem_of(
     if not isinstance(mechanism, SpringBlock):
         raise InputError(f"slides need a SpringBlock on an incline, got {mechanism!r}.")
     slides = [
-        (vary(mechanism, "mechanism", one.overrides), one.condition(DURATION, "s"), float(way))
-        for one in measurement.records()
-        for way in np.atleast_1d(one.values("travel"))  # repeats of one setting
+        (
+            vary(mechanism, "mechanism", record.overrides),
+            record.condition(DURATION, "s"),
+            float(way),
+        )
+        for record in measurement.records()
+        for way in np.atleast_1d(record.values("travel"))  # repeats of one setting
     ]
     blocks = [block for block, _, _ in slides]
     durations = np.array([duration for _, duration, _ in slides], dtype=float)
@@ -200,7 +206,7 @@ def problem_of(
     if not np.all(durations > 0.0):
         raise InputError(f"durations of slides must be above 0 s, got {durations.min()!r} s.")
     weight = mechanism.mass * mechanism.gravity
-    steepest = max(abs(math.sin(one.incline)) for one in blocks)
+    steepest = max(abs(math.sin(block.incline)) for block in blocks)
     force, load = 0.5 * weight * steepest, weight * math.cos(mechanism.incline)
     speed = float(np.max(2.0 * ways / durations))
     rough = StartEstimate(  # sizes of friction from which start values and bounds follow

@@ -48,13 +48,13 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
     @override
     def serves(self, measurement: Measurement) -> bool:
         return all(
-            "travel" in one.quantities() and one.condition(DURATION, "s") is not None
-            for one in measurement.records()
+            "travel" in record.quantities() and record.condition(DURATION, "s") is not None
+            for record in measurement.records()
         )
 
     @override
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        return [one.name for one in specifications(laws or list(USUAL))]
+        return [specification.name for specification in specifications(laws or list(USUAL))]
 
     @override
     def residual_text(self, error: float, request: Request) -> str:
@@ -72,14 +72,18 @@ class SlideKind(Kind[SlideFit, SlideVerdict]):
         judged = [_judged(one, request) for one in chosen]
         scored = [one for one in judged if one.validation]
         if not scored:
-            raise ConvergenceError("; ".join(f"{one.title}: {one.dropped}" for one in judged))
+            raise ConvergenceError(
+                "; ".join(f"{candidate.title}: {candidate.dropped}" for candidate in judged)
+            )
         closest = choose(scored)
         alike = [
             one
             for one in scored
             if one is not closest and as_good(one, closest) and closest.name not in one.simpler
         ]
-        rest = sorted((one for one in judged if one is not closest), key=lambda one: one.score)
+        rest = sorted(
+            (one for one in judged if one is not closest), key=lambda candidate: candidate.score
+        )
         useless = not errs_more(_frictionless(request), closest)
         ordered = [
             replace(
@@ -142,9 +146,9 @@ def _words(closest: SlideCandidate, alike: list[str], *, useless: bool) -> Wordi
             MILLIMETRES, closest.score, closest.score_error, "each setting held out in turn"
         ),
         settles=tuple(
-            f"${one.quantity.symbol}$ lies between {_between(one)}."
-            for one in fit.estimates
-            if one.bounded
+            f"${estimate.quantity.symbol}$ lies between {_between(estimate)}."
+            for estimate in fit.estimates
+            if estimate.bounded
         ),
         cannot_tell=(*ties, *fit.sentences, UNMEASURED),
         measure_next=(),

@@ -44,23 +44,27 @@ COLUMNS = (
         key="parameters",
         title="free",
         value=lambda one: one.parameters,
-        text=lambda one: str(one.parameters) if one.fit else None,
+        text=lambda candidate: str(candidate.parameters) if candidate.fit else None,
     ),
     Column[SlideCandidate](
         key="score",
         title="held-out error",
         page="held-out error",
         unit="mm",
-        value=lambda one: one.score,
-        text=lambda one: score_text(MILLIMETRES, one.score, one.score_error) if one.fit else None,
+        value=lambda candidate: candidate.score,
+        text=lambda candidate: (
+            score_text(MILLIMETRES, candidate.score, candidate.score_error)
+            if candidate.fit
+            else None
+        ),
         plotted=True,
     ),
     Column[SlideCandidate](
         key="outcome",
         page="outcome",
         numeric=False,
-        value=lambda one: one.outcome,
-        text=lambda one: one.outcome,
+        value=lambda candidate: candidate.outcome,
+        text=lambda candidate: candidate.outcome,
     ),
 )
 

@@ -300,13 +300,13 @@ def compile_in_background(equations: EquationsCode) -> bool:
         return False
     # Absolute, as it runs in another folder.
     places = [str(Path(place).absolute()) for place in sys.path]
-    with contextlib.suppress(OSError), tempfile.TemporaryFile() as told:
+    with contextlib.suppress(OSError), tempfile.TemporaryFile() as report:
         # A file: writing into a pipe may have to wait for who reads it.
-        told.write(json.dumps(dataclasses.astuple(equations)).encode())
-        told.seek(0)
+        report.write(json.dumps(dataclasses.astuple(equations)).encode())
+        report.seek(0)
         process = subprocess.Popen(
             [sys.executable, "-c", f"from {__name__} import main; main()"],
-            stdin=told,
+            stdin=report,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             cwd=cache_directory(),  # where nobody else's modules lie

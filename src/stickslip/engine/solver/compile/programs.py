@@ -180,10 +180,10 @@ class KernelsCode(ObjectCode):
         return SECONDS
 
     def text(self) -> str:
-        functions = [function_of(one) for one in _reached()]
+        functions = [function_of(function) for function in _reached()]
         called = [
-            translation.call_by_address(signature_of(one), order)
-            for one, order in CALLED_BY_ADDRESS.items()
+            translation.call_by_address(signature_of(function), order)
+            for function, order in CALLED_BY_ADDRESS.items()
         ]
         outside = [
             translation.exported(name, signature_of(getattr(entries, name)))

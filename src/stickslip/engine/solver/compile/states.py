@@ -32,7 +32,7 @@ class ObserverCode(ObjectCode):
 
     @property
     def name(self) -> str:
-        sources = [Path(one).read_text("utf-8") for one in (observer.__file__, __file__)]
+        sources = [Path(name).read_text("utf-8") for name in (observer.__file__, __file__)]
         return name_of("\n".join([maker(), *sources]))
 
     @property
@@ -112,7 +112,7 @@ class _Shape:
 
 def _scalars(law: FrictionLaw) -> FrictionLaw:
     """Return a law with one number for each array."""
-    values = {one.name: getattr(law, one.name) for one in dataclasses.fields(law)}
+    values = {entry.name: getattr(law, entry.name) for entry in dataclasses.fields(law)}
     arrays = {name: float(x.flat[0]) for name, x in values.items() if isinstance(x, np.ndarray)}
     return unchecked(type(law), **values | arrays)
 
@@ -139,7 +139,7 @@ def _code_of(shape: _Shape) -> "StatesCode | None":
         if found is None and len(z) > 1:
             return None
         found = own.rates(v, n, z) if found is None else found
-        results = [lines.word(one) for one in found]
+        results = [lines.word(value) for value in found]
     except (TypeError, ValueError, ArithmeticError, AttributeError, CompilationError):
         # Equations of others may ask of numbers what no program can do: they run in NumPy.
         return None
@@ -220,7 +220,7 @@ def _steps_text() -> str:
     """Return what decides on the steps: their text, with that of what compiles them."""
     from pathlib import Path
 
-    return "\n".join(Path(one).read_text("utf-8") for one in (observer.__file__, __file__))
+    return "\n".join(Path(name).read_text("utf-8") for name in (observer.__file__, __file__))
 
 
 class _Lines:

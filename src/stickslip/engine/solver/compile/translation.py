@@ -222,7 +222,7 @@ def _passed(values: Iterable[Value]) -> str:
 def _others(node: ast.FunctionDef) -> list[ast.expr]:
     """Return the decorators of a function beside `backend.rare`."""
     return [
-        one for one in node.decorator_list if not (isinstance(one, ast.Name) and one.id == RARE)
+        part for part in node.decorator_list if not (isinstance(part, ast.Name) and part.id == RARE)
     ]
 
 
@@ -320,14 +320,14 @@ class _Body:
                 self._store(target, self._value(value, names), names)
             case ast.Tuple(elts=targets):
                 values = self._several(value, len(targets), names)
-                for one, found in zip(targets, values, strict=True):
-                    match one:
+                for node, found in zip(targets, values, strict=True):
+                    match node:
                         case ast.Name(id=name):
-                            self._store_local(name, found, names, one)
+                            self._store_local(name, found, names, node)
                         case ast.Subscript():
-                            self._store(one, found, names)
+                            self._store(node, found, names)
                         case _:
-                            raise self._refused(one)
+                            raise self._refused(node)
             case _:
                 raise self._refused(target)
 
@@ -401,8 +401,8 @@ class _Body:
             return
         # A result of several values is built up from an undefined one.
         whole = Value(signature.result, "undef")
-        for i, one in enumerate(found):
-            text = f"insertvalue {whole.kind} {whole.text}, {one.kind} {one.text}, {i}"
+        for i, result in enumerate(found):
+            text = f"insertvalue {whole.kind} {whole.text}, {result.kind} {result.text}, {i}"
             whole = self._result(signature.result, text)
         self._line(f"ret {whole.kind} {whole.text}")
 
@@ -560,10 +560,10 @@ class _Body:
     ) -> str:
         """Return whether a number is one of several, or is none of them."""
         text, value = "false", self._value(node, names)
-        for one in among:
-            other = self._value(one, names)
+        for expression in among:
+            other = self._value(expression, names)
             if not {value.kind, other.kind} <= {WHOLE, REAL}:
-                raise self._refused(one, "is no number")
+                raise self._refused(expression, "is no number")
             found = self._comparison(ast.Eq(), value, other)
             text = self._result(TRUTH, f"or i1 {text}, {found}").text
         if isinstance(word, ast.NotIn):
@@ -734,7 +734,7 @@ class _Body:
             case ast.Call(keywords=[_, *_]):
                 raise self._refused(node)
             case ast.Call(func=ast.Attribute(value=ast.Name(id="math"), attr=name), args=given):
-                return self._of_math(name, [self._real(one, names) for one in given], node)
+                return self._of_math(name, [self._real(part, names) for part in given], node)
             case ast.Call(func=ast.Name(id="len"), args=[one]):
                 value = self._value(one, names)
                 if value.kind in ELEMENTS:
@@ -746,7 +746,7 @@ class _Body:
             case ast.Call(func=ast.Name(id="float"), args=[one]):
                 return self._real(one, names)
             case ast.Call(func=ast.Name(id="min" | "max" as name), args=[_, _, *_] as given):
-                values = [self._value(one, names) for one in given]
+                values = [self._value(expression, names) for expression in given]
                 if {value.kind for value in values} <= {WHOLE, REAL}:
                     return self._extreme(name, values)
             case ast.Call(func=ast.Name() | ast.Attribute(value=ast.Name())):

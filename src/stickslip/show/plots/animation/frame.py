@@ -529,7 +529,7 @@ def _curves(
         found.append((axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0), dots))
     if run.contacts:
         raster(panels[-1], seen, MODE_COLOURS)
-        along = {one.name: name for one in mechanism.contacts() for name in one.slips}
+        along = {place.name: name for place in mechanism.contacts() for name in place.slips}
         for label, contact in zip(panels[-1].get_yticklabels(), run.contacts, strict=True):
             if (name := along[contact]) in places:  # a key to the curves above
                 label.set_color(CURVES[places.index(name) % len(CURVES)])
@@ -555,8 +555,8 @@ def _spans(seen: Trajectory, mode: int) -> list[tuple[float, float]]:
     here = seen["mode"] == mode
     return [
         (float(a), float(b))
-        for a, b, one, other in zip(seen.t[:-1], seen.t[1:], here[:-1], here[1:], strict=True)
-        if one and other
+        for a, b, place, other in zip(seen.t[:-1], seen.t[1:], here[:-1], here[1:], strict=True)
+        if place and other
     ]
 
 

@@ -321,7 +321,7 @@ def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
     Places are those on the belt, which is drawn at rest.
     """
     names = mechanism.coordinates
-    contacts = [one.name for one in mechanism.contacts()]
+    contacts = [place.name for place in mechanism.contacts()]
     several = len(names) > 1
     apart = np.diff([run[name] for name in names], axis=0) if several else np.zeros((1, 1))
     size = max(0.6 * float(np.abs(apart).max()), 0.1 * float(np.ptp(run[names[0]]))) or 0.1
@@ -332,8 +332,8 @@ def block_chain(mechanism: mechanisms.BlockChain, run: Trajectory) -> Picture:
         high = 0.5 * TALL * size
         touched = tuple((left, left + size) for left in lefts)
         found: list[Shape] = [Ground(touched=touched, contacts=tuple(contacts) if several else ())]
-        for one, other in itertools.pairwise(lefts):
-            start, end = (one + size, high), (other, high)
+        for value, other in itertools.pairwise(lefts):
+            start, end = (value + size, high), (other, high)
             found.append(Coil(start=start, end=end, radius=0.2 * TALL * size))
         for left, contact in zip(lefts, contacts, strict=True):
             own = contact if several else ""
@@ -453,7 +453,7 @@ def arm(
     mass, unless it says how long it is.
     """
     bodies = mechanism.bodies()
-    contacts = [one.name for one in mechanism.contacts()]
+    contacts = [place.name for place in mechanism.contacts()]
     planar = not isinstance(mechanism, mechanisms.Robot)
     tips = [[2.0 * x / body.mass if body.mass else 0.0 for x in body.moment] for body in bodies]
     if isinstance(mechanism, mechanisms.SerialArm):
@@ -861,12 +861,12 @@ def two_mass_capsule(mechanism: mechanisms.TwoMassCapsule, run: Trajectory) -> P
             Ground(touched=((x - half, x + half),)),
             Box(left=x - half, bottom=0.0, width=2.0 * half, height=2.0 * half, fill="mode"),
         ]
-        for name, one in inner:
-            along, up = math.cos(one.angle), math.sin(one.angle)
+        for name, mass in inner:
+            along, up = math.cos(mass.angle), math.sin(mass.angle)
             ends = [(x + side * reach * along, half + side * reach * up) for side in (-1.0, 1.0)]
             found.append(Rod(points=(ends[0], ends[1]), width=0.6))
             middle = (x + along * now[name], half + up * now[name])
-            if one.stiffness > 0:
+            if mass.stiffness > 0:
                 found.append(Coil(start=ends[0], end=middle, radius=0.1 * reach, turns=6))
             found.append(Ball(centre=middle, radius=0.25 * reach))
         found += _plumb(mechanism.incline, (x, 3.0 * half), half)
@@ -918,7 +918,7 @@ def bars(mechanism: mechanisms.Mechanism, run: Trajectory) -> Picture:
     (0.0, 1.0, 'mode')
     """
     contacts = mechanism.contacts()
-    slips = {name: one.name for one in contacts for name in one.slips}
+    slips = {name: place.name for place in contacts for name in place.slips}
     names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
     largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
 

@@ -253,7 +253,9 @@ class Bifurcation(OnAxes):
 
     def _few(self) -> NDArray[np.bool_]:
         """Return which runs were completed, and lack samples (n, starts)."""
-        complete = np.array([[one.complete for one in row] for row in self.status], dtype=np.bool_)
+        complete = np.array(
+            [[ending.complete for ending in row] for row in self.status], dtype=np.bool_
+        )
         found: NDArray[np.bool_] = complete & ~np.isfinite(self.samples).all(axis=2)
         return found
 
@@ -496,9 +498,9 @@ class _Shared:
         """
         if end is None:
             return first
-        one = self.mechanism
-        rates = dict(zip(one.coordinates, one.rates, strict=True))
-        own = {name for q in one.guided() for name in (q, rates[q])}
+        mechanism = self.mechanism
+        rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
+        own = {name for q in mechanism.guided() for name in (q, rates[q])}
         free = {name: x for name, x in end.items() if name not in own}
         return free | {name: x for name, x in first.items() if name in own}
 
@@ -537,26 +539,26 @@ class _Strobe(_Method):
         self.shared, self.settle, self.period = shared, settle, period
 
     def run(self, value: float, starts: Starts) -> Found:
-        one = self.shared
-        names = states_of(one.mechanism, one.law)
-        row = {one.path: np.array([value])}
-        cycle = float(cycles_of(one.mechanism, row, self.period)[0])
-        last = (self.settle + one.keep) * cycle
-        times = [cycle * (self.settle + 1 + i) for i in range(one.keep - 1)] + [last]
+        shared = self.shared
+        names = states_of(shared.mechanism, shared.law)
+        row = {shared.path: np.array([value])}
+        cycle = float(cycles_of(shared.mechanism, row, self.period)[0])
+        last = (self.settle + shared.keep) * cycle
+        times = [cycle * (self.settle + 1 + i) for i in range(shared.keep - 1)] + [last]
         outputs: dict[str, Output] = {f"end {name}": Final(name) for name in names}
-        outputs["samples"] = Samples(one.state, times)
-        told = {**dict.fromkeys(names, 0.0), **one.at(value)[0].start()}
+        outputs["samples"] = Samples(shared.state, times)
+        usual = {**dict.fromkeys(names, 0.0), **shared.at(value)[0].start()}
         columns = {
-            f"initial.{name}": np.array([start.get(name, told[name]) for start in starts], float)
+            f"initial.{name}": np.array([start.get(name, usual[name]) for start in starts], float)
             for name in names
         }
         runs = simulation.ensemble(
-            one.mechanism,
-            one.law,
-            {one.path: np.full(len(starts), value), **columns},
+            shared.mechanism,
+            shared.law,
+            {shared.path: np.full(len(starts), value), **columns},
             t_end=last,
             outputs=outputs,
-            solver=one.solver,
+            solver=shared.solver,
         )
         return runs["samples"], runs.status, [
             {name: float(runs[f"end {name}"][i]) for name in names} if status.complete else None
@@ -573,25 +575,25 @@ class _AtEvents(_Method):
         self.shared, self.events, self.t_end, self.period = shared, events, t_end, period
 
     def run(self, value: float, starts: Starts) -> Found:
-        one = self.shared
-        mechanism, law = one.at(value)
+        shared = self.shared
+        mechanism, law = shared.at(value)
         last = self._whole(mechanism)
-        samples = np.full((len(starts), one.keep), np.nan)
+        samples = np.full((len(starts), shared.keep), np.nan)
         status, ends = np.empty(len(starts), dtype=object), []
         for i, start in enumerate(starts):
             run = simulation.simulate(
-                mechanism, law, t_end=last, y0=start, solver=one.solver, throw=False
+                mechanism, law, t_end=last, y0=start, solver=shared.solver, throw=False
             )
-            if one.state not in run.names:
-                raise UnknownNameError("column", one.state, run.names)
-            times = [event.t for event in run.events if self._is_meant(event)][-one.keep :]
+            if shared.state not in run.names:
+                raise UnknownNameError("column", shared.state, run.names)
+            times = [event.t for event in run.events if self._is_meant(event)][-shared.keep :]
             if times:
-                samples[i, one.keep - len(times) :] = run.at(times)[one.state]
+                samples[i, shared.keep - len(times) :] = run.at(times)[shared.state]
             status[i] = run.status
             end = run.at(run.span[1])
             at_end = {name: float(end[name][0]) for name in run.states}
             whole = run.status is Status.END_TIME
-            ends.append(one.carried(mechanism, at_end, last) if whole else None)
+            ends.append(shared.carried(mechanism, at_end, last) if whole else None)
         return samples, status, ends
 
     def _is_meant(self, event: Event) -> bool:
@@ -673,7 +675,10 @@ class Basins(OnAxes):
         )
 
     def _summary(self) -> Summary:
-        rows = [(one.share, one.period or "not closed", one.velocity) for one in self.attractors]
+        rows = [
+            (attractor.share, attractor.period or "not closed", attractor.velocity)
+            for attractor in self.attractors
+        ]
         count = len(rows)
         lead = int(np.sum(self.index >= 0))
         return Summary(
@@ -762,7 +767,7 @@ def basins(
     axes = _axes(mechanism, law, starts, keep, settle)
     if period is None:
         whole_run("basins", mechanism, keep + settle)
-    told = tuple(starts) if states is None else tuple(states)
+    names = tuple(starts) if states is None else tuple(states)
     columns = product(axes)
     cycle = float(cycles_of(mechanism, columns, period)[0])
     times = [cycle * (settle + i) for i in range(keep + 1)]
@@ -771,30 +776,20 @@ def basins(
         law,
         columns,
         t_end=times[-1],
-        outputs=_outputs(place, told, times),
+        outputs=_outputs(place, names, times),
         y0=y0,
         solver=compiled(solver),
         executor=executor,
         progress=progress,
     )
     begun = {path.removeprefix("initial."): values for path, values in axes.items()}
-    sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in told])
-    samples = _samples(runs, told, keep * cycle)
+    sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in names])
+    samples = _samples(runs, names, keep * cycle)
     index, found = _sorted(*_clusters(runs, *samples, sizes, tolerance))
-    return _gridded(begun, told, index, found, runs)
-
-
-def _gridded(
-    begun: Mapping[str, Array],
-    told: tuple[str, ...],
-    index: NDArray[np.int64],
-    found: tuple[Attractor, ...],
-    runs: Ensemble,
-) -> Basins:
     shape = tuple(map(len, begun.values()))
     return Basins(
         starts=begun,
-        states=told,
+        states=names,
         index=index.reshape(shape),
         attractors=found,
         status=runs.status.reshape(shape),
@@ -813,15 +808,15 @@ def _axes(
     return dict(axis_of(mechanism, law, f"initial.{name}", v) for name, v in starts.items())
 
 
-def _outputs(place: str, told: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
-    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in told}
+def _outputs(place: str, names: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
+    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in names}
     found["place"] = Samples(place, [times[0], times[-1]])
     return found
 
 
-def _samples(runs: Ensemble, told: Sequence[str], duration: float) -> tuple[Array, Array]:
+def _samples(runs: Ensemble, names: Sequence[str], duration: float) -> tuple[Array, Array]:
     """Return samples (n, keep, states) and the mean slip velocity over them (n,)."""
-    points = np.stack([runs[f"samples {name}"][:, 1:] for name in told], axis=2)
+    points = np.stack([runs[f"samples {name}"][:, 1:] for name in names], axis=2)
     place = runs["place"]
     return points, (place[:, 1] - place[:, 0]) / duration
 
@@ -842,7 +837,11 @@ def _clusters(
     for row in np.flatnonzero(good):
         orbit = points[row]
         closes = period_of(orbit, scale, tolerance)
-        same = (i for i, one in enumerate(found) if _same(one, orbit, closes, tolerance * scale))
+        same = (
+            i
+            for i, attractor in enumerate(found)
+            if _same(attractor, orbit, closes, tolerance * scale)
+        )
         number = next(same, len(found))
         if number == len(found):
             found.append(
@@ -852,15 +851,15 @@ def _clusters(
     return index, found
 
 
-def _same(one: Attractor, orbit: Array, closes: int, limit: Array) -> bool:
-    if one.period != closes:
+def _same(attractor: Attractor, orbit: Array, closes: int, limit: Array) -> bool:
+    if attractor.period != closes:
         return False
     if closes == 0:
-        above = orbit.min(axis=0) > one.points.max(axis=0)
-        below = orbit.max(axis=0) < one.points.min(axis=0)
+        above = orbit.min(axis=0) > attractor.points.max(axis=0)
+        below = orbit.max(axis=0) < attractor.points.min(axis=0)
         return not np.any(np.logical_or(above, below))
     # the phase at which a run falls into the orbit does not matter
-    gaps = np.abs(orbit[:closes, None, :] - one.points[None, :closes, :])
+    gaps = np.abs(orbit[:closes, None, :] - attractor.points[None, :closes, :])
     met: NDArray[np.bool_] = np.all(gaps <= 2.0 * limit, axis=2)
     return bool(np.all(np.any(met, axis=0)) and np.all(np.any(met, axis=1)))
 

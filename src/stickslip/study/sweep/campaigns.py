@@ -266,7 +266,7 @@ class CampaignRuns(Tabular):
         table = self.to_dataframe([output, "status"])
         values = table[output].to_numpy(dtype=np.float64)
         status = np.array([Status[name] for name in table["status"]], dtype=object)
-        complete = np.array([one.complete for one in status], dtype=np.bool_)
+        complete = np.array([ending.complete for ending in status], dtype=np.bool_)
         reasons = early_ends(status, "They are left out.", noun="runs")
         rarely = int(np.sum(complete & ~np.isfinite(values)))
         if rarely:
@@ -350,13 +350,13 @@ class Campaign(metaclass=Described):
         # Other versions of these may give other bits.
         versions = [version(name) for name in ("stickslip", "numpy", "scipy")]
         own = {
-            type(one)
+            type(root)
             for case in self.cases
-            for one in (case.mechanism, *_laws(case.law))
-            if not type(one).__module__.startswith("stickslip.")
+            for root in (case.mechanism, *_laws(case.law))
+            if not type(root).__module__.startswith("stickslip.")
         }
         # The code of classes of others: under the same name they may have been changed.
-        code = sorted(f"{one.__qualname__} {_source(one)}" for one in own)
+        code = sorted(f"{kind.__qualname__} {_source(kind)}" for kind in own)
         # arrays in full and to the last bit: shortened ones would be the same for other runs
         with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
             text = repr((self, versions, code))
@@ -493,7 +493,7 @@ class Campaign(metaclass=Described):
 def _laws(law: Friction) -> Sequence[object]:
     """Return the laws of all contacts."""
     if isinstance(law, Laws):
-        return [one for _, one in law.members]
+        return [member for _, member in law.members]
     return [*law.values()] if isinstance(law, Mapping) else [law]
 
 
@@ -547,7 +547,7 @@ def _made(
     buffer = io.BytesIO()
     pq.write_table(table, buffer, compression="zstd")
     data = buffer.getvalue()
-    status = dict(sorted(Counter(one.name for one in runs.status).items()))
+    status = dict(sorted(Counter(ending.name for ending in runs.status).items()))
     finished = _Finished(
         file=name,
         rows=stop - start,
@@ -570,7 +570,7 @@ class _Ledger:
             "seed": campaign.seed,
             "runs": len(campaign),
             "part": campaign.part,
-            "factors": {path: repr(one) for path, one in campaign.factors.items()},
+            "factors": {path: repr(factor) for path, factor in campaign.factors.items()},
             "cases": [dict(case.labels) for case in campaign.cases],
         }
         self.known: dict[str, _Finished] = {}
@@ -609,11 +609,11 @@ class _Ledger:
         names = {Path(name).name for name in self.planned}
         for place in _folders(self.planned):
             documents.remove_unfinished(self.folder / place, names)
-        for name, one in listed.items():
-            planned = self.planned.get(name) == one.rows
-            if planned and _hash_of(self.folder / name) == one.sha256:
-                self.known[name] = one
-        self.rows = sum(one.rows for one in self.known.values())
+        for name, batch in listed.items():
+            planned = self.planned.get(name) == batch.rows
+            if planned and _hash_of(self.folder / name) == batch.sha256:
+                self.known[name] = batch
+        self.rows = sum(finished.rows for finished in self.known.values())
         if before is None or self.rows < self.head["runs"]:
             documents.write_file(
                 self.folder / MANIFEST,
@@ -685,12 +685,12 @@ class _Ledger:
         What is no entry is left out, and so made again: it names nothing that can be trusted.
         """
         entries = [] if manifest is None else manifest.get("parts", [])
-        told = [*entries] if isinstance(entries, list) else []
+        listed = [*entries] if isinstance(entries, list) else []
         path = self.folder / JOURNAL
         try:
             for line in _content(path).splitlines():
                 with contextlib.suppress(ValueError, RecursionError):
-                    told.append(json.loads(line))
+                    listed.append(json.loads(line))
         except FileNotFoundError:
             pass
         except OSError as error:
@@ -698,7 +698,7 @@ class _Ledger:
                 f"{path} cannot be read: {error.strerror or error}. Delete it, and the runs that"
                 " only it lists are made again."
             ) from None
-        return {one["file"]: _Finished(**one) for one in told if _is_entry(one)}
+        return {entry["file"]: _Finished(**entry) for entry in listed if _is_entry(entry)}
 
 
 def _folders(names: Iterable[str]) -> set[Path]:
@@ -742,7 +742,7 @@ def _is_entry(entry: object) -> bool:
     >>> _is_entry(entry), _is_entry(entry | {"file": "runs/../../part-000000.parquet"})
     (True, False)
     """
-    fields = {one.name for one in dataclasses.fields(_Finished)}
+    fields = {declared.name for declared in dataclasses.fields(_Finished)}
     if not isinstance(entry, dict) or entry.keys() != fields:
         return False
     file, sha256, status = entry["file"], entry["sha256"], entry["status"]

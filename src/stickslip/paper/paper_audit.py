@@ -35,7 +35,7 @@ class TableRow:
 
     def reading(self, key: str) -> rigs.Excitation:
         """Return the reading A, B or C."""
-        return next(one for one in self.readings if one.key == key)
+        return next(reading for reading in self.readings if reading.key == key)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,15 +141,15 @@ class PaperAudit:
             "unpublished_parameters": [need.to_dict() for need in self.requirements],
             "steps_of_10_ms": [
                 {
-                    "row": one.row,
-                    "law": one.law.name,
-                    "values": {path: value for path, _, value in parameters(one.law, "law")},
-                    "published": one.published,
-                    "travel": {"zero": one.travel, "static": one.static},
-                    "scatter": one.scatter,
-                    "reached": one.reached,
+                    "row": travel.row,
+                    "law": travel.law.name,
+                    "values": {path: value for path, _, value in parameters(travel.law, "law")},
+                    "published": travel.published,
+                    "travel": {"zero": travel.travel, "static": travel.static},
+                    "scatter": travel.scatter,
+                    "reached": travel.reached,
                 }
-                for one in self.step_travels
+                for travel in self.step_travels
             ],
             "equation_5_in_steps_of_10_ms": [
                 {

@@ -34,7 +34,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number, quantity
-from stickslip.study.sweep.bifurcation import CLOSED, period_of
+from stickslip.study.sweep.attractors import CLOSED, period_of
 from stickslip.study.sweep.orbits import (
     Orbit,
     ReturnMap,
@@ -132,7 +132,9 @@ class OrbitDiagram(OnAxes, Tabular):
     @property
     def events(self) -> tuple[tuple[int, BranchEvent], ...]:
         """What changes along the branches: number of the branch, and event."""
-        return tuple((i, event) for i, one in enumerate(self.branches) for event in one.events)
+        return tuple(
+            (i, event) for i, branch in enumerate(self.branches) for event in branch.events
+        )
 
     def early_ends(self) -> tuple[str, ...]:
         """Return where settled runs ended early, and why: a sentence for each reason."""
@@ -143,20 +145,20 @@ class OrbitDiagram(OnAxes, Tabular):
         """Return a row for each point of each branch."""
         import pandas as pd
 
-        frames = [one.to_dataframe().assign(branch=i) for i, one in enumerate(self.branches)]
+        frames = [branch.to_dataframe().assign(branch=i) for i, branch in enumerate(self.branches)]
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
 
     def _summary(self) -> Summary:
         rows = [
             (
                 i,
-                one.cycles,
-                f"{number(float(one.values.min()), 5)} to"
-                f" {quantity(float(one.values.max()), self.unit, 5)}",
-                f"{int(one.stable.sum())} of {len(one.values)}",
-                ", ".join(dict.fromkeys(event.kind for event in one.events)),
+                branch.cycles,
+                f"{number(float(branch.values.min()), 5)} to"
+                f" {quantity(float(branch.values.max()), self.unit, 5)}",
+                f"{int(branch.stable.sum())} of {len(branch.values)}",
+                ", ".join(dict.fromkeys(event.kind for event in branch.events)),
             )
-            for i, one in enumerate(self.branches)
+            for i, branch in enumerate(self.branches)
         ]
         return Summary(
             sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
@@ -389,7 +391,7 @@ class _Search:
                     if low < beside < high and self.is_new(beside, BESIDE * span):
                         return beside, self.starts(beside, FEW)
         for begin, end in self.gaps():
-            known = [begin, *(one for one in sorted(self.looked) if begin < one < end), end]
+            known = [begin, *(value for value in sorted(self.looked) if begin < value < end), end]
             widths = np.diff(known)
             at = int(np.argmax(widths))
             if widths[at] > 2.0 * self.finest:
@@ -461,7 +463,7 @@ class _Search:
             # The size of all samples so far: a single run may rest.
             scale = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
             scale = np.where(scale > 0.0, scale, np.finfo(float).tiny)
-            closed[rows] = [period_of(one, scale, tolerance) for one in points]
+            closed[rows] = [period_of(point, scale, tolerance) for point in points]
             # of those that have settled: starts twice as large as transients would grow for ever
             at_rest = points[closed[rows] > 0]
             self.sizes = np.maximum(self.sizes, np.abs(at_rest).max(axis=(0, 1), initial=0.0))
@@ -509,7 +511,7 @@ class _Search:
         for k, i in enumerate(self.map.free):
             name = self.map.states[i]
             column = begin[i] + 2.0 * sizes[k] * self.random.uniform(-1.0, 1.0, count)
-            for stop in (one for one in stops if one.coordinate == name):
+            for stop in (wall for wall in stops if wall.coordinate == name):
                 place = float(stop.position)
                 bound = np.minimum if stop.side == "upper" else np.maximum
                 column = bound(column, place)
@@ -643,7 +645,7 @@ class _Search:
             settled=np.array(self.closed, dtype=np.int64),
             status=np.array(self.status, dtype=object),
             brute_cycles=self.brute_cycles,
-            branch_cycles=sum(one.runs * one.cycles for one in self.branches),
+            branch_cycles=sum(branch.runs * branch.cycles for branch in self.branches),
             brute_seconds=self.seconds["brute"],
             branch_seconds=self.seconds["branches"],
         )  # fmt: skip

@@ -1,0 +1,84 @@
+# Where each name of the package is; `make stubs` puts lines in order and adds constructors.
+from stickslip.mechanisms import cycle_of as cycle_of
+from stickslip.study.sweep.attractors import Attractor as Attractor
+from stickslip.study.sweep.attractors import Basins as Basins
+from stickslip.study.sweep.attractors import Bifurcation as Bifurcation
+from stickslip.study.sweep.attractors import DrivenCycle as DrivenCycle
+from stickslip.study.sweep.attractors import basins as basins
+from stickslip.study.sweep.attractors import bifurcation as bifurcation
+from stickslip.study.sweep.attractors import cycles_in as cycles_in
+from stickslip.study.sweep.bands import Band as Band
+from stickslip.study.sweep.bands import Spread as Spread
+from stickslip.study.sweep.bands import band_of as band_of
+from stickslip.study.sweep.campaigns import Campaign as Campaign
+from stickslip.study.sweep.campaigns import CampaignRuns as CampaignRuns
+from stickslip.study.sweep.campaigns import Case as Case
+from stickslip.study.sweep.campaigns import Estimate as Estimate
+from stickslip.study.sweep.campaigns import campaign as campaign
+from stickslip.study.sweep.continuation import Branch as Branch
+from stickslip.study.sweep.continuation import BranchEvent as BranchEvent
+from stickslip.study.sweep.continuation import continue_orbit as continue_orbit
+from stickslip.study.sweep.design import Design as Design
+from stickslip.study.sweep.design import Factor as Factor
+from stickslip.study.sweep.design import Levels as Levels
+from stickslip.study.sweep.design import Normal as Normal
+from stickslip.study.sweep.design import SensitivityIndices as SensitivityIndices
+from stickslip.study.sweep.design import Uniform as Uniform
+from stickslip.study.sweep.mean_velocity import VelocityBand as VelocityBand
+from stickslip.study.sweep.mean_velocity import VelocityMap as VelocityMap
+from stickslip.study.sweep.mean_velocity import average_velocity as average_velocity
+from stickslip.study.sweep.mean_velocity import velocity_band as velocity_band
+from stickslip.study.sweep.orbit_diagrams import OrbitDiagram as OrbitDiagram
+from stickslip.study.sweep.orbit_diagrams import orbit_diagram as orbit_diagram
+from stickslip.study.sweep.orbits import Orbit as Orbit
+from stickslip.study.sweep.orbits import periodic_orbit as periodic_orbit
+from stickslip.study.sweep.refit import ParameterAgreement as ParameterAgreement
+from stickslip.study.sweep.refit import Refit as Refit
+from stickslip.study.sweep.refit import compare_estimates as compare_estimates
+from stickslip.study.sweep.validation import ValidatedRecord as ValidatedRecord
+from stickslip.study.sweep.validation import ValidatedTravel as ValidatedTravel
+from stickslip.study.sweep.validation import Validation as Validation
+from stickslip.study.sweep.validation import validate as validate
+
+__all__ = [
+    "Attractor",
+    "Band",
+    "Basins",
+    "Bifurcation",
+    "Branch",
+    "BranchEvent",
+    "Campaign",
+    "CampaignRuns",
+    "Case",
+    "Design",
+    "DrivenCycle",
+    "Estimate",
+    "Factor",
+    "Levels",
+    "Normal",
+    "Orbit",
+    "OrbitDiagram",
+    "ParameterAgreement",
+    "Refit",
+    "SensitivityIndices",
+    "Spread",
+    "Uniform",
+    "ValidatedRecord",
+    "ValidatedTravel",
+    "Validation",
+    "VelocityBand",
+    "VelocityMap",
+    "average_velocity",
+    "band_of",
+    "basins",
+    "bifurcation",
+    "campaign",
+    "compare_estimates",
+    "continue_orbit",
+    "cycle_of",
+    "cycles_in",
+    "orbit_diagram",
+    "periodic_orbit",
+    "validate",
+    "velocity_band",
+]
