@@ -265,8 +265,10 @@ class Judgement:
         return [self.regression.left_between(one, self.problem.parts()) for one in pair]
 
     def reading_band(self, rows: Any, level: float = 0.95) -> PredictionBand:
-        """Return the band of new readings at rows (n,), whose noise has tails of its own."""
-        return band_of(self.readings(rows), level, rarer=1.0)
+        """Return the band of new readings at rows (n,)."""
+        # noise of independent readings has the tails of the score: what no draw holds is in them
+        rarer = 1.0 if self.problem.independent else THRESHOLDS.rarer
+        return band_of(self.readings(rows), level, rarer=rarer)
 
     def readings(self, rows: Any) -> Array:
         """Return draws of new readings at rows (d, n): curves and noise.
