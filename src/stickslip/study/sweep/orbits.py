@@ -37,8 +37,7 @@ from stickslip.engine.solver import BareRun, EventDriven, Form
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism, cycle_of, stops_of
-from stickslip.mechanisms.base import WHOLE
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_of, stops_of
 from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
