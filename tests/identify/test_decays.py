@@ -94,11 +94,15 @@ def test_a_coast_down_tells_level_and_viscous_friction(quantity):
     assert np.median(band.high - band.low) < 0.25 * np.median(true)
 
 
-def test_a_coast_down_of_few_positions_tells_drag_as_a_fit_of_its_motion_does():
+@pytest.mark.parametrize("noise", [2e-4, 2e-3, 2e-2])
+def test_a_coast_down_of_few_positions_tells_drag_as_a_fit_of_its_motion_does(noise):
     # v = v0 / (1 + s), x = (m / c) log(1 + s), s = c v0 t / m
     mass, drag, v0 = 2.0, 0.3, 4.0
     t = np.linspace(0.0, 8.0, 60)
-    exact, noise = lambda c: mass / c * np.log1p(c * v0 * t / mass), 0.02
+
+    def exact(c):
+        return mass / c * np.log1p(c * v0 * t / mass)
+
     slope = (exact(1.001 * drag) - exact(0.999 * drag)) / (0.002 * drag)
     start = np.column_stack([np.ones(60), 1.0 / (1.0 + drag * v0 * t / mass)])
     left = slope - start @ np.linalg.lstsq(start, slope, rcond=None)[0]
@@ -110,7 +114,7 @@ def test_a_coast_down_of_few_positions_tells_drag_as_a_fit_of_its_motion_does():
         problem = RecordsProblem(records_of(Axis(inertia=mass), rows))
         column = problem.terms["drag"].columns(problem.rows, ())
         errors.append(column @ problem.response / (column @ column) - drag)
-    assert np.sqrt(np.mean(np.square(errors))) < 1.6 * least
+    assert np.sqrt(np.mean(np.square(errors))) < 1.4 * least
 
 
 def test_a_constant_known_force_stays_known():

@@ -194,7 +194,8 @@ class Judgement:
         """What the named structure holds beside a law, the largest first."""
         terms, named = self.problem.terms, self.named
         losses = self.regression.losses_of
-        total = float(np.var(self.problem.response)) or 1.0
+        y, counted = self.problem.response, self.regression.counted
+        total = float(np.cov(y, aweights=counted, ddof=0)) or 1.0
         left = self.held_out_error(named) ** 2 / total
         coefficients = self.ensemble.fit(named).coefficients
         noise = np.mean(self.problem.noise_floor(named, coefficients) * self.regression.weights**2)
@@ -253,6 +254,12 @@ class Judgement:
         _, z = noise_weights(self.regression, self.named)
         far = np.flatnonzero(z > THRESHOLDS.outlying)
         return {int(row): float(z[row]) for row in far}
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether half of the measurement is as large as its noise: else a few rows make that."""
+        middle = 1.4826 * float(np.median(np.abs(self.regression.weights * self.problem.response)))
+        return middle**2 >= THRESHOLDS.least_variance
 
     def noise(self, rows: Any) -> Array:
         """Return the standard deviation of a reading at rows (n,): that of the nearest by speed."""

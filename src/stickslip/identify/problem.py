@@ -285,9 +285,9 @@ class Problem(ABC):
         return sum(self.terms[name].rank for name, _ in structure)
 
     def is_usual(self, structure: Structure) -> bool:
-        """Return whether a law is none, or one of the field, whatever runs and faults there are."""
+        """Return whether a law is in common use, or none, whatever runs and faults there are."""
         parts = {name for name, _ in structure if self.terms[name].role not in ("run", "fault")}
-        return not parts or parts in [set(family) for family in self.usual]
+        return parts <= {"offset", *self.always} or parts in [set(one) for one in self.usual]
 
     def beside_curve(self, structure: Structure) -> Structure:
         """Return the columns of a structure that the measured curve does not stand for."""

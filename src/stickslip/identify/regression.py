@@ -123,6 +123,9 @@ class BlockRegression:
             self.counted = counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
             self.believed = None
             ends = np.setdiff1d(np.flatnonzero(counted < 1.0), _between(self.problem))
+            # friction that is many times as large at the next speed is a reading in another unit
+            size = np.abs(self.problem.response)
+            ends = ends[size[ends] <= THRESHOLDS.outlying * np.max(size[counted == 1.0], initial=0)]
             if len(ends):
                 self.believed = weights.copy()
                 self.believed[ends] /= counted[ends] ** (0.5 * self.problem.softness)
@@ -443,6 +446,7 @@ def _growth(residual: Array, scales: Sequence[Array], parameters: int) -> Array:
 
     That is Laplace's, which outliers do not decide, of as many rows as parameters leave.
     """
+    residual = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
     trends, gains = [np.zeros(len(residual))], [0.0]
     for scale in scales:
         z = np.log(scale) - np.mean(np.log(scale))

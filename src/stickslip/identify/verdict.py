@@ -558,7 +558,7 @@ def verdict_on(
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
-    told = not judgement.named or tells_friction(band)
+    told = tells_friction(band) if judgement.named else judgement.is_noise
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]

@@ -568,9 +568,8 @@ class Along:
         White noise e of places x = A sin(w t) gives an energy the noise J w^2 (2 x e) and the
         slope of J v e: its power grows as 4 + (f / f_0)^2, from twice the frequency f_0 on.
         """
-        if self.free == "momentum":  # means over as many samples of what has white noise
-            each = zip(parts, self.filters, strict=True)
-            return [uniform_filter1d(x, f.every, axis=0)[:: f.every] for x, f in each]
+        if self.free == "momentum":
+            return self._means(parts)
         if not self.moves:
             return [x[:: f.every] for x, f in zip(parts, self.filters, strict=True)]
         found = []
@@ -578,6 +577,11 @@ class Along:
             rate = float(np.std(np.gradient(q, filt.step)) / np.std(q))
             found.append(filt(x, blue=rate / math.pi))
         return found
+
+    def _means(self, parts: Sequence[Array]) -> list[Array]:
+        """Return means (n, ...) over the samples of each row, whose noise is white if theirs is."""
+        each = zip(parts, self.filters, strict=True)
+        return [uniform_filter1d(x, f.every, axis=0)[:: f.every] for x, f in each]
 
     def _centred(self, parts: Sequence[Array]) -> Array:
         """Return rows (n, ...) less what depends on where and how the motion of a record began."""
@@ -591,11 +595,13 @@ class Along:
     def _begun(self) -> list[tuple[Array, Array]]:
         """Columns (n, k) of what is open at the start of each record, and their pseudoinverse."""
         found = []
-        for rows, energy in zip(self._kept, self._energies, strict=True):
+        goes_on = self.free == "momentum" and self.moves
+        lines = self._means([np.linspace(-1.0, 1.0, len(one.time)) for one in self.records])
+        for rows, energy, line in zip(self._kept, self._energies, lines, strict=True):
             n = int(rows.sum())
             x = np.ones((n, 1))
-            if self.free == "momentum" and self.moves:
-                x = np.column_stack([x, np.linspace(-1.0, 1.0, len(rows))[rows]])
+            if goes_on:
+                x = np.column_stack([x, line[rows]])
             # noise of the energy grows as its root
             weight = 1.0 / energy[:, None] if self.free == "work" else np.ones((n, 1))
             found.append((x, np.linalg.pinv(x.T @ (weight * x)) @ (weight * x).T))
@@ -737,13 +743,16 @@ class Along:
 
     @cached_property
     def velocity(self) -> Array:
-        """Velocities (n,) [m/s] in twice the band."""
+        """Velocities (n,) [m/s] in twice the band, or of a motion that goes on by a polynomial."""
 
         def made(one: Record, filt: Filter) -> Array:
             if one.velocity is not None:
                 return filt(one.velocity, wider=2.0, full=True)
+            smooth = None
             if self.free == "momentum":
-                return smooth_slope(one.position, filt.step, round(one.rarer))
+                smooth = smooth_slope(one.position, filt.step, round(one.rarer))
+            if smooth is not None:
+                return smooth
             return filt(one.position, bent=True, slope=1, wider=2.0, full=True)
 
         return self._full(made)
@@ -1017,11 +1026,12 @@ def _summed(x: Array, step: Array | float) -> Array:
     return np.concatenate([np.zeros_like(done[:1]), done])
 
 
-def smooth_slope(x: Array, step: float, every: int = 1) -> Array:
+def smooth_slope(x: Array, step: float, every: int = 1) -> Array | None:
     """Return the slope (n,) of the polynomial that predicts values best, each from all others.
 
-    Its degree is at most the number of stretches of a record. Of values (n,) between which others
-    are interpolated, only `every` few are measured.
+    Its degree is at most the number of stretches of a record; None where it leaves more than the
+    noise of the values. Of values (n,) between which others are interpolated, only `every` few
+    are measured.
 
     Examples
     --------
@@ -1029,13 +1039,17 @@ def smooth_slope(x: Array, step: float, every: int = 1) -> Array:
     >>> bool(np.allclose(smooth_slope(t**3 - t, 0.1), 3.0 * t**2 - 1.0))
     True
     """
-    at = np.linspace(-1.0, 1.0, len(x))
-    y = x[::every]
-    q, r = np.linalg.qr(legendre.legvander(at[::every], min(STRETCHES, len(y) - 2)))
-    left = y[:, None] - np.cumsum(q * (q.T @ y), axis=1)
-    errors = np.sum((left / (1.0 - np.cumsum(q**2, axis=1))) ** 2, axis=0)
+    at, y = np.linspace(-1.0, 1.0, len(x)), x[::every]
+    many = math.ceil(len(y) / MOST_ROWS)  # of more rows, means
+    kept = len(y) // many * many
+    means = [one[:kept].reshape(-1, many).mean(axis=1) for one in (at[::every], y)]
+    q, r = np.linalg.qr(legendre.legvander(means[0], min(STRETCHES, len(means[0]) - 2)))
+    left = means[1][:, None] - np.cumsum(q * (q.T @ means[1]), axis=1)
+    errors = np.mean((left / (1.0 - np.cumsum(q**2, axis=1))) ** 2, axis=0)
     best = int(np.argmin(errors)) + 1
-    c = np.linalg.solve(r[:best, :best], q[:, :best].T @ y)
+    if errors[best - 1] > 2.0 * np.var(np.diff(y, 3)) / 20.0 / many:
+        return None
+    c = np.linalg.solve(r[:best, :best], q[:, :best].T @ means[1])
     slope = legendre.legval(at, legendre.legder(c))
     return np.asarray(slope * 2.0 / (step * (len(x) - 1)))
 

@@ -385,7 +385,7 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
         mechanism, _ = map_.pair(value)
         map_.duration(mechanism)
         if map_.period is not None:  # which may fit at both ends by chance
-            refuse_cut(mechanism, map_.period)
+            refuse_cut(mechanism, map_.cycles * map_.period)
     return replace(map_, between=between)
 
 

@@ -460,13 +460,14 @@ class _Search:
             samples[rows] = points
             self.brute_cycles += len(rows) * (max(settle, 0) + keep)
             whole = np.isfinite(points).all(axis=(1, 2))
-            # The size of all samples so far: a single run may rest.
+            # of settled motions so far, and of these samples: a single run may rest
             scale = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
             scale = np.where(scale > 0.0, scale, np.finfo(float).tiny)
             closed[rows] = [period_of(point, scale, tolerance) for point in points]
-            # of those that have settled: starts twice as large as transients would grow for ever
-            at_rest = points[closed[rows] > 0]
-            self.sizes = np.maximum(self.sizes, np.abs(at_rest).max(axis=(0, 1), initial=0.0))
+            # of settled motions: starts twice as large as transients would grow for ever
+            settled = points[closed[rows] > 0]
+            first = settled if len(settled) or np.any(self.sizes) else points[whole]
+            self.sizes = np.maximum(self.sizes, np.abs(first).max(axis=(0, 1), initial=0.0))
             going = whole & (closed[rows] == 0)
             rows, ends = rows[going], points[going, -1]
             if not len(rows):
@@ -499,7 +500,7 @@ class _Search:
         return points, velocities, np.array(runs.status, dtype=object)
 
     def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
-        """Return initial states of runs of the size of motions so far, the first as told if asked.
+        """Return initial states of runs of the size of settled motions, the first as given.
 
         Within hard stops, at which a place beyond is put.
         """

@@ -37,7 +37,7 @@ from stickslip.engine.solver import BareRun, EventDriven, Form
 from stickslip.engine.trajectory import Event, Trajectory
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import WHOLE, Mechanism, cycle_of, stops_of
+from stickslip.mechanisms import Mechanism, cycle_of, stops_of
 from stickslip.mechanisms.drives import parts_of
 from stickslip.quantities import parameters, replaced, vary
 from stickslip.show.described import Described
@@ -61,6 +61,8 @@ ALONG = 1e-9
 """Share by which the derivative along a coordinate may differ from that of a translation."""
 CLOSED = 1e-10
 """Largest residual of an orbit, over the size of each state; a hundred tolerances with bristles."""
+CUT = 1e-6
+"""Part of a period of a drive by which the length of an orbit may be off: the digits given."""
 NEAR = 1e-3
 """Residual, over the size of the states, below which full steps are taken."""
 MOST_STEPS, MOST_HALVINGS = 30, 8
@@ -206,7 +208,7 @@ def periodic_orbit(
         whole_run("periodic_orbit", mechanism, cycles + settle)
     else:
         PERIOD.check("periodic_orbit", "period", period)
-        refuse_cut(mechanism, period)
+        refuse_cut(mechanism, cycles * period)
     map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
     if settle:
         cycle = map_.duration(mechanism) / cycles
@@ -517,16 +519,16 @@ _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1
 
 
 def refuse_cut(mechanism: Mechanism, period: float) -> None:
-    """Refuse the length of a cycle after which a drive does not repeat itself."""
+    """Refuse the length of an orbit after which a drive does not repeat itself."""
     for name, drive in mechanism.drives().items():
         for own in filter(None, (part.repeats() for part in parts_of(drive))):
             ratio = period / own
-            if not abs(ratio - round(ratio)) <= WHOLE * ratio:
+            if not abs(ratio - round(ratio)) <= CUT * ratio:
                 raise InputError(
                     f"{type(mechanism).__name__}: the drive {name!r} repeats itself after"
-                    f" {number(own, 6)} s, of which {number(period, 6)} s is no whole multiple, so"
-                    " that no orbit closes then; give a period after which all drives repeat"
-                    " themselves."
+                    f" {number(own, 8)} s, and an orbit of {number(period, 8)} s holds"
+                    f" {number(ratio, 8)} of that: no orbit closes then. Give a period after"
+                    " which all drives repeat themselves."
                 )
 
 
