@@ -688,7 +688,7 @@ class Along:
         return self.rows_of([one.time[:: filt.every] for one, filt in both])
 
     def _used(self, k: int) -> Mask:
-        """Return which rows are away from the ends and not at rest."""
+        """Return which rows are not at rest, and away from the ends unless the motion goes on."""
         one, filt = self.records[k], self.filters[k]
         half = max(int(0.5 / filt.band / filt.step), 2)
         if one.located:

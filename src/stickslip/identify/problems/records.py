@@ -33,7 +33,8 @@ r"""Records of one coordinate in time: the force balance along the measured moti
 
    .. math:: \int F_k\, dx - \tfrac12 J v^2 = E_0 + \sum_j c_j \int X_j\, dx ,
 
-   where it goes on in one direction the momentum, or :math:`J x` where places were measured.
+   where it goes on in one direction the momentum, or :math:`J x` where places were measured: as
+   recorded, in means over the samples of a row, up to both ends.
    :math:`E_0` (and the speed at the start) is projected out of both sides by record. Noise is then
    nearly white, that of the energy grows as its root. Energy hardly tells what friction is at low
    speeds: there the curve bends by its prior, and friction never drives.
@@ -93,10 +94,10 @@ from stickslip.identify.regression import BlockRegression
 from stickslip.identify.thresholds import THRESHOLDS
 
 WHITE = 0.65
-"""Width of the noise of their work over the band of free motions, if it were white noise (study:
-decays)."""
+"""Width of the noise of the work of a swing over its band, if it were white (study: decays)."""
 FREE_SPREAD = 3.0
-"""The same of free motions, whose work has noise that is nearly white (study: decays)."""
+"""What a free motion counts of the covariance of its stretches, instead of `SPREAD` (study:
+decays)."""
 SPREAD = 20.0
 """Another record differs as single stretches do: covariance of their mean times their number."""
 LATE = frozenset({"latency", "backlash", "flexible"})
