@@ -407,6 +407,7 @@ def noise_weights(
     fitted = regression.fit(structure).fitted
     if problem.independent:
         residual, _ = _student_fit(regression, structure, np.ones(len(fitted)))
+        residual = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
     else:
         # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
         left = problem.response - fitted
@@ -444,9 +445,8 @@ def noise_weights(
 def _growth(residual: Array, scales: Sequence[Array], parameters: int) -> Array:
     """Return the logarithms (n,) of how noise grows: the mean over powers by their likelihood.
 
-    That is Laplace's, which outliers do not decide, of as many rows as parameters leave.
+    That is Laplace's, of as many rows as parameters leave.
     """
-    residual = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
     trends, gains = [np.zeros(len(residual))], [0.0]
     for scale in scales:
         z = np.log(scale) - np.mean(np.log(scale))
