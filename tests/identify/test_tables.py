@@ -91,8 +91,8 @@ def test_the_band_opens_beyond_the_measured_speeds(verdict):
 
 def test_the_band_that_holds_all_along_is_wider(verdict):
     v = np.geomspace(0.01, 1.0, 30)
-    estimate, all_along = verdict.band(v), verdict.band(v, all_along=True)
-    assert (all_along.high - all_along.low > estimate.high - estimate.low).all()
+    band, all_along = verdict.band(v), verdict.band(v, all_along=True)
+    assert (all_along.high - all_along.low > band.high - band.low).all()
 
 
 def test_intervals_hold_the_true_parameters_and_are_wider_whichever_law_holds():
@@ -125,11 +125,11 @@ def test_a_table_seen_in_a_mirror_has_the_mirrored_band():
     v = np.concatenate([-SPEEDS[::-1], SPEEDS[::2]])
     read = table(lambda x: stribeck(x) + 0.3, v, seed=4)
     mirrored = Measurement(velocity=-v[::-1], friction=-np.asarray(read.friction)[::-1])
-    estimate, other = (select(AXIS, None, m).band([0.05, 0.5]) for m in (read, mirrored))
+    band, other = (select(AXIS, None, m).band([0.05, 0.5]) for m in (read, mirrored))
     back = select(AXIS, None, mirrored).band([-0.05, -0.5])
-    assert estimate.low.shape == other.low.shape
-    np.testing.assert_allclose(back.median, -estimate.median, rtol=0.01)
-    np.testing.assert_allclose(back.low, -estimate.high, rtol=0.02)
+    assert band.low.shape == other.low.shape
+    np.testing.assert_allclose(back.median, -band.median, rtol=0.01)
+    np.testing.assert_allclose(back.low, -band.high, rtol=0.02)
 
 
 def test_friction_in_other_units_scales_the_band(verdict):
@@ -313,8 +313,8 @@ def test_advice_that_is_followed_narrows_the_band():
     )
     v = np.geomspace(0.01, 1.0, 40)
     widths = [
-        float(np.mean(estimate.high - estimate.low))
-        for estimate in (before.band(v), select(AXIS, None, both).band(v))
+        float(np.mean(band.high - band.low))
+        for band in (before.band(v), select(AXIS, None, both).band(v))
     ]
     assert before.shrinks < 0.9
     assert widths[1] < 0.9 * widths[0]

@@ -73,7 +73,7 @@ def test_the_page_says_nothing_twice(verdict):
     for line in verdict.words.cannot_tell + verdict.words.measure_next:
         assert sum(line.replace("$", "") in part.replace("$", "") for part in text) == 1
     long = SimpleNamespace(words=SimpleNamespace(cannot_tell=("a",) * MOST + ("b",)))
-    assert [estimate.value for estimate in remarks_section(long).blocks[0].items] == ["b"]
+    assert [item.value for item in remarks_section(long).blocks[0].items] == ["b"]
 
 
 def test_shares_of_the_table_of_laws_include_the_measured_curve(verdict):

@@ -201,14 +201,14 @@ def _show_cart(study: CartStudy, *, own: bool) -> None:
     rows = [
         [
             figure,
-            part.title,
-            significant(part.travel, 3),
-            significant(1e3 * part.travels[-1], 3),
-            significant(1e3 * part.mean_return, 2),
-            significant(1e3 * part.least_velocity, 2),
+            run.title,
+            significant(run.travel, 3),
+            significant(1e3 * run.travels[-1], 3),
+            significant(1e3 * run.mean_return, 2),
+            significant(1e3 * run.least_velocity, 2),
         ]
         for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
-        for part in runs
+        for run in runs
     ]
     origin = "as given" if study.given else "our assumptions"
     title = (

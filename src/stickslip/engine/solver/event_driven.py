@@ -611,11 +611,11 @@ def _difference(run: Trajectory, other: Trajectory) -> float:
     """Return the largest difference of a state, over its largest value, between two runs."""
     last = min(run.span[1], other.span[1])
     times = run.t[run.t <= last]
-    seen, two = run.at(times), other.at(times)
+    mine, theirs = run.at(times), other.at(times)
     worst = 0.0
     for name in run.states:
-        size = float(np.abs(seen[name]).max())
-        error = float(np.abs(seen[name] - two[name]).max())
+        size = float(np.abs(mine[name]).max())
+        error = float(np.abs(mine[name] - theirs[name]).max())
         worst = max(worst, error / size if size > 0.0 else error)
     return worst
 
