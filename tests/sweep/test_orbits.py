@@ -582,9 +582,9 @@ def test_two_sines_have_orbits_where_a_cycle_holds_both():
     branch = continue_orbit(orbit, f"{path}.amplitude", (0.098, 0.102), period=0.25)
     assert branch.values.min() == pytest.approx(0.098)
     for period in (0.2, 0.375):
-        with pytest.raises(InputError, match="no whole multiple"):
+        with pytest.raises(InputError, match="no orbit closes"):
             periodic_orbit(robot, ROUGH, period=period)
-    with pytest.raises(InputError, match="no whole multiple"):  # although 12 and 16 Hz both fit
+    with pytest.raises(InputError, match="no orbit closes"):  # although 12 and 16 Hz both fit
         continue_orbit(orbit, f"{path}.frequency", (12.0, 16.0), period=0.25)
 
 

@@ -1047,7 +1047,8 @@ def smooth_slope(x: Array, step: float, every: int = 1) -> Array | None:
     left = means[1][:, None] - np.cumsum(q * (q.T @ means[1]), axis=1)
     errors = np.mean((left / (1.0 - np.cumsum(q**2, axis=1))) ** 2, axis=0)
     best = int(np.argmin(errors)) + 1
-    if errors[best - 1] > 2.0 * np.var(np.diff(y, 3)) / 20.0 / many:
+    noise = np.var(np.diff(y, 3)) / 20.0 / many + (THRESHOLDS.rounding * np.std(y)) ** 2
+    if errors[best - 1] > 2.0 * noise:
         return None
     c = np.linalg.solve(r[:best, :best], q[:, :best].T @ means[1])
     slope = legendre.legval(at, legendre.legder(c))

@@ -466,8 +466,7 @@ class _Search:
             closed[rows] = [period_of(point, scale, tolerance) for point in points]
             # of settled motions: starts twice as large as transients would grow for ever
             settled = points[closed[rows] > 0]
-            first = settled if len(settled) or np.any(self.sizes) else points[whole]
-            self.sizes = np.maximum(self.sizes, np.abs(first).max(axis=(0, 1), initial=0.0))
+            self.sizes = np.maximum(self.sizes, np.abs(settled).max(axis=(0, 1), initial=0.0))
             going = whole & (closed[rows] == 0)
             rows, ends = rows[going], points[going, -1]
             if not len(rows):
