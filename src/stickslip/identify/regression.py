@@ -123,9 +123,12 @@ class BlockRegression:
             self.counted = counted = np.minimum(1.0, THRESHOLDS.outlier / np.maximum(z, 1e-9)) ** 2
             self.believed = None
             ends = np.setdiff1d(np.flatnonzero(counted < 1.0), _between(self.problem))
-            # friction that is many times as large at the next speed is a reading in another unit
-            size = np.abs(self.problem.response)
-            ends = ends[size[ends] <= THRESHOLDS.outlying * np.max(size[counted == 1.0], initial=0)]
+            # what is many times as large as drag would make the others is in another unit
+            rest, size = counted == 1.0, np.abs(self.problem.response)
+            speeds = self.problem.speeds(self.problem.rows)
+            rise = np.maximum(speeds[ends] / np.max(speeds[rest], initial=NOTHING), 1.0) ** 2
+            most = THRESHOLDS.outlying * np.max(size[rest], initial=0.0)
+            ends = ends[size[ends] <= most * rise]
             if len(ends):
                 self.believed = weights.copy()
                 self.believed[ends] /= counted[ends] ** (0.5 * self.problem.softness)

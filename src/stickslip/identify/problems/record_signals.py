@@ -595,13 +595,12 @@ class Along:
     def _begun(self) -> list[tuple[Array, Array]]:
         """Columns (n, k) of what is open at the start of each record, and their pseudoinverse."""
         found = []
-        goes_on = self.free == "momentum" and self.moves
-        lines = self._means([np.linspace(-1.0, 1.0, len(one.time)) for one in self.records])
-        for rows, energy, line in zip(self._kept, self._energies, lines, strict=True):
-            n = int(rows.sum())
-            x = np.ones((n, 1))
-            if goes_on:
-                x = np.column_stack([x, line[rows]])
+        begun = [np.ones((len(one.time), 1)) for one in self.records]
+        if self.free == "momentum" and self.moves:
+            begun = [np.column_stack([x, np.linspace(-1.0, 1.0, len(x))]) for x in begun]
+        every = zip(self._means(begun), self._kept, self._energies, strict=True)
+        for means, rows, energy in every:
+            x, n = means[rows], int(rows.sum())
             # noise of the energy grows as its root
             weight = 1.0 / energy[:, None] if self.free == "work" else np.ones((n, 1))
             found.append((x, np.linalg.pinv(x.T @ (weight * x)) @ (weight * x).T))
@@ -748,11 +747,10 @@ class Along:
         def made(one: Record, filt: Filter) -> Array:
             if one.velocity is not None:
                 return filt(one.velocity, wider=2.0, full=True)
-            smooth = None
             if self.free == "momentum":
                 smooth = smooth_slope(one.position, filt.step, round(one.rarer))
-            if smooth is not None:
-                return smooth
+                if smooth is not None:
+                    return smooth
             return filt(one.position, bent=True, slope=1, wider=2.0, full=True)
 
         return self._full(made)
