@@ -21,7 +21,7 @@ from stickslip.data.readers.layout import Layout
 from stickslip.data.readers.table_reader import log_name
 from stickslip.data.records import read_data
 from stickslip.errors import InputError
-from stickslip.show.formatting import joined, number, printable, quantity
+from stickslip.show.formatting import joined, number, percent, printable, quantity
 
 # Writes the rig file of a record of which only the data file is known.
 
@@ -342,7 +342,7 @@ def _run(path: Path, time: object, position: object) -> FilmedRun:
     doubt = ""
     if share < travels.OSCILLATION_SHARE and not named:
         raise InputError(
-            f"{path.name} shows no oscillation: the best frequency explains {share:.0%} of its"
+            f"{path.name} shows no oscillation: the best frequency explains {percent(share)} of its"
             " motion about a smooth curve. Write the frequency of its drive into its name, as in"
             " capsule_5.5Hz.txt."
         )

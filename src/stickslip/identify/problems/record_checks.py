@@ -13,6 +13,7 @@ from stickslip.errors import InputError
 from stickslip.identify.problem import Array
 from stickslip.identify.problems.record_signals import Along
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.show.formatting import percent
 
 
 def refuse_wrong_signs(
@@ -54,7 +55,7 @@ def refuse_wrong_signs(
         first = int(np.argmax(stretches == best))
         raise InputError(
             f"the sign of the force changes at about t = {rows.times[first]:.3g} s: turned before"
-            f" it, the force leaves {left[best] / left[0]:.0%} of the squared error of a plain"
+            f" it, the force leaves {percent(left[best] / left[0])} of the squared error of a plain"
             " balance. Give the force the sign of the position all along."
         )
     c = np.linalg.solve(gram, x.T @ response)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from stickslip.errors import InputError
-from stickslip.show.formatting import scale_of
+from stickslip.show.formatting import percent, scale_of
 from stickslip.show.plots.axes import LETTER, Target, labelled, on_axes
 from stickslip.show.plots.svg import Draw
 from stickslip.show.plots.theme import (
@@ -140,7 +140,7 @@ def draw_velocity_band(
         axes = figure.add_subplot()
         low, median, high = result.low, result.median, result.high
         factor, unit = scale_of(median[np.isfinite(median)], result.velocity_unit)
-        label = f"{result.level:.0%} band, whichever law holds"
+        label = f"{percent(result.level)} band, whichever law holds"
         axes.fill_between(
             result.values,
             factor * low,
