@@ -80,10 +80,15 @@ class Runner:
 
     def working(self, numbers: Sequence[float]) -> Any:
         """Return the vector of a run, with the parameters in it."""
-        w = self.zeros(self.header[layout.SIZE])
+        w = self._blank.copy()
         for place, number in zip(self.places, numbers, strict=True):
             w[place] = number
-        return self._addressed(w)
+        return w
+
+    @functools.cached_property
+    def _blank(self) -> Any:
+        """A vector without parameters, to copy."""
+        return self._addressed(self.zeros(self.header[layout.SIZE]))
 
     def taken_over(self, w: Sequence[Any]) -> Any:
         """Return the vector of a run that the other tier has begun."""
@@ -107,10 +112,10 @@ class Runner:
     ) -> tuple[Any, Any]:
         """Run on to a time, as `kernels.driver.run` does, with as much room as it takes."""
         while True:
-            log, events = self.with_room(whole, log, events)
             self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
             if whole[layout.STATUS] != layout.FULL:
                 return log, events
+            log, events = self.with_room(whole, log, events)
 
     def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
         """Return rows of steps and of events with room for a further step."""

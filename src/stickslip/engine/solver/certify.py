@@ -19,6 +19,7 @@ begin where the mechanism says by those of its start (`starts`); the kernels do 
 (`kernels.sensitivities`).
 """
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -419,20 +420,28 @@ def directions_of(
                 " sum of coordinates that depends on it. Choose relative coordinates, of which the"
                 " slip is one, or take differences of runs."
             )
-    numbers = 3 * len(model.drives)
+    own, start = _along(model, tuple(paths))
+    if told:  # states that begin where the mechanism says change with its parameters
+        start = start.copy()
+        for state, slope in start_slopes(mechanism, columns, paths, told).items():
+            start[model.states.index(state)] += slope
+    driven = {path: column for path, column in columns.items() if len(column) == len(tables)}
+    slopes = schedule_slopes(mechanism, driven, paths, tables, t_end)
+    quantities = 3 * len(model.drives) + len(model.parameter_paths)
+    return Directions(own, start, slopes, quantities)
+
+
+@functools.lru_cache(maxsize=256)
+def _along(model: Model, paths: tuple[str, ...]) -> tuple[Array, Array]:
+    """Return the quantity of each path, and the sensitivities at the start (states, paths)."""
     own = np.full(len(paths), -1.0)
     start = np.zeros((len(model.states), len(paths)))
     for c, path in enumerate(paths):
         if path in model.parameter_paths:
-            own[c] = numbers + model.parameter_paths.index(path)
+            own[c] = 3 * len(model.drives) + model.parameter_paths.index(path)
         else:
             start[model.states.index(path.removeprefix("initial.")), c] = 1.0
-    # States that begin where the mechanism says change with its parameters.
-    for state, slope in start_slopes(mechanism, columns, paths, told).items():
-        start[model.states.index(state)] += slope
-    driven = {path: column for path, column in columns.items() if len(column) == len(tables)}
-    slopes = schedule_slopes(mechanism, driven, paths, tables, t_end)
-    return Directions(own, start, slopes, numbers + len(model.parameter_paths))
+    return own, start
 
 
 @dataclass(frozen=True)
@@ -510,9 +519,16 @@ class Sensing:
 
 def working(runner: Runner, w: Any, along: Directions) -> Any:
     """Return the vector of a run, made long enough, with the sensitivities at the start."""
-    sizes = along.quantities, len(along.own), [*runner.header]
-    longer = runner.zeros(sense_size(*sizes))
+    size, first = _places(runner.model, along.quantities, len(along.own))
+    longer = runner.zeros(size)
     longer[: len(w)] = w
-    first = columns_at(0, *sizes)
-    longer[first : first + along.start.size] = along.start.ravel().tolist()
+    start = along.start.ravel()
+    longer[first : first + start.size] = start if runner.compiled else start.tolist()
     return longer
+
+
+@functools.lru_cache(maxsize=256)
+def _places(model: Model, quantities: int, directions: int) -> tuple[int, int]:
+    """Return how long the vector must be, and where the sensitivities stand in it."""
+    sizes = quantities, directions, [*model.sizes.header]
+    return sense_size(*sizes), columns_at(0, *sizes)

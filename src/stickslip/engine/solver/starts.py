@@ -237,7 +237,15 @@ def numbers_of(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> l
 
 def inputs_of(mechanism: Mechanism, p: list[float], t_end: float) -> Inputs:
     """Return the numbers of a run whose parameters are known already."""
-    plan = _alone(tuple(mechanism.drives().values()), t_end)
+    drives = tuple(mechanism.drives().values())
+    if not _has_pieces(drives, t_end):
+        return Inputs(
+            p=p,
+            table=np.array(_smooth_row(drives)),
+            bounds=np.array([bound for drive in drives for bound in drive.smooth_bound()]),
+            time_scale=min((drive.time_scale() for drive in drives), default=math.inf),
+        )
+    plan = _alone(drives, t_end)
     return Inputs(
         p=p,
         table=plan.table[0],
@@ -292,9 +300,8 @@ def schedule(
 
 def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
     if not _has_pieces(drives, t_end):
-        row = [BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)]
         return Schedule(
-            table=np.array([row] * count),
+            table=np.array([_smooth_row(drives)] * count),
             bounds=_smooth_bounds(drives, count).reshape(count, -1),
             time_scale=_time_scale(drives, count),
         )
@@ -403,6 +410,11 @@ def _moved_starts(
     return starts, apart
 
 
+def _smooth_row(drives: Sequence[Drive]) -> list[float]:
+    """Return the table of drives without pieces."""
+    return [BEGINNING, *[0.0, 0.0, BEGINNING] * len(drives)]
+
+
 def _has_pieces(drives: Iterable[Drive], t_end: float) -> bool:
     """Whether a part of a drive has linear pieces, as a sine has not."""
     return any(part.pieces(t_end) for drive in drives for part in parts_of(drive))
@@ -492,9 +504,8 @@ def _smooth_bounds(drives: Sequence[Drive], count: int) -> Array:
     """Return least and largest value of the smooth part of each drive (count, drives, 2)."""
     bounds = np.zeros((count, len(drives), 2))
     for k, drive in enumerate(drives):
-        for part in parts_of(drive):
-            for side, value in enumerate(part.smooth_bound()):
-                bounds[:, k, side] += value
+        for side, value in enumerate(drive.smooth_bound()):
+            bounds[:, k, side] = value
     return bounds
 
 

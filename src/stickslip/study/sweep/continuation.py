@@ -78,7 +78,7 @@ __all__ = ["Branch", "BranchEvent", "continue_orbit"]
 Event: TypeAlias = "BranchEvent"
 MOST_POINTS = 2000
 """Points of a branch to either side."""
-FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-6, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
 GROWTH, EASY = 1.5, 3
 """By how much a step grows, and after how many of Newton's steps at most."""
@@ -109,12 +109,16 @@ NEARBY = 1e-7
 OUTGROWN = 2.0
 """Size of a state over its scale, or the reverse, from which the scales are taken anew."""
 FAR = 2.0
-"""Longest step, over the last one, into which a cubic through two points is continued."""
+"""Longest step, over the last one, into which a polynomial through points is continued."""
+ORDER, AHEAD = 3, 0.5
+"""Points that it goes through at most, and least cosine between their tangents and the last."""
 BEND = 0.8
 """Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
 BESIDE, ALIKE = 0.05, 1e-3
 """Distance, over the chord of two neighbours, within which a point may be between them, and within
 which it is."""
+WALKED = 1e-9
+"""What a point of a walk may be off."""
 TRUSTED = 1e-5
 """Residual from which a step with a derivative of its own may be the last."""
 ROUGH = 1e-3
@@ -487,7 +491,7 @@ class _Curve:
         self.runs = 0
         self.backward = False
         self.met: Callable[[Shot], int | None] = lambda _: None
-        self.trails: list[list[Array]] = []
+        self.trails: list[Array] = []
         self.halved: list[Shot] = []
         self.beyond: list[Shot] = []
 
@@ -518,7 +522,8 @@ class _Curve:
         """Run from scaled unknowns; a residual of more than a size is a `SimulationError`."""
         self.runs += 1
         *y, value = (u * self.scale).tolist()
-        return self.map.shoot(np.array(y), value, most * self.scale[:-1])
+        bound = most * self.scale[:-1] if most < np.inf else None
+        return self.map.shoot(np.array(y), value, bound)
 
     def correct(
         self,
@@ -585,7 +590,8 @@ class _Curve:
             lack = np.array([*residual.tolist(), float(normal @ (u - u0)) - distance])
             near = next((p for p in known if p.signature == shot.signature), None)
             point = near if rough > 0.0 and shot.signature != kind else None
-            if point is None and (shot.signature != kind or shot.error > SLOW * last):
+            taken = shot.signature != kind or shot.error > SLOW * last or shot.error <= trusted
+            if point is None and taken:
                 point = self.point(shot)
                 known = (point, *known)
             if point is None:
@@ -601,7 +607,7 @@ class _Curve:
                 bend = _length((point.slopes - near.slopes).ravel())
                 bend /= _length(point.unknowns - near.unknowns)
                 left = 0.5 * bend * _length(u - tried[-1]) ** 2
-                if left <= SLOW * self.map.tolerance:  # as it is an estimate
+                if left <= WALKED:
                     return self.map.nearby(shot, y, float(u[-1] * self.scale[-1])), count
             # the next step leaves no larger a share than the last, what its run would show is known
             follows = shot.error * shot.error / last if count else np.inf
@@ -657,8 +663,7 @@ class _Curve:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
         (first,) = self.fit(first)
         points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
-        trail = [self.unscaled(first.shot)]
-        self.trails.append(trail)
+        self.trails.append(self.unscaled(first.shot)[None])
         while len(points) <= self.most:
             here = points[-1]
             u0 = here.unknowns
@@ -692,7 +697,7 @@ class _Curve:
             ended = self.ended(first, points)
             if ended:
                 return points, ended, events
-            trail.append(self.unscaled(there.shot))
+            self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if not isinstance(step, float):
                 grown = GROWTH * ds if step.count <= EASY and not held else ds
                 ds = min(grown, self.step, step.free)
@@ -844,10 +849,17 @@ class _Curve:
         So it does where a branch that was stepped over at grazing comes back on another way. What
         is near is solved for in the plane of the point: another part of the branch differs there.
         """
-        u = there.unknowns
+        u, value = there.unknowns, there.shot.value
         for trail in self.trails:
-            ends = np.concatenate(trail).reshape(len(trail), -1) / self.scale
-            begins, chords = ends[:-1], np.diff(ends, axis=0)
+            # by far the most chords lie at other values of the parameter
+            ends = trail[:, -1]
+            low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
+            wide = BESIDE * (high - low + MOST_STEP * (self.high - self.low))
+            at = np.flatnonzero((low - wide <= value) & (value <= high + wide))
+            if not len(at):
+                continue
+            begins = trail[at] / self.scale
+            chords = trail[at + 1] / self.scale - begins
             sizes = np.linalg.norm(chords, axis=1)
             shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2
             places = begins + shares[:, None] * chords
@@ -863,19 +875,36 @@ class _Curve:
         return False
 
     def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array | None:
-        """Return where a cubic through the last two points goes on; None where there is none."""
-        if len(points) < 2 or points[-2].signature != points[-1].signature:
+        """Return where a polynomial through the last points goes on; None where there is none.
+
+        It has their tangents, too, and is a function of the part along the last tangent.
+        """
+        here = points[-1]
+        along, ends = here.tangent, [(0.0, u0, here.tangent)]
+        for point in points[:-1][: -ORDER : -1]:
+            if point.signature != here.signature or point.scale is not here.scale:
+                break
+            s = float(along @ (point.unknowns - u0))
+            turned = float(along @ point.tangent)
+            if turned < AHEAD or s >= ends[-1][0]:
+                break
+            ends.append((s, point.unknowns, point.tangent / turned))
+        if len(ends) < 2 or ds > -FAR * ends[1][0]:
             return None
-        before, here = points[-2:]
-        back = before.unknowns - u0
-        h = _length(back)
-        if ds > FAR * h:
-            return None
-        x = 1.0 + ds / h
-        found: Array = u0 + (2.0 * x + 1.0) * (1.0 - x) ** 2 * back
-        found += h * x * (x - 1.0) * ((x - 1.0) * before.tangent + x * here.tangent)
-        found += (ds - float(here.tangent @ (found - u0))) * here.tangent
-        return np.where(here.tangent == 0.0, u0, found)  # what is lost to sticking stays exact
+        # Newton's form, each point twice, the first difference of such a pair being its slope
+        places = [s for s, _, _ in ends for _ in range(2)]
+        column = [u for _, u, _ in ends for _ in range(2)]
+        found, product = u0, 1.0
+        for k in range(1, len(places)):
+            column = [
+                ends[i // 2][2]
+                if places[i + k] == places[i]
+                else (column[i + 1] - column[i]) / (places[i + k] - places[i])
+                for i in range(len(places) - k)
+            ]
+            product *= ds - places[k - 1]
+            found = found + product * column[0]
+        return np.where(along == 0.0, u0, found)  # what is lost to sticking stays exact
 
     def amid(self, part: _Part, share: float, normal: Array) -> Array:
         """Return what is at a share of a part: by a cubic if the same happens at both ends.

@@ -16,6 +16,7 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from time import process_time
 from typing import TYPE_CHECKING, Final
 
@@ -25,11 +26,10 @@ from numpy.typing import NDArray
 from stickslip.engine.simulation import (
     GivenFriction,
     beginning_pair,
-    ensemble,
     event_driven_law,
     initial_state,
 )
-from stickslip.engine.solver import EventDriven, Output, Samples
+from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import OnAxes, Summary, Tabular
@@ -72,13 +72,15 @@ __all__ = ["OrbitDiagram", "orbit_diagram"]
 
 BEHIND: Final = (-8e-3, -2e-3, 2e-3, 8e-3)
 """Places beside the end of a branch, over the range, where further runs settle."""
-RIGHT_BEHIND = 3e-4
+RIGHT_BEHIND = 3e-5
 """Distance, over the range, behind a loss of stability at which a run settles from there."""
 BESIDE = 1e-3
 """Distance, over the range, within which no second place beside an end is looked at."""
 FINER, FEW = 32, 2
 """Places between two values at which runs settle, at most, where no stable orbit is known, and how
 many of them there as beside an end."""
+STRETCH = 64
+"""Cycles of a settled run that are recorded at a time."""
 EARLY, SOONER = 4, 100.0
 """Share of the cycles after which a run may have settled, if it closes that much better."""
 SAME = 2e-3
@@ -322,11 +324,17 @@ class _Chords:
 
     def across(self, value: float) -> tuple[NDArray[np.int64], Array, Array]:
         """Return branches (m,), free states (m, k) and steps of the chords that cross a value."""
+        low, high = self.ends
+        at = np.flatnonzero((low <= value) & (value <= high))
+        begins, steps = self.begins[at], self.steps[at]
+        share = (value - begins[:, -1]) / np.where(steps[:, -1] == 0.0, 1.0, steps[:, -1])
+        return self.branches[at], begins[:, :-1] + share[:, None] * steps[:, :-1], steps
+
+    @cached_property
+    def ends(self) -> tuple[Array, Array]:
+        """Return the least and the largest parameter of each."""
         first, last = self.begins[:, -1], self.begins[:, -1] + self.steps[:, -1]
-        at = np.flatnonzero((np.minimum(first, last) <= value) & (value <= np.maximum(first, last)))
-        steps = self.steps[at]
-        share = (value - first[at]) / np.where(steps[:, -1] == 0.0, 1.0, steps[:, -1])
-        return self.branches[at], self.begins[at, :-1] + share[:, None] * steps[:, :-1], steps
+        return np.minimum(first, last), np.maximum(first, last)
 
 
 class _Search:
@@ -356,7 +364,8 @@ class _Search:
         self.sizes = np.zeros(len(first.free))
         self.seconds = {"brute": 0.0, "branches": 0.0}
         self.brute_cycles = 0
-        self.looked: list[float] = []
+        self.looked = np.empty(0)
+        self.stable: list[Array] = []
         self.lost: list[tuple[float, Mapping[str, Array]]] = []
 
     def settle_at(self, value: float, columns: Mapping[str, Array]) -> None:
@@ -391,12 +400,13 @@ class _Search:
                     if low < beside < high and self.is_new(beside, BESIDE * span):
                         return beside, self.starts(beside, FEW)
         for begin, end in self.gaps():
-            known = [begin, *(value for value in sorted(self.looked) if begin < value < end), end]
+            inside = self.looked[(begin < self.looked) & (self.looked < end)]
+            known = [begin, *np.sort(inside).tolist(), end]
             widths = np.diff(known)
             at = int(np.argmax(widths))
             if widths[at] > 2.0 * self.finest:
                 middle = 0.5 * (known[at] + known[at + 1])
-                self.looked.append(middle)
+                self.looked = np.append(self.looked, middle)
                 return middle, self.starts(middle, FEW)
         return None
 
@@ -425,19 +435,19 @@ class _Search:
 
     def is_new(self, value: float, reach: float) -> bool:
         """Whether nobody has looked within reach of a value, which is noted then."""
-        if any(abs(value - other) <= reach for other in self.looked):
+        if (np.abs(self.looked - value) <= reach).any():
             return False
-        self.looked.append(value)
+        self.looked = np.append(self.looked, value)
         return True
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the parts of the range in which no stable orbit is known, from below."""
         low, high = self.between
-        ends = [np.full((1, 2), high)]
-        for branch in self.branches:
+        for branch in self.branches[len(self.stable) :]:
             both = branch.stable[:-1] & branch.stable[1:]
-            ends.append(np.column_stack([branch.values[:-1], branch.values[1:]])[both])
-        parts = np.sort(np.concatenate(ends), axis=1)
+            ends = np.column_stack([branch.values[:-1], branch.values[1:]])[both]
+            self.stable.append(np.sort(ends, axis=1))
+        parts = np.concatenate([np.full((1, 2), high), *self.stable])
         begins, until = parts[np.argsort(parts[:, 0], kind="stable")].T
         reached = np.maximum.accumulate(np.append(low, until[:-1]))
         at = begins > reached
@@ -483,20 +493,33 @@ class _Search:
     ) -> tuple[Array, Array, NDArray[np.object_]]:
         """Return free states once a cycle after some, mean velocities, and how each run ended."""
         mechanism, law = self.map.pair(value)
-        cycle, keep, names = self.map.duration(mechanism), 2 * self.cycles, self.map.names
-        moving = [self.map.states[i] for i in self.map.moving]
-        times = [cycle * (settle + i) for i in range(keep + 1)]
-        outputs: dict[str, Output] = {name: Samples(name, times) for name in (*names, *moving)}
-        runs = ensemble(
-            mechanism, law, columns, t_end=times[-1], outputs=outputs, y0=self.y0,
-            solver=self.map.solver,
-        )  # fmt: skip
-        whole = np.array([status.complete for status in runs.status])
-        points = np.stack([runs[name][:, 1:] for name in names], axis=2)
-        ways = [(runs[name][:, -1] - runs[name][:, 0]) / (keep * cycle) for name in moving]
-        velocities = np.stack(ways, axis=1) if ways else np.empty((len(whole), 0))
-        points[~whole], velocities[~whole] = np.nan, np.nan
-        return points, velocities, np.array(runs.status, dtype=object)
+        cycle, keep, kept = self.map.duration(mechanism), 2 * self.cycles, self.map.kept
+        begin = initial_state("orbit_diagram", mechanism, law, self.y0)
+        form = self.map.form_at(value)
+        count, free = len(next(iter(columns.values()))), len(self.map.free)
+        points = np.full((count, keep, free), np.nan)
+        velocities = np.full((count, len(kept) - free), np.nan)
+        status = np.empty(count, dtype=object)
+        for row in range(count):
+            start = list(begin)
+            for i, name in zip(self.map.free, self.map.names, strict=True):
+                start[i] = float(columns[f"initial.{name}"][row])
+            left = settle + keep
+            while True:  # by stretches, whose records are not kept
+                cycles = left if left <= STRETCH + keep else STRETCH
+                run = self.map.solver.bare(
+                    mechanism, law, y0=start, t_end=cycles * cycle, form=form
+                )
+                status[row] = run.status
+                left -= cycles
+                if not run.status.complete or not left:
+                    break
+                start = run.at(np.array([cycles * cycle]))[0].tolist()
+            if run.status.complete:
+                states = run.at(cycle * np.arange(cycles - keep, cycles + 1))[:, kept]
+                points[row] = states[1:, :free]
+                velocities[row] = (states[-1, free:] - states[0, free:]) / (keep * cycle)
+        return points, velocities, status
 
     def starts(self, value: float, count: int, *, from_beginning: bool = False) -> dict[str, Array]:
         """Return initial states of runs of the size of settled motions, the first as given.
@@ -532,8 +555,10 @@ class _Search:
         What lies near the polygon of a branch is compared with the orbit of the branch at the same
         value, unless the distance allowed is one of settled runs.
         """
-        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
         numbers, guesses, steps = self.chords(closed).across(value)
+        if not len(numbers):
+            return None
+        scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
         gaps = np.abs((guesses[:, None] - points) / scale).max(axis=2).min(axis=1)
         near = np.full(len(gaps), NEAR_SAMPLES)
         if walking:  # as far as the arc may be from its chord; a step later another chord tells
@@ -621,7 +646,8 @@ class _Search:
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
         for shot in curve.beyond:
-            self.follow_shot(shot, branch.cycles)
+            with suppress(SimulationError, InputError):
+                self.follow_shot(solved(branch.map, shot.y, shot.value), branch.cycles)
 
     def strobes(self, shot: Shot, cycles: int) -> Array:
         """Return the free states of an orbit once a cycle."""

@@ -73,6 +73,8 @@ END_STEP = 1e-5
 """Share of an orbit within which the velocity of the states at its end is taken."""
 PERIOD_STEP = 1e-4
 """Share of a parameter by which it is changed for the derivative of the cycle."""
+POWERS = 5
+"""Values of a parameter at which it is seen how the cycle goes with it."""
 SAMPLES = 65
 """Times of an orbit at which the size of its states is looked at."""
 TRIAL_SHARE, TRIAL_RATE = 0.01, 1.0
@@ -244,17 +246,16 @@ class Derivatives:
         # States that the mechanism begins with change with its parameters.
         told = tuple(name for name in self.mechanism.start() if name not in map_.names)
         sense = replace(self.run.differentiate, told=told) if told else self.run.differentiate
-        paths = [*map("initial.{}".format, map_.names), *([map_.path] if map_.path else [])]
-        taken = sense(np.array([sense.t_end]), paths)[0][[*map_.free, *map_.moving]]
-        if not np.isfinite(taken).all():
+        taken = sense(np.array([sense.t_end]), map_.paths)[0][map_.kept]
+        if not math.isfinite(taken.sum()):
             raise SimulationError(
                 "there is no derivative: a contact, a stop or a switch is only touched (grazing),"
                 " or two events coincide."
             )
         found = np.zeros((len(taken), n + 1))
         found[:, : taken.shape[1]] = taken
-        if map_.path is not None:
-            found[:, n] += self.rate * map_.stretch(self.mechanism, self.value)
+        if map_.path is not None and (stretch := map_.stretch(self.mechanism, self.value)):
+            found[:, n] += self.rate * stretch
         return found
 
 
@@ -343,8 +344,8 @@ class Shot:
         """Whether each free state ends where it does whatever came before, as what sticks (n,)."""
         # How the end changes as each start changes by its size.
         value = abs(self.value) if math.isfinite(self.value) else 0.0
-        size = np.abs(self.jacobian + np.eye(*self.jacobian.shape)) * [*self.scale, value]
-        return np.asarray(size.max(axis=1) <= LOST * self.scale)
+        end = np.abs(self.derivatives.all[: len(self.y)])
+        return np.asarray(end @ [*self.scale.tolist(), value] <= LOST * self.scale)
 
     def moved(self, y: Array) -> Array:
         """Return a start, with what is lost exactly where it ends."""
@@ -353,7 +354,9 @@ class Shot:
     @cached_property
     def jacobian(self) -> Array:
         """(n, n + 1): dF/dy and dF/dp."""
-        return np.concatenate((self.monodromy - np.eye(len(self.y)), self.slope[:, None]), axis=1)
+        found = self.derivatives.all[: len(self.y)].copy()
+        found.flat[:: found.shape[1] + 1] -= 1.0
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -392,6 +395,30 @@ class ReturnMap:
         return tuple(self.states[i] for i in self.free)
 
     @cached_property
+    def kept(self) -> list[int]:
+        """Indices of the states that are solved for, then of those on which nothing depends."""
+        return [*self.free, *self.moving]
+
+    @cached_property
+    def paths(self) -> list[str]:
+        """Paths of derivatives: starts of the free states, and the parameter."""
+        return [*map("initial.{}".format, self.names), *([self.path] if self.path else [])]
+
+    @cached_property
+    def power(self) -> int | None:
+        """With which power of the parameter the cycle goes: 0, -1 or 1; None with none of them."""
+        if self.period is not None or str(self.path).startswith("friction."):
+            return 0
+        if self.between is None or self.between[0] <= 0.0:
+            return None
+        values = np.linspace(*self.between, POWERS)
+        cycles = np.array([cycle_of(self.pair(float(value))[0]) for value in values])
+        for power in (0, -1, 1):
+            if np.ptp(cycles / values**power) <= POWERS * _EPSILON * cycles.max():
+                return power
+        return None
+
+    @cached_property
     def signatures(self) -> dict[bytes, Signature]:
         """Those of runs so far, by what happened in them."""
         return {}
@@ -404,6 +431,10 @@ class ReturnMap:
                 if path == self.path and not quantity.structural:
                     return Form.of(self.mechanism, self.law)
         return None if self.path else Form.of(self.mechanism, self.law)
+
+    def form_at(self, value: float) -> Form | None:
+        """Return the equations with a value of the parameter, if they are known."""
+        return self.form if self.form is None else self.form.at(str(self.path), value)
 
     def pair(self, value: float) -> tuple[Mechanism, FrictionLaw | Laws]:
         """Return mechanism and law with a value of the parameter."""
@@ -424,7 +455,7 @@ class ReturnMap:
         """Return m T [s]."""
         return self.cycles * (cycle_of(mechanism) if self.period is None else self.period)
 
-    def shoot(self, y: Array, value: float = np.nan, most: Array | float = np.inf) -> Shot:
+    def shoot(self, y: Array, value: float = np.nan, most: Array | None = None) -> Shot:
         """Run over the period from free states; derivatives are taken when they are asked for.
 
         A run that ends early is a `SimulationError`, as is one that leaves a residual of more than
@@ -432,27 +463,30 @@ class ReturnMap:
         """
         mechanism, law = self.pair(value)
         period = self.duration(mechanism)
-        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        least = _EPSILON * max(map(abs, y.tolist()), default=0.0)
-        if not all(map(math.isfinite, y.tolist())):
+        given: list[float] = y.tolist()
+        if not all(map(math.isfinite, given)):
             raise SimulationError("a step has left all finite states.")
-        y = np.array([0.0 if abs(x) <= least else x for x in y.tolist()])
-        begin = {**mechanism.start(), **dict(zip(self.names, y.tolist(), strict=True))}
+        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
+        least = _EPSILON * max(map(abs, given), default=0.0)
+        given = [0.0 if abs(x) <= least else x for x in given]
+        y = np.array(given)
+        begin = mechanism.start()
         start = [float(begin.get(name, 0.0)) for name in self.states]
-        form = self.form if self.form is None else self.form.at(str(self.path), value)
-        run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=form)
+        for i, x in zip(self.free, given, strict=True):
+            start[i] = x
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
         if not run.status.complete:
             raise SimulationError(run.status.value)
-        states, n = run.at(period * _SHARES), len(self.free)
-        kept = [*self.free, *self.moving]
-        ends = states[SAMPLES - 1 :, kept]  # right before the end, too
+        states, n = run.at(period * _SHARES)[:, self.kept], len(self.free)
+        ends = states[SAMPLES - 1 :]  # right before the end, too
         residual = ends[0, :n] - y
-        if (np.abs(residual) > most).any():
+        if most is not None and (np.abs(residual) > most).any():
             raise SimulationError("a step has led farther from an orbit.")
-        size = np.abs(states).max(axis=0)
-        size[size == 0.0] = max(size.max(), _TINY)
+        size = np.abs(states[:, :n]).max(axis=0)
+        if not size.all():
+            size[size == 0.0] = max(size.max(initial=0.0), _TINY)
         # One-sided differences of second order: behind the end there is no run.
-        rate = (1.5 * ends[0] - 2.0 * ends[1] + 0.5 * ends[2]) / (END_STEP * period)
+        rate = _BACKWARD @ ends / period
         return Shot(
             y=y,
             value=value,
@@ -460,10 +494,10 @@ class ReturnMap:
             law=law,
             period=period,
             residual=residual,
-            scale=size[kept[:n]],
+            scale=size,
             came=ends[0, n:] - [start[i] for i in self.moving],
             off=np.zeros(n + 1),
-            half=states[SAMPLES // 2, kept[:n]] - y,
+            half=states[SAMPLES // 2, :n] - y,
             derivatives=Derivatives(self, mechanism, value, run, rate),
             run=run,
         )
@@ -484,9 +518,8 @@ class ReturnMap:
 
     def stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
-        # Friction stands in no drive, so that the cycle stays.
-        if self.period is not None or str(self.path).startswith("friction."):
-            return 0.0
+        if self.power is not None:
+            return self.power * self.duration(mechanism) / value if self.power else 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
         near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
         above, below = map(self.duration, near)
@@ -515,6 +548,7 @@ class ReturnMap:
 
 
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
+_BACKWARD = np.array([1.5, -2.0, 0.5]) / END_STEP
 _SHARES = np.append(np.linspace(0.0, 1.0, SAMPLES), 1.0 - END_STEP * np.array([1.0, 2.0]))
 
 
