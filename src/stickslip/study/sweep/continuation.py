@@ -80,15 +80,17 @@ MOST_POINTS = 2000
 """Points of a branch to either side."""
 FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-6, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
-GROWTH, EASY = 1.5, 3
-"""By how much a step grows, and after how many of Newton's steps at most."""
+GROWTH, EASY, FAST = 1.5, 3, 3.0
+"""By how much a step grows, after how many of Newton's steps at most, and after none."""
 MOST_NEWTON = 6
 """Newton's steps of one correction."""
 TURN: Final = 0.9
-"""Least cosine between tangents of neighbours, where the same happens in both."""
+"""Least cosine between tangents of neighbours."""
 WORSE, AGAIN = 2.0, 0.1
 """Residual over the last one, and distance from the last start but one over that from the last, at
 which Newton's steps are given up."""
+FALLS = 0.5
+"""Residual over the last one at which they are given up in a walk."""
 ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
@@ -96,11 +98,15 @@ MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
-CLEAN, FIRST_SECTIONS, NARROWED = 1e-4, 6, 0.25
-"""Length of a step from which it must not lead across a gap, and after how many sections a gap that
-is no narrower than a share is one: that at grazing shrinks with the root of its part."""
-STEEP = 0.1
-"""Cosine between a tangent and the direction of a step from which it is followed in the step."""
+SHORT, COARSE = 1e-3, 0.05
+"""Length of a step from which its predictor may be off the branch, and share of it to which is
+located then where something changes along it."""
+CLEAN, RESTART = 1e-4, 4e-4
+"""Distance over which a branch is stepped without a gap, and first step behind."""
+POLE = 0.9
+"""Share of the arc in front of a pole of the derivative after which a step ends."""
+BEHIND: Final = (1e-3, 4e-3)
+"""Distances behind a change at which other branches are looked for."""
 HALVED, NEAR_HALVED = 1e-3, 5e-4
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
 doubling, and how far from it that may be."""
@@ -121,8 +127,6 @@ WALKED = 1e-9
 """What a point of a walk may be off."""
 TRUSTED = 1e-5
 """Residual from which a step with a derivative of its own may be the last."""
-ROUGH = 1e-3
-"""Residual over the width of a part between whose ends a side is asked for."""
 SLOW = 0.1
 """Share of the residual left by a step from which its derivative is taken anew."""
 INSIDE = 0.618
@@ -473,8 +477,6 @@ class _Step:
     """Its arc."""
     count: int
     """How many of Newton's steps it took."""
-    border: _Part
-    """Where what happens changes in it; the step itself if nothing does."""
     free: float
     """Arc behind it in which something stops a step."""
 
@@ -533,28 +535,16 @@ class _Curve:
         start: Array | None = None,
         reach: float = np.inf,
         known: tuple[_Point, ...] = (),
-        trusted: float = 0.0,
+        shot: Shot | None = None,
     ) -> tuple[Shot, int] | None:
         """Return the orbit with normal (u - u0) = distance near there, and the steps it took.
 
-        None if there is none, or if it has no derivative.
+        None if there is none, or if it has no derivative. The run from the start may be known.
         """
         u = u0 + distance * normal / float(normal @ normal) if start is None else start
         try:
-            found = self.newton(u0, normal, distance, u, reach, known, trusted)
+            found = self.newton(u0, normal, distance, u, reach, known, shot)
             return found and (found[0].sensed(), found[1])
-        except (SimulationError, InputError, np.linalg.LinAlgError):
-            return None
-
-    def rough(self, u0: Array, normal: Array, arc: float, u: Array, ends: _Part) -> Shot | None:
-        """Return what closes at an arc between two ends well enough to tell on which side it is.
-
-        Its derivatives are not asked for.
-        """
-        least, reach = ROUGH * (ends.high - ends.low), _length(ends.b.unknowns - ends.a.unknowns)
-        try:
-            found = self.newton(u0, normal, arc, u, reach, (ends.a, ends.b), 0.0, least)
-            return found and found[0]
         except (SimulationError, InputError, np.linalg.LinAlgError):
             return None
 
@@ -566,32 +556,33 @@ class _Curve:
         u: Array,
         reach: float,
         known: tuple[_Point, ...],
-        trusted: float,
-        rough: float = 0.0,
+        first: Shot | None,
     ) -> tuple[Shot, int] | None:
         """Return the orbit near a start, and how many steps that took.
 
         None if Newton's steps do not converge, or lead farther than within reach. While they leave
-        little, Broyden's rule mends the derivative. From a residual that is trusted on it is taken
-        anew, as the next point needs it: how it differs from that of a known point tells what the
-        step from there leaves. Where the orbit may be rough, the first derivative is that of a
-        known point, too.
+        little, Broyden's rule mends the derivative. In a walk, where a point is known, it is taken
+        anew from a residual that is trusted on, as the next point needs it: how it differs from
+        that of the known point tells what the step from there leaves.
         """
+        trusted = TRUSTED if known else 0.0
         begun, before, last = u, np.inf, np.inf
         tried, matrix, lost, kind = [u], np.empty(0), np.empty(0, bool), None
         for count in range(MOST_NEWTON + 1):
-            shot = self.shoot(u, WORSE * before)
+            shot = first or self.shoot(u, WORSE * before)
+            first = None
             # what is left is judged by the size of the states in this orbit, as by `solved`
-            if shot.error <= max(rough, self.map.tolerance):
+            if shot.error <= self.map.tolerance:
                 return shot, count
             if count == MOST_NEWTON:
+                return None
+            if trusted and shot.error > FALLS * last:
                 return None
             residual = shot.residual / self.scale[:-1]
             lack = np.array([*residual.tolist(), float(normal @ (u - u0)) - distance])
             near = next((p for p in known if p.signature == shot.signature), None)
-            point = near if rough > 0.0 and shot.signature != kind else None
-            taken = shot.signature != kind or shot.error > SLOW * last or shot.error <= trusted
-            if point is None and taken:
+            point = None
+            if shot.signature != kind or shot.error > SLOW * last or shot.error <= trusted:
                 point = self.point(shot)
                 known = (point, *known)
             if point is None:
@@ -679,7 +670,10 @@ class _Curve:
                         sentence = "the branch ends there"
                         events.append(self.event(kind, here, len(points) - 1, sentence))
                     return points, reason, events
-                ds = 0.1 * _length(there.unknowns - u0)
+                gap = _length(there.unknowns - u0)
+                found = [self.correct(u0, here.tangent, far, reach=far) for far in BEHIND]
+                self.beyond += [pair[0] for pair in found if pair is not None]
+                ds = RESTART if gap < CLEAN else 0.1 * gap
             else:
                 there = step.there
             if self.map.cycles % 2 == 0 and _halves_meet(here, there):
@@ -689,7 +683,7 @@ class _Curve:
             if isinstance(step, float):
                 events.append(self.turned(here, there, len(points) - 1))
             else:
-                events += self.between(here, there, u0, step.length, len(points) - 1, step.border)
+                events += self.between(here, there, u0, step.length, len(points) - 1)
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
@@ -699,47 +693,63 @@ class _Curve:
                 return points, ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if not isinstance(step, float):
-                grown = GROWTH * ds if step.count <= EASY and not held else ds
-                ds = min(grown, self.step, step.free)
+                growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
+                ds = min(step.length * (1.0 if held else growth), self.step, step.free)
             ds, held = min(ds, self.straight(points)), False
+            if (short := self.short_of_pole(points)) < SHORT:
+                ds = min(ds, short)
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
     def stepped(self, points: list[_Point], u0: Array, ds: float) -> _Step | float:
-        """Return a step, or how long a shorter one may be.
+        """Return a step in which nothing changes of what happens, or how long one may be.
 
-        In front of a gap it ends. What lies behind is noted, as it may be a branch.
+        What changes, and where, is seen by runs along the predictor, without derivatives.
         """
-        here = points[-1]
+        here, free = points[-1], np.inf
+        shot = self.alike(points, u0, ds)
+        if shot is None:
+            ds, free = self.clear(points, u0, ds)
+            if ds == 0.0:
+                return ds
         start = self.ahead(points, u0, ds)
-        found = self.correct(u0, here.tangent, ds, start, ds, (here,), TRUSTED)
-        if found is None:
-            return 0.5 * ds if ds > CLEAN else self.clear(points, u0, ds)
-        there = self.point(found[0], here.tangent)
-        if not self.is_next(here, there, u0, ds):
-            return 0.5 * ds
-        border, crossed = self.border(here, there, u0, ds)
-        if crossed:
-            return _Step(there, ds, found[1], border, np.inf)
-        self.beyond.append(there.shot)
-        there, low = border.a, border.low
-        rough = there.shot.error > self.map.tolerance
-        if low == 0.0 or rough or not self.is_next(here, there, u0, low):
-            return 0.5 * border.high
-        return _Step(there, low, found[1], _Part(0.0, low, here, there), border.high - low)
+        found = self.correct(u0, here.tangent, ds, start, ds, (here,), shot)
+        there = found and self.point(found[0], here.tangent)
+        if not found or not there or not self.is_next(here, there, u0, ds):
+            return min(0.5 * ds, self.short_of_pole(points))
+        return _Step(there, ds, found[1], free)
 
-    def clear(self, points: list[_Point], u0: Array, ds: float) -> float:
-        """Return half a step that failed, or how far what happened at the last point happens still.
+    def alike(self, points: list[_Point], u0: Array, ds: float) -> Shot | None:
+        """Return the run on the predictor, if the same happens in it as at the last point."""
+        with suppress(SimulationError, InputError):
+            shot = self.shoot(self.ahead(points, u0, ds))
+            if shot.signature == points[-1].signature:
+                return shot
+        return None
 
-        Runs along the predictor show that, without derivatives, which steps that fail need.
+    def clear(self, points: list[_Point], u0: Array, ds: float) -> tuple[float, float]:
+        """Return up to where on the predictor the same happens still, and the arc to where not.
+
+        A long predictor is off the branch by more than a short arc.
         """
-        ds *= 0.5
-        while ds > LEAST_STEP and (start := self.ahead(points, u0, ds)) is not None:
-            with suppress(SimulationError, InputError):
-                if self.shoot(start).signature == points[-1].signature:
-                    break
-            ds *= 0.5
-        return ds
+        low, high = 0.0, ds
+        while high - low > (LEAST_STEP if ds <= SHORT else COARSE * ds):
+            middle = 0.5 * (low + high)
+            same = self.alike(points, u0, middle) is not None
+            low, high = (middle, high) if same else (low, middle)
+        return low, high - low
+
+    def short_of_pole(self, points: list[_Point]) -> float:
+        """Return a step that ends in front of where the derivative grows without bound, if it does.
+
+        Behind a grazing contact it grows like the inverse of the arc from there.
+        """
+        if len(points) < 2 or points[-2].signature != points[-1].signature:
+            return np.inf
+        before, here = points[-2:]
+        ratio = _length(before.slopes.ravel()) / _length(here.slopes.ravel())
+        length = _length(here.unknowns - before.unknowns)
+        return POLE * length * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
 
     def ended(self, first: _Point, points: list[_Point]) -> str:
         """Return why a branch need not be followed beyond its last point; else nothing."""
@@ -755,36 +765,9 @@ class _Curve:
     def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
         """Whether a corrected point lies on the same branch, near enough."""
         off = there.unknowns - u0 - ds * here.tangent
-        if _length(off) > ON_CURVE * ds:
+        if _length(off) > ON_CURVE * ds or here.signature != there.signature:
             return False
-        same = here.signature == there.signature
-        return not same or float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
-
-    def border(self, here: _Point, there: _Point, u0: Array, ds: float) -> tuple[_Part, bool]:
-        """Return the part of a step in which what happens changes, and whether the step is one.
-
-        The part is the step itself if nothing changes. It is none if there is no orbit somewhere
-        between, or a gap: then the branch turns to and fro between the points, or another one comes
-        near.
-        """
-        step = _Part(0.0, ds, here, there)
-        if here.signature == there.signature:
-            return step, True
-
-        def side(point: _Point) -> float:
-            return 1.0 if point.signature == here.signature else -1.0
-
-        def gap(part: _Part) -> float:
-            return _length(part.b.unknowns - part.a.unknowns)
-
-        near = self.located(step, u0, here.tangent, side, most=FIRST_SECTIONS)
-        if ds >= CLEAN and gap(near) > NARROWED * gap(step):
-            return near, False
-        near = self.located(near, u0, here.tangent, side)
-        if ds < CLEAN:
-            return near, True
-        located = near.high - near.low <= LEAST_STEP
-        return near, located and gap(near) <= max(BESIDE * ds, LEAST_STEP**0.5)
+        return float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
 
     def halves(
         self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
@@ -799,20 +782,21 @@ class _Curve:
         here = points[-1]
         far = _length(here.half)
         along = here.half / far
-        near = _Part(0.0, ds, here, there)
+        last = here
         if ds > 0.0 and far > HALVED:
-            near = self.located(
-                near, u0, here.tangent, lambda p: float(p.half @ along) - HALVED, NEAR_HALVED
-            )
-        if near.a is not here:
-            border, _ = self.border(here, near.a, u0, near.low)
-            events += self.between(here, near.a, u0, near.low, len(points) - 1, border)
-            end = self.limit(here, near.a)
+            _, last = self.located(
+                _Part(0.0, ds, here, there), u0, here.tangent,
+                lambda p: float(p.half @ along) - HALVED, NEAR_HALVED,
+            )  # fmt: skip
+        if last is not here:
+            arc = float(here.tangent @ (last.unknowns - u0))
+            events += self.between(here, last, u0, arc, len(points) - 1)
+            end = self.limit(here, last)
             if end is not None:
-                return self.cut(points, near.a, end, events)
-            points.append(near.a)
-        self.halved.append(near.a.shot)
-        value = quantity(near.a.shot.value, self.unit, 5)
+                return self.cut(points, last, end, events)
+            points.append(last)
+        self.halved.append(last.shot)
+        value = quantity(last.shot.value, self.unit, 5)
         return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
 
     def limit(self, here: _Point, there: _Point) -> float | None:
@@ -874,8 +858,8 @@ class _Curve:
                         return True
         return False
 
-    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array | None:
-        """Return where a polynomial through the last points goes on; None where there is none.
+    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array:
+        """Return where a polynomial through the last points goes on.
 
         It has their tangents, too, and is a function of the part along the last tangent.
         """
@@ -889,8 +873,8 @@ class _Curve:
             if turned < AHEAD or s >= ends[-1][0]:
                 break
             ends.append((s, point.unknowns, point.tangent / turned))
-        if len(ends) < 2 or ds > -FAR * ends[1][0]:
-            return None
+        if len(ends) > 1 and ds > -FAR * ends[1][0]:
+            ends = ends[:1]
         # Newton's form, each point twice, the first difference of such a pair being its slope
         places = [s for s, _, _ in ends for _ in range(2)]
         column = [u for _, u, _ in ends for _ in range(2)]
@@ -906,24 +890,12 @@ class _Curve:
             found = found + product * column[0]
         return np.where(along == 0.0, u0, found)  # what is lost to sticking stays exact
 
-    def amid(self, part: _Part, share: float, normal: Array) -> Array:
-        """Return what is at a share of a part: by a cubic if the same happens at both ends.
-
-        Else along the tangent from the end at which less happens, beyond which the other part of
-        the branch begins: what is more there may bend it without bound, as grazing does.
-        """
+    def amid(self, part: _Part, share: float) -> Array:
+        """Return what is at a share of a part, by a cubic."""
         a, b = part.a.unknowns, part.b.unknowns
-        found: Array = a + share * (b - a)
-        if part.a.signature == part.b.signature:
-            h, rest = _length(b - a), 1.0 - share
-            bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
-            return found + share * rest * bends
-        counts = [sum(n for _, _, n in point.signature) for point in (part.a, part.b)]
-        end, tangent = (a, part.a.tangent) if counts[0] < counts[1] else (b, part.b.tangent)
-        slope = float(normal @ tangent)
-        away = float(normal @ (found - end))
-        if abs(slope) > STEEP:
-            found = end + away / slope * tangent
+        h, rest = _length(b - a), 1.0 - share
+        bends = (h * part.a.tangent - (b - a)) * rest - (h * part.b.tangent - (b - a)) * share
+        found: Array = a + share * (b - a) + share * rest * bends
         return found
 
     def straight(self, points: list[_Point]) -> float:
@@ -940,15 +912,16 @@ class _Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
+        return next(filter(None, (self.across(here, ds) for ds in OVER)), None)
+
+    def across(self, here: _Point, ds: float) -> _Point | None:
+        """Return a point at which something else happens, from a start behind the last one."""
         u0 = here.unknowns
-        for ds in OVER:
-            start = u0 + ds * here.tangent
-            try:
-                guess = self.shoot(start).sensed()
-            except (SimulationError, InputError):
-                continue
+        start = u0 + ds * here.tangent
+        with suppress(SimulationError, InputError):
+            guess = self.shoot(start).sensed()
             if guess.signature == here.signature:
-                continue
+                return None
             null = self.point(guess).tangent
             alike = abs(float(null @ here.tangent)) > TURN
             for normal in (null,) if alike else (null, here.tangent):
@@ -965,7 +938,8 @@ class _Curve:
         """Return the event across which the branch was stepped over."""
         kind, sentence = self.change(here, there)
         back = here.tangent[-1] * there.tangent[-1] < 0.0
-        more = TURNS_BACK if back else "; stepped over"
+        wide = _length(there.unknowns - here.unknowns) > CLEAN
+        more = TURNS_BACK if back else "; stepped over" if wide else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
     def reason(self, here: _Point) -> tuple[str, str]:
@@ -1023,36 +997,24 @@ class _Curve:
         return _change(pair[0].signature, pair[1].signature)
 
     def between(
-        self, here: _Point, there: _Point, u0: Array, ds: float, index: int, border: _Part
+        self, here: _Point, there: _Point, u0: Array, ds: float, index: int
     ) -> list[Event]:
-        """Return the events between two points, each located; that of the border is."""
+        """Return the events in a step in which the same happens, each located."""
         found: list[tuple[float, Event]] = []
-        parts = [_Part(0.0, ds, here, there)]
-        if here.signature != there.signature:
-            kind, sentence = self.change(here, there)
-            near = border
-            if near.a.tangent[-1] * near.b.tangent[-1] < 0.0:
-                sentence += TURNS_BACK
-            sentence += self.jump(near.a, near.b)
-            found.append((near.low, self.event(kind, near.a, index, sentence)))
-            # what a test does at the change itself the event of the change says
-            parts = [_Part(0.0, near.low, here, near.a), _Part(near.high, ds, near.b, there)]
+        step = _Part(0.0, ds, here, there)
         for kind, sentence, test in TESTS:
-            for part in parts:
-                ends = test(part.a), test(part.b)
-                if ends[0] * ends[1] < 0.0:
-                    least = ZERO * max(map(abs, ends))
-                    near = self.located(part, u0, here.tangent, test, least)
-                    if near.a.signature == near.b.signature:
-                        found.append((near.low, self.event(kind, near.a, index, sentence)))
+            ends = test(here), test(there)
+            if ends[0] * ends[1] < 0.0:
+                least = ZERO * max(map(abs, ends))
+                s, point = self.located(step, u0, here.tangent, test, least)
+                found.append((s, self.event(kind, point, index, sentence)))
         crossed = {event.kind for _, event in found}
         if {"fold", "branch point"} <= crossed:  # seen from the branch that begins there
             found = [pair for pair in found if pair[1].kind != "fold"]
-        for part in parts:
-            near_torus = self.torus(part, u0, here.tangent)
-            if near_torus is not None:
-                s, a = near_torus
-                found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
+        near_torus = self.torus(step, u0, here.tangent)
+        if near_torus is not None:
+            s, a = near_torus
+            found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
         return [event for _, event in sorted(found, key=lambda pair: pair[0])]
 
     def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, _Point] | None:
@@ -1060,10 +1022,11 @@ class _Curve:
         before, after = _pair_outside(part.a), _pair_outside(part.b)
         if before is None or after is None or before == after:
             return None
-        near = self.located(part, u0, normal, lambda p: 1.0 if _pair_outside(p) == before else -1.0)
-        off = min(abs(abs(x) - 1.0) for x in near.a.multipliers)
-        same = near.a.signature == near.b.signature
-        return (near.low, near.a) if same and off < AT_CIRCLE else None
+        arc, near = self.located(
+            part, u0, normal, lambda p: 1.0 if _pair_outside(p) == before else -1.0
+        )
+        off = min(abs(abs(x) - 1.0) for x in near.multipliers)
+        return (arc, near) if off < AT_CIRCLE else None
 
     def located(
         self,
@@ -1072,65 +1035,34 @@ class _Curve:
         normal: Array,
         test: Callable[[_Point], float],
         least: float | None = None,
-        most: int = MOST_SECTIONS,
-    ) -> _Part:
-        """Return the least part in which a test function changes its sign.
+    ) -> tuple[float, _Point]:
+        """Return where a test function changes its sign: the arc, and the orbit right before.
 
         One that is smooth, and for which a least value counts as 0, by the rule of false position,
         whose kept end counts half (Illinois); any other by bisection.
         """
         low, high, a, b = part.low, part.high, part.a, part.b
         first, last, side = test(a), test(b), 0
-        for count in range(most):
+        for count in range(MOST_SECTIONS):
             if high - low <= LEAST_STEP:
                 break
             share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
             middle = low + share * (high - low)
-            try:
-                start = self.amid(_Part(low, high, a, b), share, normal)
-                if least is None:
-                    ends = _Part(low, high, a, b)
-                    shot = self.rough(u0, normal, middle, start, ends)
-                    shot = shot or self.rough(u0, normal, middle, u0 + middle * normal, ends)
-                else:
-                    found = self.correct(u0, normal, middle, start)
-                    found = found or self.correct(u0, normal, middle)
-                    shot = found and found[0]
-                if shot is None:
-                    break
-                point = self.point(shot, normal)
-                value = test(point)
-            except SimulationError:  # of a rough one without derivatives
+            found = self.correct(u0, normal, middle, self.amid(_Part(low, high, a, b), share))
+            found = found or self.correct(u0, normal, middle)
+            if found is None:
                 break
+            point = self.point(found[0], normal)
+            value = test(point)
+            if least is not None and abs(value) <= least:
+                return middle, point
             if value * first > 0.0:
                 low, a, first, last = middle, point, value, last * (0.5 if side < 0 else 1.0)
                 side = -1
             else:
                 high, b, last, first = middle, point, value, first * (0.5 if side > 0 else 1.0)
                 side = 1
-            if least is not None and abs(value) <= least and a.signature == b.signature:
-                return _Part(middle, middle, point, point)
-        first_end, last_end = (self.polished(u0, normal, *end) for end in ((low, a), (high, b)))
-        return _Part(
-            low if first_end else part.low,
-            high if last_end else part.high,
-            first_end or part.a,
-            last_end or part.b,
-        )
-
-    def polished(self, u0: Array, normal: Array, arc: float, point: _Point) -> _Point | None:
-        """Return the orbit at a point that may be rough; None if it has no derivative.
-
-        That is the point itself where it closes, or where something else happens in its orbit.
-        """
-        with suppress(SimulationError, InputError):
-            if point.shot.error > self.map.tolerance:
-                found = self.correct(u0, normal, arc, point.unknowns)
-                if found is not None and found[0].signature == point.signature:
-                    return self.point(found[0], normal)
-            _ = point.shot.sensed()
-            return point
-        return None
+        return low, a
 
     # -- doubled branches
 

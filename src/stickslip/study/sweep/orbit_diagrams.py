@@ -463,12 +463,14 @@ class _Search:
         samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
         ways = np.full((len(rows), len(self.map.moving)), np.nan)
         closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
-        # Runs that close clearly after a share of the cycles need not go on.
-        for settle, tolerance in ((early, CLOSED / SOONER), (self.settle - early - keep, CLOSED)):
-            count += max(settle, 0) + keep
-            points, ways[rows], status[rows] = self.sampled(value, columns, max(settle, 0))
+        # Runs that close clearly after a share of the cycles, or after two, need not go on.
+        for share in (1, 2, EARLY):
+            tolerance = CLOSED if share == EARLY else CLOSED / SOONER
+            settle = max((self.settle if share == EARLY else share * early) - count, 0)
+            count += settle + keep
+            points, ways[rows], status[rows] = self.sampled(value, columns, settle)
             samples[rows] = points
-            self.brute_cycles += len(rows) * (max(settle, 0) + keep)
+            self.brute_cycles += len(rows) * (settle + keep)
             whole = np.isfinite(points).all(axis=(1, 2))
             # of settled motions so far, and of these samples: a single run may rest
             scale = np.maximum(self.sizes, np.abs(points[whole]).max(axis=(0, 1), initial=0.0))
@@ -516,7 +518,7 @@ class _Search:
                     break
                 start = run.at(np.array([cycles * cycle]))[0].tolist()
             if run.status.complete:
-                states = run.at(cycle * np.arange(cycles - keep, cycles + 1))[:, kept]
+                states = run.at(np.array([cycle * i for i in range(cycles - keep, cycles + 1)]))[:, kept]
                 points[row] = states[1:, :free]
                 velocities[row] = (states[-1, free:] - states[0, free:]) / (keep * cycle)
         return points, velocities, status
