@@ -38,11 +38,11 @@ di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,6 +107,8 @@ POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
 BEHIND: Final = (1e-3, 4e-3)
 """Distances behind a change at which other branches are looked for."""
+DISTINCT = 1e-4
+"""Distance of the halves of an orbit, over the size of the states, above what runs of a walk miss."""
 HALVED, NEAR_HALVED = 1e-3, 5e-4
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
 doubling, and how far from it that may be."""
@@ -116,8 +118,9 @@ OUTGROWN = 2.0
 """Size of a state over its scale, or the reverse, from which the scales are taken anew."""
 FAR = 2.0
 """Longest step, over the last one, into which a polynomial through points is continued."""
-ORDER, AHEAD = 3, 0.5
-"""Points that it goes through at most, and least cosine between their tangents and the last."""
+ORDER, AHEAD, APART = 3, 0.5, 0.2
+"""Points that it goes through at most, least cosine between their tangents and the last, and how
+far apart they are at least, over the last step: of points too near each other it shows errors."""
 BEND = 0.8
 """Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
 BESIDE, ALIKE = 0.05, 1e-3
@@ -454,6 +457,60 @@ class _Point:
 
 
 @dataclass(frozen=True)
+class _Predictor:
+    """Where a branch goes on: a polynomial through its last points with their tangents.
+
+    It is a function of the part along the last tangent, in Newton's form.
+    """
+
+    here: _Point
+    """The last point."""
+    places: Array
+    """Where its terms vanish: each point twice, the last one first (k,)."""
+    terms: Array
+    """Divided differences (k, unknowns)."""
+    reach: float
+    """Arc up to which it is used; farther on, the tangent is."""
+
+    @classmethod
+    def of(cls, points: Sequence[_Point]) -> Self:
+        """Take the last points in which the same happens."""
+        here = points[-1]
+        along, u0 = here.tangent, here.unknowns
+        ends = [(0.0, u0, along)]
+        for point in points[:-1][: -ORDER : -1]:
+            if point.signature != here.signature or point.scale is not here.scale:
+                break
+            s = float(along @ (point.unknowns - u0))
+            turned = float(along @ point.tangent)
+            if turned < AHEAD or s >= ends[-1][0] + APART * ends[min(1, len(ends) - 1)][0]:
+                break
+            ends.append((s, point.unknowns, point.tangent / turned))
+        places = np.repeat([s for s, _, _ in ends], 2)
+        column = np.repeat([u for _, u, _ in ends], 2, axis=0)
+        terms = np.empty((len(places) - 1, len(u0)))
+        for k in range(1, len(places)):
+            widths = places[k:] - places[:-k]
+            if k == 1:
+                widths[::2] = 1.0
+            column = np.diff(column, axis=0) / widths[:, None]
+            if k == 1:  # of a point twice, the difference is its slope
+                column[::2] = [slope for _, _, slope in ends]
+            terms[k - 1] = column[0]
+        terms[:, along == 0.0] = 0.0  # what is lost to sticking stays exact
+        reach = -FAR * ends[1][0] if len(ends) > 1 else 0.0
+        return cls(here, places[:-1], terms, reach)
+
+    def __call__(self, ds: float) -> Array:
+        """Return the unknowns at an arc."""
+        u0 = self.here.unknowns
+        if ds > self.reach:
+            return u0 + ds * self.here.tangent
+        found: Array = u0 + np.cumprod(ds - self.places) @ self.terms
+        return found
+
+
+@dataclass(frozen=True)
 class _Part:
     """A part of a step."""
 
@@ -680,10 +737,11 @@ class _Curve:
                 return self.halves(
                     points, there, u0, 0.0 if isinstance(step, float) else step.length, events
                 )
-            if isinstance(step, float):
+            if here.signature != there.signature:
                 events.append(self.turned(here, there, len(points) - 1))
             else:
-                events += self.between(here, there, u0, step.length, len(points) - 1)
+                arc = float(here.tangent @ (there.unknowns - u0))
+                events += self.between(here, there, u0, arc, len(points) - 1)
             end = self.limit(here, there)
             if end is not None:
                 return self.cut(points, there, end, events)
@@ -706,28 +764,27 @@ class _Curve:
 
         What changes, and where, is seen by runs along the predictor, without derivatives.
         """
-        here, free = points[-1], np.inf
-        shot = self.alike(points, u0, ds)
+        here, free, ahead = points[-1], np.inf, _Predictor.of(points)
+        shot = self.alike(here, ahead(ds))
         if shot is None:
-            ds, free = self.clear(points, u0, ds)
+            ds, free = self.clear(here, ahead, ds)
             if ds == 0.0:
                 return ds
-        start = self.ahead(points, u0, ds)
-        found = self.correct(u0, here.tangent, ds, start, ds, (here,), shot)
+        found = self.correct(u0, here.tangent, ds, ahead(ds), ds, (here,), shot)
         there = found and self.point(found[0], here.tangent)
         if not found or not there or not self.is_next(here, there, u0, ds):
             return min(0.5 * ds, self.short_of_pole(points))
         return _Step(there, ds, found[1], free)
 
-    def alike(self, points: list[_Point], u0: Array, ds: float) -> Shot | None:
-        """Return the run on the predictor, if the same happens in it as at the last point."""
+    def alike(self, here: _Point, start: Array) -> Shot | None:
+        """Return the run from a start, if the same happens in it as at a point."""
         with suppress(SimulationError, InputError):
-            shot = self.shoot(self.ahead(points, u0, ds))
-            if shot.signature == points[-1].signature:
+            shot = self.shoot(start)
+            if shot.signature == here.signature:
                 return shot
         return None
 
-    def clear(self, points: list[_Point], u0: Array, ds: float) -> tuple[float, float]:
+    def clear(self, here: _Point, ahead: _Predictor, ds: float) -> tuple[float, float]:
         """Return up to where on the predictor the same happens still, and the arc to where not.
 
         A long predictor is off the branch by more than a short arc.
@@ -735,7 +792,7 @@ class _Curve:
         low, high = 0.0, ds
         while high - low > (LEAST_STEP if ds <= SHORT else COARSE * ds):
             middle = 0.5 * (low + high)
-            same = self.alike(points, u0, middle) is not None
+            same = self.alike(here, ahead(middle)) is not None
             low, high = (middle, high) if same else (low, middle)
         return low, high - low
 
@@ -858,38 +915,6 @@ class _Curve:
                         return True
         return False
 
-    def ahead(self, points: list[_Point], u0: Array, ds: float) -> Array:
-        """Return where a polynomial through the last points goes on.
-
-        It has their tangents, too, and is a function of the part along the last tangent.
-        """
-        here = points[-1]
-        along, ends = here.tangent, [(0.0, u0, here.tangent)]
-        for point in points[:-1][: -ORDER : -1]:
-            if point.signature != here.signature or point.scale is not here.scale:
-                break
-            s = float(along @ (point.unknowns - u0))
-            turned = float(along @ point.tangent)
-            if turned < AHEAD or s >= ends[-1][0]:
-                break
-            ends.append((s, point.unknowns, point.tangent / turned))
-        if len(ends) > 1 and ds > -FAR * ends[1][0]:
-            ends = ends[:1]
-        # Newton's form, each point twice, the first difference of such a pair being its slope
-        places = [s for s, _, _ in ends for _ in range(2)]
-        column = [u for _, u, _ in ends for _ in range(2)]
-        found, product = u0, 1.0
-        for k in range(1, len(places)):
-            column = [
-                ends[i // 2][2]
-                if places[i + k] == places[i]
-                else (column[i + 1] - column[i]) / (places[i + k] - places[i])
-                for i in range(len(places) - k)
-            ]
-            product *= ds - places[k - 1]
-            found = found + product * column[0]
-        return np.where(along == 0.0, u0, found)  # what is lost to sticking stays exact
-
     def amid(self, part: _Part, share: float) -> Array:
         """Return what is at a share of a part, by a cubic."""
         a, b = part.a.unknowns, part.b.unknowns
@@ -915,7 +940,11 @@ class _Curve:
         return next(filter(None, (self.across(here, ds) for ds in OVER)), None)
 
     def across(self, here: _Point, ds: float) -> _Point | None:
-        """Return a point at which something else happens, from a start behind the last one."""
+        """Return a point at which something else happens, from a start behind the last one.
+
+        Or the same again: where an event passes the beginning of the cycle, it comes twice in a run
+        that does not close, or not at all.
+        """
         u0 = here.unknowns
         start = u0 + ds * here.tangent
         with suppress(SimulationError, InputError):
@@ -930,7 +959,8 @@ class _Curve:
                     continue
                 off = self.point(found[0]).unknowns - u0
                 point = self.point(found[0], off)
-                if point.signature != here.signature and _length(off) < MOST_STEP:
+                ahead = float(here.tangent @ off) >= 0.5 * ds
+                if (point.signature != here.signature or ahead) and _length(off) < MOST_STEP:
                     return point
         return None
 
@@ -1109,7 +1139,7 @@ def units_of(map_: ReturnMap) -> dict[str, str]:
 def _halves_meet(here: _Point, there: _Point) -> bool:
     """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
     far = _length(here.half)
-    if far <= NEARBY or far > 2.0 * _length(there.half - here.half):
+    if far <= DISTINCT or far > 2.0 * _length(there.half - here.half):
         return False
     return float(here.half @ there.half) < ALIKE * far * far
 

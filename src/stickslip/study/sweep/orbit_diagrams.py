@@ -518,7 +518,8 @@ class _Search:
                     break
                 start = run.at(np.array([cycles * cycle]))[0].tolist()
             if run.status.complete:
-                states = run.at(np.array([cycle * i for i in range(cycles - keep, cycles + 1)]))[:, kept]
+                times = [cycle * i for i in range(cycles - keep, cycles + 1)]
+                states = run.at(np.array(times))[:, kept]
                 points[row] = states[1:, :free]
                 velocities[row] = (states[-1, free:] - states[0, free:]) / (keep * cycle)
         return points, velocities, status

@@ -277,6 +277,8 @@ class Shot:
     """F (n,)."""
     scale: Array
     """Size of each free state in the run (n,)."""
+    error: float
+    """Largest residual over the size of its state."""
     came: Array
     """How far each coordinate on which nothing depends has come in the run."""
     off: Array
@@ -328,11 +330,6 @@ class Shot:
         if not idle:
             kept[what_came] = found
         return found
-
-    @cached_property
-    def error(self) -> float:
-        """Largest residual over the size of its state."""
-        return float((np.abs(self.residual) / self.scale).max(initial=0.0))
 
     @cached_property
     def advance(self) -> Array:
@@ -495,6 +492,7 @@ class ReturnMap:
             period=period,
             residual=residual,
             scale=size,
+            error=float((np.abs(residual) / size).max(initial=0.0)),
             came=ends[0, n:] - [start[i] for i in self.moving],
             off=np.zeros(n + 1),
             half=states[SAMPLES // 2, :n] - y,
@@ -513,6 +511,7 @@ class ReturnMap:
             law=law,
             period=self.duration(mechanism),
             residual=np.zeros_like(shot.residual),
+            error=0.0,
             off=np.append(y - shot.y, value - shot.value),
         )
 
