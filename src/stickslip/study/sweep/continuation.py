@@ -3,31 +3,33 @@
 Unknown is u = (y / scale, p / range): the free states of an orbit (see `orbits`) and the parameter.
 Along a branch F(u) = 0, where stability plays no part:
 
-1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by the cubic
-   through the last two points and their tangents where the same happens in both.
+1. Predictor: a step ds along the tangent t, the null vector of [dF/dy, dF/dp]; by a polynomial
+   through the last points and their tangents where the same happens in them. If something else
+   happens in a run from there, bisection by such runs, without derivatives, tells up to where the
+   same does, and the step ends in front of that.
 2. Corrector: Newton's steps with the further equation t (u - u0) = ds; a derivative costs more
    than its run and is taken where it is used, else mended by Broyden's rule. The last step needs no
    run where the two before show what it leaves, or how the derivative changes from a point nearby.
-   The step grows where few of them are needed, up to where the tangent turns by a given angle, and
-   is halved where they fail. Short steps are halved until a run on the predictor shows what
-   happened before. A step must not lead across a gap to what is another part of the branch, or
-   another one: it ends in front of it. Scales follow the states.
-3. Events between two points, each located on the arc: by false position where the test function is
-   smooth, else by bisection.
+   The step grows where few of them are needed, up to where the tangent turns by a given angle, is
+   halved where they fail, and ends in front of a pole of the derivative. Scales follow the states.
+3. Smooth events between two points, each located on the arc by false position; that of a torus by
+   bisection.
      fold             the tangent's component along p changes its sign
      period doubling  det(M + 1) changes its sign: a multiplier passes -1
      branch point     det[dF/du; t] changes its sign: another branch of the same period crosses,
                       or this one begins there at a pitchfork and goes on as its mirror image
      torus            a complex pair of multipliers passes the unit circle
-     grazing          a stop or a switch is met more or less often in a period
-     sticking         begins, ends, or its intervals in a period change in number
-   The last two are changes of what happens in a period. There the monodromy may jump, so that
-   stability changes without a multiplier at the unit circle: the sentence of the event says it.
-4. At a grazing contact the saltation factor is infinite: the monodromy grows like the inverse
-   square root of the distance. Steps are halved in front of it. If none succeeds, the branch is
-   stepped over: the corrector starts on the other side, in the plane across the null vector there,
-   which also finds where a branch turns back (a non-smooth fold). If nothing follows, the branch
-   ends there, and says why. So it does where it comes back to itself.
+   Events at which what happens in a period changes:
+     grazing          a stop or a switch is met more or less often
+     sticking         begins, ends, or its intervals change in number
+     reversal         the velocity changes its sign more or less often
+   There the monodromy may jump, so that stability changes without a multiplier at the unit circle:
+   the sentence of the event says it.
+4. Across such a change the branch is stepped: the corrector starts right behind, in the plane
+   across the null vector there, which also finds where a branch turns back (a non-smooth fold). At
+   a grazing contact the saltation factor is infinite: the monodromy grows like the inverse of the
+   arc from there. If nothing follows, the branch ends, and says why. So it does where it comes
+   back to itself.
 5. A doubled branch begins at a period doubling, along the eigenvector v of the multiplier -1: the
    corrector works on the map of twice the cycles with w (u - u0) = eps, w being v less its part
    along the old tangent, so that the old branch is no solution. It ends right
@@ -107,8 +109,8 @@ POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
 BEHIND: Final = (1e-3, 4e-3)
 """Distances behind a change at which other branches are looked for."""
-DISTINCT = 1e-4
-"""Distance of the halves of an orbit, over the size of the states, above what runs of a walk miss."""
+STRAYED = 100.0
+"""Distance of the halves of an orbit, over that of its run, from which they are distinct."""
 HALVED, NEAR_HALVED = 1e-3, 5e-4
 """Distance, over the size of the states, of the halves of an orbit at which a branch ends in a
 doubling, and how far from it that may be."""
@@ -224,8 +226,11 @@ class Branch(OnAxes, Tabular):
         return self.advances[name] / self.periods
 
     def orbit(self, index: int) -> Orbit:
-        """Return the orbit of a point."""
-        return self.map.orbit(self.map.shoot(self.starts[index], float(self.values[index])))
+        """Return the orbit of a point, solved for more exactly than the walk did."""
+        y, value = self.starts[index], float(self.values[index])
+        with suppress(SimulationError, InputError):
+            return self.map.orbit(solved(self.map, y, value))
+        return self.map.orbit(self.map.shoot(y, value))
 
     def orbits_at(self, value: float) -> tuple[Orbit, ...]:
         """Return the orbits that the branch has at a value of the parameter."""
@@ -478,7 +483,7 @@ class _Predictor:
         here = points[-1]
         along, u0 = here.tangent, here.unknowns
         ends = [(0.0, u0, along)]
-        for point in points[:-1][: -ORDER : -1]:
+        for point in points[:-1][:-ORDER:-1]:
             if point.signature != here.signature or point.scale is not here.scale:
                 break
             s = float(along @ (point.unknowns - u0))
@@ -1026,9 +1031,7 @@ class _Curve:
         pair = (there, here) if self.backward else (here, there)
         return _change(pair[0].signature, pair[1].signature)
 
-    def between(
-        self, here: _Point, there: _Point, u0: Array, ds: float, index: int
-    ) -> list[Event]:
+    def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events in a step in which the same happens, each located."""
         found: list[tuple[float, Event]] = []
         step = _Part(0.0, ds, here, there)
@@ -1139,7 +1142,8 @@ def units_of(map_: ReturnMap) -> dict[str, str]:
 def _halves_meet(here: _Point, there: _Point) -> bool:
     """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
     far = _length(here.half)
-    if far <= DISTINCT or far > 2.0 * _length(there.half - here.half):
+    missed = max(_length(point.shot.off[:-1] / point.scale[:-1]) for point in (here, there))
+    if far <= max(NEARBY, STRAYED * missed) or far > 2.0 * _length(there.half - here.half):
         return False
     return float(here.half @ there.half) < ALIKE * far * far
 
