@@ -128,7 +128,7 @@ def test_the_first_commands_of_the_readme_are_those_that_the_package_is_tried_wi
     found = FIRST.search(text_of("README.md"))
     assert found is not None
     first, *others = [line.partition("#")[0].split() for line in found[1].splitlines()]
-    assert first == ["pip", "install", "stickslip"]
+    assert first == ["pip", "install", "-c", "constraints.txt", "-e", "."]
     assert all(name == "stickslip" and words[0] in COMMANDS for name, *words in others)
 
 

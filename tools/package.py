@@ -79,12 +79,12 @@ def download(tools: Path, *wanted: object) -> None:
 
 
 def follow_the_readme(python: Path, folder: Path) -> None:
-    """Run the commands of the README's first block, the one that installs from the wheelhouse."""
+    """Install from the wheelhouse, and run what follows in the first block of the README."""
     found = FIRST.search((ROOT / "README.md").read_text(encoding="utf-8"))
     if found is None:
         sys.exit("README.md has no block that begins with pip install.")
-    first, *others = [line.partition("#")[0].split() for line in found[1].splitlines()]
-    print(f"installed in {install(python, *first[2:]):.0f} s, {megabytes(python.parents[1])} MB")
+    _, *others = [line.partition("#")[0].split() for line in found[1].splitlines()]
+    print(f"installed in {install(python, 'stickslip'):.0f} s, {megabytes(python.parents[1])} MB")
     for name, *words in others:
         print(f"took {run(python.parent / name, *words, cwd=folder):.0f} s")
 

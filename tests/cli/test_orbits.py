@@ -1,11 +1,14 @@
 """`stickslip orbits`: branches, table, figure; one message for bad input."""
 
 import json
+import re
+from pathlib import Path
 
 import pandas as pd
 import pytest
 from tests.commands import commands
 
+ROOT = Path(__file__).parents[2]
 RIG = """
 [mechanism]
 type = "axis"
@@ -41,6 +44,24 @@ def test_orbits_writes_a_table_and_a_figure_and_says_what_it_cost(called, tmp_pa
     svg = (tmp_path / "orbits.svg").read_text()
     assert "period 1" in svg
     assert "frequency, Hz" in svg
+
+
+def test_orbits_are_summed_up_by_where_they_are_stable_and_how_fast_they_go(called, tmp_path):
+    capsule = (ROOT / "docs/howto/files/capsule.toml").read_text()
+    (tmp_path / "capsule.toml").write_text(capsule)
+    code, shown, _ = called(
+        *("capsule.toml", "--vary", "drive.frequency=15.8:16.6", "--values", "3"),
+        *("--settle", "150", "--period", "1", "-o", "orbits.csv"),
+    )
+    assert code == 0
+    first, _, *stretches = re.sub(r"^.*friction\n", "", shown).splitlines()
+    # from rest into the motion that goes on, from 14.2 Hz, and at rest beside it, up to 16.68 Hz
+    assert first.startswith("Stable orbits are known over 100 % of the range, several side by side")
+    assert any("0 m/s" in row for row in stretches)
+    table = pd.read_csv(tmp_path / "orbits.csv")
+    ways = table["mean velocity x [m/s]"]
+    assert ways.to_numpy() == pytest.approx(table["advance x [m]"] / table["period [s]"])
+    assert ways[table["stable"]].max() == pytest.approx(0.0304, abs=2e-4)
 
 
 def test_orbits_as_json_have_branches_with_events(called):

@@ -1,5 +1,7 @@
 """Sentences of commands say all of it: units, each placeholder, how every branch ends, rest."""
 
+import json
+
 import pytest
 from tests.commands import commands
 
@@ -82,10 +84,11 @@ def test_all_question_marks_are_told_at_once(called):
 
 
 def test_every_branch_says_how_it_ends_also_at_the_range(called):
-    quick = ("--values", "3", "--settle", "40", "--period", "2")
+    quick = ("--values", "3", "--settle", "40", "--period", "2", "--json")
     code, out, _ = called("orbits", "axis.toml", "--vary", "drive.frequency=1.9:2.4", *quick)
     assert code == 0
-    assert "Branch 0: It reaches 1.9 Hz. It reaches 2.4 Hz." in " ".join(out.split())
+    (branch,) = json.loads(out)["branches"]
+    assert branch["ends"] == ["It reaches 1.9 Hz.", "It reaches 2.4 Hz."]
 
 
 def test_what_never_moves_did_not_come_to_rest(called):

@@ -1,6 +1,7 @@
 """``stickslip check`` and ``stickslip fit`` on what a video gave."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -77,6 +78,11 @@ def test_the_friction_of_a_filmed_block_is_found(run):
 FREQUENCIES = (3.0, 4.5, 6.0)
 
 
+def with_values(text):
+    """Return the text of a rig file with something in place of each question mark."""
+    return text.replace("? g", "20 g").replace('"?"', '"inner mass"').replace("?", "2")
+
+
 @pytest.fixture
 def filmed(run, tmp_path):
     """Films of a body that moves to and fro and travels, named by the frequency of its drive."""
@@ -104,7 +110,8 @@ def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(
     code, _, err = filmed("check", "capsule.toml")
     assert code == 2
     assert "mechanism.capsule_mass = '? g', mechanism.inner_mass = '? g'" in err
-    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    assert "mechanism.drive_on = '?'" in err  # with the other one the force would be wrong
+    (tmp_path / "capsule.toml").write_text(with_values(text))
     assert filmed("check", "capsule.toml")[0] == 0
 
 
@@ -114,7 +121,7 @@ def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(fil
     check, choose, sweep = " ".join(out.split()).partition("Next: ")[2].split("; ")
     assert choose == "stickslip select capsule.toml --route travel"
     text = (tmp_path / "capsule.toml").read_text()
-    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    (tmp_path / "capsule.toml").write_text(with_values(text))
     assert filmed(*check.split()[1:])[0] == 0
     speed = np.linspace(0.02, 0.6, 8)
     noise = 0.01 * np.random.default_rng(1).normal(size=8)
@@ -139,6 +146,17 @@ def test_a_film_with_another_frequency_than_its_name_says_is_doubted(filmed, tmp
     assert 'frequency = "6 Hz"' in (tmp_path / "capsule.toml").read_text()
 
 
+def test_repeats_of_a_film_get_names_of_their_own(filmed, tmp_path):
+    film = (tmp_path / "capsule_3Hz.txt").read_text()
+    (tmp_path / "capsule_3Hz_b.txt").write_text(film.replace("20.", "21."))
+    assert filmed("init", "capsule_3Hz.txt", "capsule_3Hz_b.txt", "capsule_6Hz.txt")[0] == 0
+    text = (tmp_path / "capsule.toml").read_text()
+    assert re.findall('^name = "(.*)"', text, re.MULTILINE) == ["3 Hz", "3 Hz, 2", "6 Hz"]
+    assert text.count('frequency = "3 Hz" }  # by its name') == 2
+    (tmp_path / "capsule.toml").write_text(with_values(text))
+    assert filmed("check", "capsule.toml")[0] == 0
+
+
 def test_a_file_that_is_no_film_is_refused_among_films(filmed, tmp_path):
     (tmp_path / "axis.csv").write_text("time,x,force\n0,1,2\n1,2,3\n2,3,4\n3,4,5\n")
     code, _, err = filmed("init", "capsule_3Hz.txt", "axis.csv")
@@ -151,5 +169,5 @@ def test_films_may_have_any_names(filmed, tmp_path):
     (tmp_path / "capsule_3Hz.txt").rename(tmp_path / odd)
     assert filmed("init", odd, "capsule_6Hz.txt")[0] == 0
     text = (tmp_path / "capsule.toml").read_text()
-    (tmp_path / "capsule.toml").write_text(text.replace("? g", "20 g").replace("?", "2"))
+    (tmp_path / "capsule.toml").write_text(with_values(text))
     assert filmed("check", "capsule.toml")[0] == 0

@@ -48,7 +48,7 @@ def words(text: str) -> list[list[str]]:
 def test_the_first_screen_has_a_line_to_install_to_see_a_verdict_and_to_test() -> None:
     screen = README.splitlines()[:24]
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    for command in ("pip install stickslip", "stickslip demo", "stickslip doctor"):
+    for command in ("pip install -c constraints.txt -e .", "stickslip demo", "stickslip doctor"):
         assert any(line.startswith(f"{command} ") for line in screen)
     for target in ("select", "test"):
         assert any(line.startswith(f"make {target} ") for line in screen)

@@ -94,7 +94,7 @@ BAD = {
     "same name twice": (
         {"trials": (replace(ONE, name="a"), replace(ONE, name="b"), replace(ONE, name="a"))},
         InputError,
-        "Trials 1 and 3 are both named 'a'",
+        "Trials 1 and 3 have the same name, 'a'",
     ),
     "unequal lengths": (
         {"time": T, "position": X[:2]},

@@ -77,7 +77,10 @@ def test_the_digest_is_that_of_the_files_of_trials_too(rig, tmp_path):
         (RIG + TRIALS.replace('"0.4 N"', '"1 kg"'), "trial.1.offset.force"),
         (RIG + "[[trial]]\ntravel = 1\ngain = { force = 1 }\n", "trial.0: gain applies to the"),
         (RIG + TRIALS + "[[trial]]\ntravel = 1\n", "Trials must be of one kind"),
-        (RIG + TRIALS + '[[trial]]\nname = "loaded"\nfile = "empty.csv"\n', "both named 'loaded'"),
+        (
+            RIG + TRIALS + '[[trial]]\nname = "loaded"\nfile = "empty.csv"\n',
+            "have the same name, 'loaded'",
+        ),
         (RIG + TRIALS.replace("columns = { force", "columns = { forse"), "trial.1: "),
     ],
 )

@@ -202,7 +202,11 @@ BAD = {
     ),
     "zero uncertainty": ("travel,uncertainty\n1,0\n", ParameterError, "line 2: .*above 0 m, got 0"),
     "kind": ("travel,uncertainty_kind\n1,guess\n", InputError, "line 2: .*must be one of rounding"),
-    "same name": ("travel,name\n1,a\n2,a\n", InputError, "data.csv: Trials 1 and 2 are both named"),
+    "same name": (
+        "travel,name\n1,a\n2,a\n",
+        InputError,
+        "data.csv: Trials 1 and 2 have the same name",
+    ),
 }
 
 

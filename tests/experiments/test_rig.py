@@ -614,7 +614,7 @@ BAD_TEXT = {
     "initial value": (f"{TRIAL}initial = {{x = '1 kg'}}", r"initial: x \(x\) must be in m"),
     "same name": (
         f"{TRIAL}name='a'\n[[trial]]\ntravel=1\nname='a'",
-        "Trials 1 and 2 are both named 'a'",
+        "Trials 1 and 2 have the same name, 'a'",
     ),
     "published law": (f"{MECHANISM}[[published]]\nlaw = 'coulom'", "'coulom'. .*'coulomb'"),
     "published error": (

@@ -130,6 +130,11 @@ def test_every_scene_is_drawn_at_any_moment(name, runs):
     assert f"{run.span[1]:.3f} s" in svg
 
 
+def test_what_colours_mean_is_said_once_below_panels_side_by_side(runs):
+    svg = standalone_svg(draw_scene(runs["capsule"], CASES["capsule"][0], 1.0), size=(640, 400))
+    assert svg.count("yellow: stick, blue: slip back") == 1
+
+
 @pytest.mark.parametrize("name", ["spring-block", "pendulum-cart", "capsule"])
 @pytest.mark.parametrize("beta", [0.2, -0.1])
 def test_a_plumb_line_hangs_over_inclined_ground_as_gravity_points(name, beta):

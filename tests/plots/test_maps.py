@@ -1,5 +1,7 @@
 """Figures of campaigns show what was found, and where the direction turns."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -141,6 +143,14 @@ def test_branches_are_solid_where_stable_and_dashed_where_not(branches):
         )
         wanted = sum((branch.stable == kind).sum() for branch in branches.branches)
         assert wanted <= shown <= wanted + 4 * len(branches.branches)
+
+
+def test_marks_of_events_do_not_cover_each_other(branches):
+    marks = []
+    for times in (1, 3):
+        (axes,) = drawn(draw_orbits(replace(branches, branches=branches.branches * times)))
+        marks.append([line for line in axes.lines if line.get_marker() in "oD^vs*"])
+    assert len(marks[0]) == len(marks[1]) > 0
 
 
 def test_a_state_at_the_start_of_a_cycle_is_drawn_on_request(branches):

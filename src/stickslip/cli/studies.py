@@ -232,6 +232,8 @@ DIAGRAM_SIZE = (880, 400)
 
 def run_orbits(options: option_groups.OrbitOptions) -> None:
     """Find the branches, write table and figure, show."""
+    from stickslip.show.plots import draw_orbits, standalone_svg
+
     output = options.output
     figure = _figure_beside(output, force=options.force)
     name, between = _range(options.vary)
@@ -250,13 +252,17 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
             y0=rig.start(law),
             progress=progress,
         )
-    _write_diagram(found, output, figure)
+    svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
+    units = {**found.units, found.path: found.unit, "period": "s"}
+    units |= {f"advance {name}": found.units[name] for name in found.velocities}
+    units |= {f"mean velocity {name}": f"{found.units[name]}/s" for name in found.velocities}
+    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
     if options.as_json:
         content = inputs.rig_content(rig, chosen) | _diagram_content(found)
         terminal.print_json(document("orbits", content | {"files": [str(output), str(figure)]}))
         return
     inputs.show_heading(rig, f"{inputs.friction_title(chosen)} friction")
-    _show_diagram(found)
+    terminal.stdout().print(str(found))
     terminal.stdout().print(f"\nWritten: {output}, {figure}")
 
 
@@ -284,43 +290,6 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
         "branch_cycles": found.branch_cycles,
         "brute_cycles": found.brute_cycles,
     }
-
-
-def _write_diagram(found: OrbitDiagram, output: Path, figure: Path) -> None:
-    from stickslip.show.plots import draw_orbits, standalone_svg
-
-    svg = standalone_svg(draw_orbits(found), size=DIAGRAM_SIZE, title="Periodic orbits")
-    units = {**found.units, found.path: found.unit, "period": "s"}
-    units |= {f"advance {name}": found.units[name] for name in found.velocities}
-    write_files({output: table_bytes(found.to_dataframe(), output, units), figure: svg})
-
-
-def _show_diagram(found: OrbitDiagram) -> None:
-    rows, events = [], []
-    for index, branch in enumerate(found.branches):
-        low, high = float(branch.values.min()), float(branch.values.max())
-        span = f"{number(low, 6)} to {quantity(high, found.unit, 6)}"
-        stable = f"{int(branch.stable.sum())} of {len(branch.values)}"
-        rows.append([str(index), str(branch.cycles), span, stable])
-        events += [
-            [str(index), quantity(event.value, found.unit, 6), event.kind, event.sentence]
-            for event in branch.events
-        ]
-    name = found.path.rpartition(".")[2]
-    if rows:
-        terminal.show_table(
-            "Branches of periodic orbits", ["branch", "period", name, "stable"], rows
-        )
-    if events:
-        terminal.show_table(
-            "What changes along them", ["branch", name, "event", "what changes"], events
-        )
-    ends = [
-        f"Branch {index}: {' '.join(dict.fromkeys(branch.ends))}"
-        for index, branch in enumerate(found.branches)
-    ]
-    for sentence in (*ends, *found.costs()):
-        terminal.stdout().print(sentence)
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:

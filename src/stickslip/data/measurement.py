@@ -23,7 +23,7 @@ from stickslip.mechanisms.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.quantities import Converted, Given, Numbers, Quantity, has_unit, turned
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
-from stickslip.show.formatting import number, span
+from stickslip.show.formatting import joined, number, span
 from stickslip.show.formatting import quantity as with_unit
 from stickslip.units import converted, number_in, pint_magnitude
 
@@ -1153,6 +1153,5 @@ def _check_trials(whole: Measurement) -> None:
     if twice:
         which = [str(i) for i, trial in enumerate(whole.trials, 1) if trial.name == twice[0]]
         raise InputError(
-            f"Trials {', '.join(which[:-1])} and {which[-1]} are both named {twice[0]!r}: give"
-            " each trial its own name."
+            f"Trials {joined(which)} have the same name, {twice[0]!r}: give each trial its own."
         )

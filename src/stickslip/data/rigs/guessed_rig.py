@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
@@ -326,9 +327,7 @@ def guess_films(files: Sequence[Path], reading: Reading) -> FilmedRig:
             )
         runs.append(_run(path, film.time, film.values("position")))
         doubts += [runs[-1].doubt] if runs[-1].doubt else []
-    no_force = next((doubt for doubt in doubts if "no force" in doubt), None)
-    if no_force in doubts:  # films of what drives itself need none
-        doubts.remove(no_force)
+    doubts = [doubt for doubt in doubts if "no force" not in doubt]  # films need none
     runs.sort(key=lambda run: run.frequency)
     return FilmedRig(guess=guess, runs=tuple(runs), doubts=tuple(dict.fromkeys(doubts)))
 
@@ -393,7 +392,7 @@ def _capsule(rig: FilmedRig) -> Iterator[str]:
     yield 'inner_mass = "? g"'
     yield 'stiffness = "? N/m"  # of the spring between the two'
     yield 'damping = "? N s/m"  # from how the inner mass rings while the capsule is held'
-    yield 'drive_on = "both"  # "inner mass" if a coil or magnets outside pull at it'
+    yield 'drive_on = "?"  # "both"; or "inner mass" if a coil or magnets outside pull at it'
     yield ""
     yield "# An elastic stop that the inner mass meets on the side of positive x; else remove it."
     yield "[mechanism.upper_soft_stop]"
@@ -409,10 +408,11 @@ def _capsule(rig: FilmedRig) -> Iterator[str]:
 
 
 def _trials(rig: FilmedRig, names: Mapping[Path, str]) -> Iterator[str]:
-    for run in rig.runs:
-        yield ""
-        yield "[[trial]]"
-        yield f'name = "{number(run.frequency, 4)} Hz"'
-        yield f"file = {json.dumps(names[run.file])}"
-        yield f'set = {{ {FREQUENCY} = "{number(run.frequency, 4)} Hz" }}  # {run.reason}'
+    for setting, runs in groupby(rig.runs, lambda run: f"{number(run.frequency, 4)} Hz"):
+        for repeat, run in enumerate(runs, 1):
+            yield ""
+            yield "[[trial]]"
+            yield f'name = "{setting}"' if repeat == 1 else f'name = "{setting}, {repeat}"'
+            yield f"file = {json.dumps(names[run.file])}"
+            yield f'set = {{ {FREQUENCY} = "{setting}" }}  # {run.reason}'
     yield ""

@@ -156,7 +156,7 @@ def _refuse_open(raw: Mapping[str, Any], file: str) -> None:
     if left:
         raise ParameterError(
             f"{file} has a question mark in place of {len(left)} value{'s' * (len(left) > 1)}:"
-            f" {', '.join(left)}. Replace each by a number; --set gives those of the mechanism."
+            f" {', '.join(left)}. Replace each; --set gives those of the mechanism."
         )
 
 

@@ -374,10 +374,7 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
         dots = _settled(result, name, velocity=velocity)
         known = np.concatenate([*curves, np.ravel(dots[1])])
         factor, unit = scale_of(known, _unit_shown(result, name, velocity=velocity))
-        axes.plot(dots[0], factor * dots[1], ".", color=MUTED, markersize=4, alpha=0.6)
-        kinds = dict.fromkeys(
-            e.kind for branch in branches for e in branch.events if e.kind in MARKS
-        )
+        axes.plot(dots[0], factor * dots[1], ".", color=INK, markersize=2, zorder=3)
         for branch, heights in zip(branches, curves, strict=True):
             colour = POINT_COLOURS[(branch.cycles - 1) % len(POINT_COLOURS)]
             for style, chosen in (("-", branch.stable), ("--", ~branch.stable)):
@@ -385,12 +382,19 @@ def draw_orbits(result: OrbitDiagram | Branch, show: str | None = None) -> Draw:
                 spread_[1:] |= chosen[:-1]  # a line goes on to the first point of the other kind
                 line = np.where(spread_, factor * heights, np.nan)
                 axes.plot(branch.values, line, style, color=colour, linewidth=1.5)
-            for event in (e for e in branch.events if e.kind in kinds):
-                height = factor * _height(event.orbit, name, velocity=velocity)
-                axes.plot(event.value, height, MARKS[event.kind], color=INK, markersize=5,
-                          markerfacecolor=SURFACE, zorder=4)  # fmt: skip
-        _name_orbits(axes, branches, kinds, settled=bool(np.size(dots[0])))
         axes.margins(x=0.01, y=0.06)
+        axes.autoscale_view()
+        kinds = dict[str, None]()
+        taken = np.empty((0, 2))  # pixels of marks: those of wide branches come first
+        for branch in sorted(branches, key=lambda branch: -float(np.ptp(branch.values))):
+            for event in (e for e in branch.events if e.kind in MARKS):
+                place = event.value, factor * _height(event.orbit, name, velocity=velocity)
+                pixel = axes.transData.transform(place)
+                if np.all(np.hypot(*(taken - pixel).T) > MARK):
+                    taken = np.vstack([taken, pixel])
+                    kinds[event.kind] = None
+                    axes.plot(*place, MARKS[event.kind], zorder=4, **MARKED)
+        _name_orbits(axes, branches, kinds, settled=bool(np.size(dots[0])))
         axes.set_xlabel(labelled(result.path, result.unit))
         what = f"mean velocity of {name}" if velocity else f"{name} at the start of a cycle"
         axes.set_ylabel(f"{what}, {unit}")
@@ -404,6 +408,11 @@ MARKS: Final[Mapping[str, str]] = MappingProxyType(
      "sticking": "v"}
 )  # fmt: skip
 """Marks of events of branches."""
+MARKED: Final[Mapping[str, Any]] = MappingProxyType(
+    {"color": MUTED, "markerfacecolor": SURFACE, "markersize": 4.0, "markeredgewidth": 0.8}
+)
+MARK: Final = 8.0
+"""Distance of marks from each other, at least [px]: nearer ones are left out."""
 
 
 def _name_orbits(
@@ -416,9 +425,9 @@ def _name_orbits(
     if not all(branch.stable.all() for branch in branches):
         axes.plot([], [], "--", color=MUTED, label="unstable")
     for kind in kinds:
-        axes.plot([], [], MARKS[kind], color=INK, markerfacecolor=SURFACE, markersize=5, label=kind)
+        axes.plot([], [], MARKS[kind], label=kind, **MARKED)
     if settled:
-        axes.plot([], [], ".", color=MUTED, label="settled runs")
+        axes.plot([], [], ".", color=INK, markersize=2, label="settled runs")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncols=4)
 
 

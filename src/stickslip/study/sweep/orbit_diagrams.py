@@ -32,8 +32,8 @@ from stickslip.engine.simulation import (
 from stickslip.engine.solver import EventDriven
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Mechanism, stops_of
-from stickslip.show.display import OnAxes, Summary, Tabular
-from stickslip.show.formatting import number, quantity
+from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
+from stickslip.show.formatting import joined, number, percent, span
 from stickslip.study.sweep.attractors import CLOSED, period_of
 from stickslip.study.sweep.orbits import (
     Orbit,
@@ -147,26 +147,44 @@ class OrbitDiagram(OnAxes, Tabular):
         """Return a row for each point of each branch."""
         import pandas as pd
 
-        frames = [branch.to_dataframe().assign(branch=i) for i, branch in enumerate(self.branches)]
+        frames = [
+            branch.to_dataframe().assign(branch=i, **{
+                f"mean velocity {name}": branch.mean_velocity(name) for name in branch.advances
+            })
+            for i, branch in enumerate(self.branches)
+        ]  # fmt: skip
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
 
     def _summary(self) -> Summary:
-        rows = [
-            (
-                i,
-                branch.cycles,
-                f"{number(float(branch.values.min()), 5)} to"
-                f" {quantity(float(branch.values.max()), self.unit, 5)}",
-                f"{int(branch.stable.sum())} of {len(branch.values)}",
-                ", ".join(dict.fromkeys(event.kind for event in branch.events)),
-            )
-            for i, branch in enumerate(self.branches)
-        ]
+        units = [f"{self.units[name]}/s" for name in self.velocities]
+        still = {n: SETTLED * np.nanmax(abs(v), initial=0.0) for n, v in self.velocities.items()}
+        stretches = list[tuple[float, float, tuple[object, ...]]]()
+        for i, branch in enumerate(self.branches):
+            ways = {name: branch.mean_velocity(name) for name in self.velocities}
+            for begin, end in _runs(branch.stable):
+                at = branch.values[begin:end]
+                kept = [np.where(abs(ways[n]) > still[n], ways[n], 0.0)[begin:end] for n in ways]
+                shown = [span(way.min(), way.max(), u) for way, u in zip(kept, units, strict=True)]
+                stretches.append((at.min(), at.max(), (branch.cycles, *shown, i)))
+        widest = sorted(stretches, key=lambda stretch: stretch[0] - stretch[1])[:MOST_ROWS]
+        spans = np.array([stretch[:2] for stretch in stretches]).reshape(-1, 2)
+        edges, whole = np.unique(spans), np.ptp(self.values)
+        middles = 0.5 * (edges[1:] + edges[:-1])[:, None]
+        beside = ((spans[:, 0] < middles) & (middles < spans[:, 1])).sum(axis=1)
+        known, several = (edges[_runs(beside > others)] for others in (0, 1))
+        several = several[np.argsort(-np.ptp(several, axis=1))]
+        shares = [percent(np.ptp(parts, axis=1).sum() / whole) for parts in (known, several)]
+        sentence = f"Stable orbits are known over {shares[0]} of the range"
+        if len(several):
+            places = joined([span(low, high, self.unit, 4) for low, high in several[:3]])
+            sentence += f", several side by side over {shares[1]}, most widely from {places}"
+        which = f"The widest of {len(stretches)} stable stretches on {len(self.branches)} branches."
+        moving = [f"mean velocity {name}" for name in self.velocities]
         return Summary(
-            sentence=f"{len(rows)} branch{'es' * (len(rows) != 1)} of periodic orbits.",
-            head=("branch", "period", self.path.rpartition(".")[2], "stable", "events"),
-            rows=rows,
-            notes=self.costs(),
+            sentence=f"{sentence}.",
+            head=(f"stable {self.path.rpartition('.')[2]}", "period", *moving, "branch"),
+            rows=[(span(low, high, self.unit, 4), *row) for low, high, row in sorted(widest)],
+            notes=(*([which] if len(stretches) > MOST_ROWS else []), *self.costs()),
         )
 
     def costs(self) -> tuple[str, ...]:
@@ -178,6 +196,11 @@ class OrbitDiagram(OnAxes, Tabular):
             f" {closed} close, {self.brute_cycles} cycles and {number(self.brute_seconds, 2)} s.",
             *self.early_ends(),
         )
+
+
+def _runs(chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return where runs of what is chosen begin and end (n, 2)."""
+    return np.flatnonzero(np.diff(chosen, prepend=False, append=False)).reshape(-1, 2)
 
 
 def orbit_diagram(

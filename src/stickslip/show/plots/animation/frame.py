@@ -534,12 +534,11 @@ def _curves(
             if (name := along[contact]) in places:  # a key to the curves above
                 label.set_color(CURVES[places.index(name) % len(CURVES)])
         found.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
-    key = "" if run.contacts else _key(run, seen, until)
+    lower = [axes for axes in panels if axes.get_position().y0 <= lowest]
     for axes in panels:
-        bottom = axes.get_position().y0 <= lowest
-        axes.tick_params(labelbottom=bottom)
-        if bottom:
-            axes.set_xlabel(f"time, s{key}")
+        axes.tick_params(labelbottom=axes in lower)
+    key = "" if run.contacts else _key(run, seen, until)
+    lower[len(lower) // 2].set_xlabel(f"time, s{key}")  # longer than a panel beside others is wide
     return found
 
 
