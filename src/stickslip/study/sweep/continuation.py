@@ -80,7 +80,7 @@ __all__ = ["Branch", "BranchEvent", "continue_orbit"]
 Event: TypeAlias = "BranchEvent"
 MOST_POINTS = 2000
 """Points of a branch to either side."""
-FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-6, 0.02
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 2e-6, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
 GROWTH, EASY, FAST = 1.5, 3, 3.0
 """By how much a step grows, after how many of Newton's steps at most, and after none."""
@@ -98,7 +98,7 @@ ON_CURVE = 0.5
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
 MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
-ZERO = 1e-9
+ZERO = 1e-7
 """Share of its value at the ends of a step by which a smooth test function is 0."""
 SHORT, COARSE = 1e-3, 0.05
 """Length of a step from which its predictor may be off the branch, and share of it to which is
@@ -107,7 +107,7 @@ CLEAN, RESTART = 1e-4, 4e-4
 """Distance over which a branch is stepped without a gap, and first step behind."""
 POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
-BEHIND: Final = (1e-3, 4e-3)
+BEHIND: Final = (1e-3,)
 """Distances behind a change at which other branches are looked for."""
 STRAYED = 100.0
 """Distance of the halves of an orbit, over that of its run, from which they are distinct."""
@@ -138,7 +138,7 @@ INSIDE = 0.618
 """Place in a range at which drives must fit a given cycle, too."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
-OVER: Final = (1e-6, 1e-5, 1e-4, 1e-3, 4e-3)
+OVER: Final = (2e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
@@ -399,7 +399,7 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
     low, high = between
     for value in (low, high, low + INSIDE * (high - low)):
         mechanism, _ = map_.pair(value)
-        map_.duration(mechanism)
+        map_.duration(mechanism, value)
         if map_.period is not None:  # which may fit at both ends by chance
             refuse_cut(mechanism, map_.cycles * map_.period)
     return replace(map_, between=between)
@@ -789,6 +789,14 @@ class _Curve:
                 return shot
         return None
 
+    def is_alike(self, here: _Point, start: Array) -> bool:
+        """Whether the same happens in the run from a start, of which nothing else is asked."""
+        self.runs += 1
+        *y, value = (start * self.scale).tolist()
+        with suppress(SimulationError, InputError):
+            return self.map.happens(np.array(y), value) == here.signature
+        return False
+
     def clear(self, here: _Point, ahead: _Predictor, ds: float) -> tuple[float, float]:
         """Return up to where on the predictor the same happens still, and the arc to where not.
 
@@ -797,7 +805,7 @@ class _Curve:
         low, high = 0.0, ds
         while high - low > (LEAST_STEP if ds <= SHORT else COARSE * ds):
             middle = 0.5 * (low + high)
-            same = self.alike(here, ahead(middle)) is not None
+            same = self.is_alike(here, ahead(middle))
             low, high = (middle, high) if same else (low, middle)
         return low, high - low
 
@@ -1009,11 +1017,12 @@ class _Curve:
 
     def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
         shot = point.shot
-        with suppress(SimulationError, InputError):  # beside a border the run may be another
-            again = self.map.shoot(shot.y, shot.value).sensed()
-            self.runs += 1
-            if again.signature == point.signature:
-                shot = again
+        if shot.off.any():
+            with suppress(SimulationError, InputError):  # beside a border the run may be another
+                again = self.map.shoot(shot.y, shot.value).sensed()
+                self.runs += 1
+                if again.signature == point.signature:
+                    shot = again
         return BranchEvent(
             kind=kind, value=shot.value, index=index, sentence=sentence, orbit=self.map.orbit(shot)
         )

@@ -518,7 +518,7 @@ class _Search:
     ) -> tuple[Array, Array, NDArray[np.object_]]:
         """Return free states once a cycle after some, mean velocities, and how each run ended."""
         mechanism, law = self.map.pair(value)
-        cycle, keep, kept = self.map.duration(mechanism), 2 * self.cycles, self.map.kept
+        cycle, keep, kept = self.map.duration(mechanism, value), 2 * self.cycles, self.map.kept
         begin = initial_state("orbit_diagram", mechanism, law, self.y0)
         form = self.map.form_at(value)
         count, free = len(next(iter(columns.values()))), len(self.map.free)
@@ -614,7 +614,7 @@ class _Search:
 
     def met(self, shot: Shot) -> int | None:
         """Return the number of the branch on which an orbit lies."""
-        cycles = round(shot.period / self.map.duration(shot.mechanism))
+        cycles = round(shot.period / self.map.duration(shot.mechanism, shot.value))
         return self.known(cycles, shot.value, shot.y[None], SOLVED, walking=True)
 
     def follow(self, closed: int, value: float, point: Array) -> None:

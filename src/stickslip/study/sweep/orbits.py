@@ -75,7 +75,7 @@ PERIOD_STEP = 1e-4
 """Share of a parameter by which it is changed for the derivative of the cycle."""
 POWERS = 5
 """Values of a parameter at which it is seen how the cycle goes with it."""
-SAMPLES = 65
+SAMPLES = 33
 """Times of an orbit at which the size of its states is looked at."""
 TRIAL_SHARE, TRIAL_RATE = 0.01, 1.0
 """Share of a cycle, and rate [m/s] or [rad/s] from which contacts slip, of the run that shows on
@@ -213,7 +213,7 @@ def periodic_orbit(
         refuse_cut(mechanism, cycles * period)
     map_ = return_map(mechanism, found, int(cycles), period, compiled(solver))
     if settle:
-        cycle = map_.duration(mechanism) / cycles
+        cycle = map_.duration(mechanism, np.nan) / cycles
         before = map_.solver.bare(mechanism, found, y0=begin, t_end=settle * cycle)
         if not before.status.complete:
             raise SimulationError(f"periodic_orbit, settling: {before.status.value}")
@@ -312,24 +312,8 @@ class Shot:
 
     @cached_property
     def signature(self) -> Signature:
-        """How often each contact does what, and the mode of those that do nothing.
-
-        It does not depend on where in the cycle the orbit is cut.
-        """
-        kept, what_came = self.derivatives.map.signatures, self.run.happened()
-        if what_came in kept:
-            return kept[what_came]
-        events = self.run.events()
-        counts = Counter((event.contact, event.reason) for event in events)
-        changing = {event.contact for event in events if event.from_mode != event.to_mode}
-        idle = [c.name for c in self.mechanism.contacts() if c.name not in changing]
-        if idle:
-            modes = first_modes(self, events)
-            counts.update({(name, f"mode {modes[name]}"): 1 for name in idle})
-        found = tuple(sorted((*key, count) for key, count in counts.items()))
-        if not idle:
-            kept[what_came] = found
-        return found
+        """How often each contact does what, and the mode of those that do nothing."""
+        return self.derivatives.map.signature(self.mechanism, self.run)
 
     @cached_property
     def advance(self) -> Array:
@@ -429,6 +413,26 @@ class ReturnMap:
                     return Form.of(self.mechanism, self.law)
         return None if self.path else Form.of(self.mechanism, self.law)
 
+    def signature(self, mechanism: Mechanism, run: BareRun) -> Signature:
+        """Return how often each contact does what, and the mode of those that do nothing.
+
+        It does not depend on where in the cycle an orbit is cut.
+        """
+        what_came = run.happened()
+        if what_came in self.signatures:
+            return self.signatures[what_came]
+        events = run.events()
+        counts = Counter((event.contact, event.reason) for event in events)
+        changing = {event.contact for event in events if event.from_mode != event.to_mode}
+        idle = [c.name for c in mechanism.contacts() if c.name not in changing]
+        if idle:
+            modes = first_modes(mechanism, run, events)
+            counts.update({(name, f"mode {modes[name]}"): 1 for name in idle})
+        found = tuple(sorted((*key, count) for key, count in counts.items()))
+        if not idle:
+            self.signatures[what_came] = found
+        return found
+
     def form_at(self, value: float) -> Form | None:
         """Return the equations with a value of the parameter, if they are known."""
         return self.form if self.form is None else self.form.at(str(self.path), value)
@@ -448,9 +452,49 @@ class ReturnMap:
             return found
         return vary(root, prefix, {path: value})
 
-    def duration(self, mechanism: Mechanism) -> float:
-        """Return m T [s]."""
-        return self.cycles * (cycle_of(mechanism) if self.period is None else self.period)
+    def duration(self, mechanism: Mechanism, value: float) -> float:
+        """Return m T [s] at a value of the parameter."""
+        if self.period is not None:
+            return self.cycles * self.period
+        if self.power is None:
+            return self.cycles * cycle_of(mechanism)
+        return self.cycles * self.cycle * value**self.power
+
+    @cached_property
+    def cycle(self) -> float:
+        """The cycle over that power of the parameter."""
+        if not self.power or self.between is None:
+            return cycle_of(self.mechanism)
+        value = self.between[1]
+        return float(cycle_of(self.pair(value)[0]) / value**self.power)
+
+    def run(
+        self, y: Array, value: float
+    ) -> tuple[Mechanism, FrictionLaw | Laws, list[float], BareRun]:
+        """Return mechanism and law, the start of all states, and the run over the period from it.
+
+        A run that ends early is a `SimulationError`.
+        """
+        mechanism, law = self.pair(value)
+        given: list[float] = y.tolist()
+        if not all(map(math.isfinite, given)):
+            raise SimulationError("a step has left all finite states.")
+        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
+        least = _EPSILON * max(map(abs, given), default=0.0)
+        begin = mechanism.start()
+        start = [float(begin.get(name, 0.0)) for name in self.states]
+        for i, x in zip(self.free, given, strict=True):
+            start[i] = 0.0 if abs(x) <= least else x
+        period = self.duration(mechanism, value)
+        run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
+        if not run.status.complete:
+            raise SimulationError(run.status.value)
+        return mechanism, law, start, run
+
+    def happens(self, y: Array, value: float) -> Signature:
+        """Return what happens in the period from free states."""
+        mechanism, _, _, run = self.run(y, value)
+        return self.signature(mechanism, run)
 
     def shoot(self, y: Array, value: float = np.nan, most: Array | None = None) -> Shot:
         """Run over the period from free states; derivatives are taken when they are asked for.
@@ -458,22 +502,9 @@ class ReturnMap:
         A run that ends early is a `SimulationError`, as is one that leaves a residual of more than
         is told.
         """
-        mechanism, law = self.pair(value)
-        period = self.duration(mechanism)
-        given: list[float] = y.tolist()
-        if not all(map(math.isfinite, given)):
-            raise SimulationError("a step has left all finite states.")
-        # a rate of rounding's size in place of 0 would let what sticks slip for an instant
-        least = _EPSILON * max(map(abs, given), default=0.0)
-        given = [0.0 if abs(x) <= least else x for x in given]
-        y = np.array(given)
-        begin = mechanism.start()
-        start = [float(begin.get(name, 0.0)) for name in self.states]
-        for i, x in zip(self.free, given, strict=True):
-            start[i] = x
-        run = self.solver.bare(mechanism, law, y0=start, t_end=period, form=self.form_at(value))
-        if not run.status.complete:
-            raise SimulationError(run.status.value)
+        mechanism, law, start, run = self.run(y, value)
+        period = run.differentiate.t_end
+        y = np.array([start[i] for i in self.free])
         states, n = run.at(period * _SHARES)[:, self.kept], len(self.free)
         ends = states[SAMPLES - 1 :]  # right before the end, too
         residual = ends[0, :n] - y
@@ -509,7 +540,7 @@ class ReturnMap:
             value=value,
             mechanism=mechanism,
             law=law,
-            period=self.duration(mechanism),
+            period=self.duration(mechanism, value),
             residual=np.zeros_like(shot.residual),
             error=0.0,
             off=np.append(y - shot.y, value - shot.value),
@@ -518,11 +549,11 @@ class ReturnMap:
     def stretch(self, mechanism: Mechanism, value: float) -> float:
         """Return how the period changes with the parameter, m dT/dp."""
         if self.power is not None:
-            return self.power * self.duration(mechanism) / value if self.power else 0.0
+            return self.power * self.duration(mechanism, value) / value if self.power else 0.0
         h = PERIOD_STEP * (abs(value) or 1.0)
         near = (replaced(mechanism, "mechanism", str(self.path), value + s) for s in (h, -h))
-        above, below = map(self.duration, near)
-        return (above - below) / (2.0 * h)
+        above, below = map(cycle_of, near)
+        return self.cycles * (above - below) / (2.0 * h)
 
     def orbit(self, shot: Shot) -> Orbit:
         """Return the orbit that a shot has closed."""
@@ -541,7 +572,7 @@ class ReturnMap:
             monodromy=shot.monodromy,
             residual=shot.error,
             events=events,
-            modes=first_modes(shot, events),
+            modes=first_modes(shot.mechanism, shot.run, events),
             solver=self.solver,
         )
 
@@ -669,15 +700,15 @@ def _halved(map_: ReturnMap, shot: Shot, step: Array) -> Shot | None:
     return None
 
 
-def first_modes(shot: Shot, events: Sequence[Event]) -> dict[str, int]:
-    """Return the mode of each contact at the start of a shot."""
-    names = [contact.name for contact in shot.mechanism.contacts()]
+def first_modes(mechanism: Mechanism, run: BareRun, events: Sequence[Event]) -> dict[str, int]:
+    """Return the mode of each contact at the start of a run."""
+    names = [contact.name for contact in mechanism.contacts()]
     modes: dict[str, int] = {}
     for event in events:
         if event.from_mode != event.to_mode:
             modes.setdefault(event.contact, event.from_mode)
     if not set(names) <= modes.keys():
-        columns = shot.run.playback(np.array([0.5 * shot.period]))
+        columns = run.playback(np.array([0.5 * run.differentiate.t_end]))
         for name in names:
             column = columns["mode"] if "mode" in columns else columns[f"mode:{name}"]
             modes.setdefault(name, int(column[0]))
