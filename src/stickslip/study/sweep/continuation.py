@@ -107,7 +107,7 @@ CLEAN, RESTART = 1e-4, 4e-4
 """Distance over which a branch is stepped without a gap, and first step behind."""
 POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
-BEHIND: Final = (1e-3,)
+BEHIND: Final = (1e-3, 4e-3)
 """Distances behind a change at which other branches are looked for."""
 STRAYED = 100.0
 """Distance of the halves of an orbit, over that of its run, from which they are distinct."""

@@ -672,6 +672,8 @@ class _Search:
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
         for shot in curve.beyond:
+            if self.met(shot) is not None:
+                continue
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(branch.map, shot.y, shot.value), branch.cycles)
 
