@@ -104,8 +104,6 @@ COUNTING, TRIED = 5.0, 50
 """Effective number of draws of a family at least, where there are this many."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
-QUANTILES = 60
-"""Even probabilities at which unknown errors, and what is known of their size, are taken."""
 UNTOLD = 0.7
 """Spread of a coefficient over that of its prior from which travels do not tell it."""
 
@@ -923,45 +921,37 @@ def unexplained_error(errors: Array, known: Array, freedom: float) -> float:
     >>> [round(unexplained_error(errors, v * np.ones(100), 98.0), 2) for v in (0.01, 2.0)]
     [0.71, 0.0]
     """
-    n, squares = len(errors), errors**2
-    most = float(squares.max(initial=0.0))
-    if not most > 0.0:
-        return 0.0
-    even = (np.arange(QUANTILES) + 0.5) / QUANTILES
+    n, squares, count = len(errors), errors**2, THRESHOLDS.draws
+    even = (np.arange(count) + 0.5) / count
     freedom = max(freedom, 1.0)
     wanted = n / freedom * chdtri(freedom, even)  # falling
-    tried = most * np.geomspace(1e-9, 1e9, QUANTILES**2)
+    tried = np.geomspace(1e-9, 1e9, count) * squares.max(initial=1e-300)
     total = np.sum(squares[:, None] / (known[:, None] + tried), axis=0)
-    found = np.where(wanted < total[0], np.interp(-wanted, -total, tried), 0.0)
+    found = np.exp(np.interp(-wanted, -total, np.log(tried)))
+    found[wanted >= total[0]] = 0.0
     new = np.outer(np.sqrt(found), ndtri(0.5 + 0.5 * even))
-    return float(np.quantile(new, 0.95)) / float(stdtrit(THRESHOLDS.freedom, 0.975))
+    return float(np.quantile(new, 0.95) / stdtrit(THRESHOLDS.freedom, 0.975))
 
 
 def _settings(trials: Sequence[Trial]) -> NDArray[np.intp]:
     """Return the number of the setting of each trial (n,): numbers of one are about the same."""
     firsts, found = list[Trial](), list[int]()
     for trial in trials:
-        same = (k for k, first in enumerate(firsts) if _same_setting(first, trial))
-        found.append(next(same, len(firsts)))
-        if found[-1] == len(firsts):
-            firsts.append(trial)
-    return np.array(found, dtype=np.intp)
+        found.append(next((k for k, x in enumerate(firsts) if _same(x, trial)), len(firsts)))
+        firsts.extend([trial] * (found[-1] == len(firsts)))
+    return np.array(found)
 
 
-def _same_setting(one: Trial, other: Trial) -> bool:
-    if one.setting == other.setting:
-        return True
-    known = {path: x for path, _, x in parameters(one.mechanism, "mechanism")}
-    values = {path: x for path, _, x in parameters(other.mechanism, "mechanism")}
-    off = {path: x for path, x in values.items() if x != known.get(path)}
-    pairs = [(x, known.get(path)) for path, x in off.items()]
-    pairs += [(x, one.initial.get(name)) for name, x in other.initial.items()]
-    near = all(y is not None and math.isclose(x, y, rel_tol=ALIKE) for x, y in pairs)
-    return (
-        near
-        and one.initial.keys() == other.initial.keys()
-        and vary(one.mechanism, "mechanism", off) == other.mechanism
+def _same(one: Trial, other: Trial) -> bool:
+    """Return whether two trials have the same setting, whatever the last digits of its numbers."""
+    known, values = (
+        {path: x for path, _, x in parameters(trial.mechanism, "mechanism")} | {**trial.initial}
+        for trial in (one, other)
     )
+    near = {x for x in known if math.isclose(known[x], values.get(x, math.nan), rel_tol=ALIKE)}
+    moved = {path: known[path] for path in near - one.initial.keys()}
+    started = one.initial.keys() == other.initial.keys() <= near
+    return started and vary(other.mechanism, "mechanism", moved) == one.mechanism
 
 
 def _solved(linear: Linear, measured: Array, errors: Array, shared: Array) -> Solved:
