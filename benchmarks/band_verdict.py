@@ -128,7 +128,7 @@ class Travelled(Judged):
             # coefficients of other powers of the speed are other quantities
             if own.path.endswith("kinetic_coefficient") or judgement.named in (rig.family or ())
         ]
-        self.faults = []
+        self.faults, self.doubts, self.hidden = [], False, ""
 
     @override
     def band(self, points: Points, *, all_along: bool = False) -> Any:

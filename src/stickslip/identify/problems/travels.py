@@ -11,19 +11,22 @@ r"""Travels: laws fitted, weighed and drawn; what the travel is at a setting, wh
    structures together is largest.
 4. *Evidence* of a structure is its likelihood, with Student's t for each setting, integrated over
    coefficients and nuisances by Laplace's method; held-out errors of a setting follow from the
-   same linear problem without its rows. Shares of families, the least share of the curve, the
-   name and the set follow from both as in `comparison`.
+   same linear problem without its rows. Repeats of a setting have less noise together, and are one
+   piece of evidence on a law, as what a law lacks there is the same in all (`setting_scores`).
+   Shares of families, the least share of the curve, the name and the set follow from both as in
+   `comparison`.
 5. *Ensemble*: coefficients and nuisances are drawn from Student's t about each fit, *simulated* at
    the measured settings, and drawn again by their likelihood there; so the linear problem is a
    proposal, not a result. A band is the quantiles of their travels at a setting.
 6. *Discrepancy*: what a body does that carries its drive jumps where it changes from one motion to
    another, so no smooth factor stands for what all laws lack. Instead mean velocities have an error
-   :math:`\tau`, with which held-out errors :math:`e_i` are as large as they should be,
-   :math:`\sum_i e_i^2 / (v_i + \tau^2) = n` [PM]_: :math:`v_i` is what the readings and the
-   coefficients make of them, if the law holds. It is drawn from Student's t.
+   of variance :math:`\tau^2` beside what the readings and the coefficients make of them, if the
+   law holds. Held-out errors of settings tell it (`unexplained_error`).
 
 .. [PM] R. C. Paule and J. Mandel, "Consensus values and weighting factors", Journal of Research of
    the National Bureau of Standards 87 (1982) 377-385.
+.. [QP] W. Viechtbauer, "Confidence intervals for the amount of heterogeneity in meta-analysis",
+   Statistics in Medicine 26 (2007) 37-52.
 """
 
 import contextlib
@@ -34,8 +37,8 @@ from functools import cached_property, partial
 from typing import TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import logsumexp, softmax, stdtrit
+from numpy.typing import NDArray
+from scipy.special import chdtri, logsumexp, ndtri, softmax, stdtrit
 
 from stickslip.data import whole_cycles
 from stickslip.errors import ConvergenceError, InputError, StickslipError
@@ -52,7 +55,7 @@ from stickslip.identify.fits import (
     starting_law,
     under_cycles,
 )
-from stickslip.identify.problem import Array
+from stickslip.identify.problem import ALIKE, Array
 from stickslip.identify.problems.travel_descent import STEP
 from stickslip.identify.problems.travel_laws import (
     HOLDING,
@@ -144,8 +147,8 @@ class Solved:
     """Readings less what they determine."""
     held_out: Array
     """Residuals (n,) without the readings of the same setting [m]."""
-    growth: Array
-    """Standard deviations (n,) of these if the structure holds, over the errors of the readings."""
+    spreads: Sequence[Array]
+    """Covariances (k, k) by setting of these if the structure holds, over errors of the reading."""
     losses: Array
     """Mean squares of these, standardised, by setting (b,)."""
 
@@ -187,8 +190,8 @@ class TravelJudgement:
         self.readings, self.stated = standard_errors(self.trials)
         least = 0.0 if self.stated else RESOLVED * float(np.mean(np.abs(self.measured)))
         self.readings = np.maximum(self.readings, least)
-        settings = list(dict.fromkeys(trial.setting for trial in self.trials))
-        self.blocks = np.array([settings.index(trial.setting) for trial in self.trials])
+        self.blocks = _settings(self.trials)
+        self.counts = np.bincount(self.blocks)
 
     # ------------------------------------------------------------------ settings
     @cached_property
@@ -354,18 +357,26 @@ class TravelJudgement:
 
     def _repeats(self) -> Array:
         """Return what repeats of a setting scatter by, in proportion to the travel (n,) [m]."""
-        counts = np.bincount(self.blocks)
-        means = np.bincount(self.blocks, self.measured) / counts
-        freedom = len(self.measured) - len(counts)
+        known = list(dict.fromkeys(trial.setting for trial in self.trials))
+        same = np.array([known.index(trial.setting) for trial in self.trials])
+        means = np.bincount(same, self.measured) / np.bincount(same)
+        freedom = len(same) - len(known)
         if freedom < FEWEST - 1:
             return np.zeros(len(self.measured))
-        mean = np.where(means == 0.0, 1.0, means)[self.blocks]
+        mean = np.where(means == 0.0, 1.0, means)[same]
         share = math.sqrt(float(np.sum((self.measured / mean - 1.0) ** 2)) / freedom)
         return np.asarray(share * np.abs(mean))
 
     def _solve_all(self, errors: Array, linears: Sequence[Linear]) -> list[Solved]:
-        found = [_solved(one, self.measured, errors, self.blocks) for one in linears]
+        shared = self._shared(errors)
+        found = [_solved(one, self.measured, errors, shared) for one in linears]
         return [one for one in found if math.isfinite(one.evidence)]
+
+    def _shared(self, errors: Array) -> Array:
+        """Return what an error of the mean velocity makes of residuals, by setting (b, n)."""
+        of = np.arange(len(self.counts))[:, None] == self.blocks
+        rows = np.where(of, durations(self.trials, self.t_end) / errors, 0.0)
+        return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
     @cached_property
     def solved(self) -> list[Solved]:
@@ -386,7 +397,7 @@ class TravelJudgement:
     @cached_property
     def _alike(self) -> bool:
         """Whether all trials repeat one setting: then every law can have that travel."""
-        return len(np.unique(self.blocks)) < 2
+        return len(self.counts) < 2
 
     @cached_property
     def evidence(self) -> dict[str, float]:
@@ -521,26 +532,27 @@ class TravelJudgement:
         return np.asarray(self.law_of(self.named).table(self.at(settings), unknowns[None])[0])
 
     def held_out(self, name: str) -> float:
-        """Return the root mean square [m] of the held-out errors of a family."""
-        return math.sqrt(float(np.mean(self.best_of(name).held_out ** 2)))
+        """Return the root mean square [m] of the held-out errors of a family, over settings."""
+        squares = self.best_of(name).held_out ** 2
+        return math.sqrt(float(np.mean(np.bincount(self.blocks, squares) / self.counts)))
 
     @cached_property
     def discrepancy(self) -> float:
-        """Error of mean velocities beside what the laws tell [m/s].
+        """Error of mean velocities beside what the laws tell [m/s], as a scale of Student's t.
 
-        0 of runs that do not end with a cycle, and where the measured curve stands for it.
+        0 of runs that do not end with a cycle, where the measured curve stands for it, and of a
+        single setting.
         """
-        if "" in self.families or any(trial.cycles is None for trial in self.trials):
+        cyclic = all(trial.cycles is not None for trial in self.trials)
+        if "" in self.families or not cyclic or self._alike:
             return 0.0
         best, lasts = self.best_of(self.named), durations(self.trials, self.t_end)
-        squares = (best.held_out / lasts) ** 2
-        known = (best.growth * self.least_errors / lasts) ** 2
-
-        def excess(variance: float) -> float:
-            return float(np.mean(squares / (known + variance))) - 1.0
-
-        most = float(np.mean(squares))
-        return math.sqrt(brentq(excess, 0.0, most)) if excess(0.0) > 0.0 else 0.0
+        means = np.bincount(self.blocks, best.held_out / lasts) / self.counts
+        known = np.zeros(len(means))
+        for block, spread in enumerate(best.spreads):
+            own = (self.least_errors / lasts)[self.blocks == block] / self.counts[block]
+            known[block] = own @ spread @ own
+        return unexplained_error(means, known, best.freedom - len(lasts) + len(means))
 
     # ------------------------------------------------------------------ ensemble
     @cached_property
@@ -690,7 +702,7 @@ class TravelJudgement:
         if self.assumed:  # the scale is not known either
             nu = max(freedom, 1.0)
             return np.asarray(-0.5 * (nu + left.shape[1]) * np.log1p(np.sum(left**2, 1) / nu))
-        return np.asarray(-0.5 * np.sum(block_scores(left**2), axis=1))
+        return -0.5 * setting_scores(left, self._shared(self.errors))
 
     def travels(self, settings: Array, draws: Sequence[TravelDraws] | None = None) -> Array:
         """Return the travels (d, m) [m] at settings (m,) of the knob: of draws, and their error."""
@@ -873,7 +885,76 @@ def _linear(
     )
 
 
-def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> Solved:
+def setting_scores(left: Array, shared: Array) -> Array:
+    r"""Return scores (...) of standardised residuals (..., n), by Student's t for each setting.
+
+    Of :math:`k` readings of a setting, which share an error along the unit vector :math:`u`
+    (`shared` (b, n)), :math:`u \cdot z` has one score; what else they leave scatters by noise.
+
+    Examples
+    --------
+    >>> alone, thrice = np.eye(3), np.ones((1, 3)) / math.sqrt(3.0)
+    >>> left = np.array([4.0, 4.0, 4.0])
+    >>> [round(float(setting_scores(left, one)), 1) for one in (alone, thrice)]
+    [24.1, 12.8]
+    """
+    counts = np.sum(shared != 0.0, axis=1)[np.argmax(shared != 0.0, axis=0)]
+    along = left @ shared.T
+    rest = (left - along @ shared) ** 2 * counts / np.maximum(counts - 1.0, 1.0)
+    scatter = block_scores(rest) * (counts - 1.0) / counts
+    return np.asarray(np.sum(block_scores(along**2), axis=-1) + np.sum(scatter, axis=-1))
+
+
+def unexplained_error(errors: Array, known: Array, freedom: float) -> float:
+    r"""Return the error of a new setting beside known variances, as a scale of Student's t.
+
+    Held-out errors :math:`e_i` (n,) have the variances :math:`v_i + \tau^2`, so that
+    :math:`Q(\tau^2) = \sum_i e_i^2 / (v_i + \tau^2)` is :math:`n` on average [PM]_. They are no
+    more independent than residuals are: Q is :math:`n / f` times chi squared with as many degrees
+    of freedom :math:`f` as readings leave. That is what is known of :math:`\tau` [QP]_, of which a
+    few settings say little. The scale is that of the distribution with the 95 % limits of new
+    errors, normal with every such :math:`\tau`.
+
+    Examples
+    --------
+    >>> errors = np.array([1.0, -1.0] * 50)
+    >>> [round(unexplained_error(errors, v * np.ones(100), 98.0), 2) for v in (0.01, 2.0)]
+    [0.71, 0.0]
+    """
+    n, squares, count = len(errors), errors**2, THRESHOLDS.draws
+    even = (np.arange(count) + 0.5) / count
+    freedom = max(freedom, 1.0)
+    wanted = n / freedom * chdtri(freedom, even)  # falling
+    tried = np.geomspace(1e-9, 1e9, count) * squares.max(initial=1e-300)
+    total = np.sum(squares[:, None] / (known[:, None] + tried), axis=0)
+    found = np.exp(np.interp(-wanted, -total, np.log(tried)))
+    found[wanted >= total[0]] = 0.0
+    new = np.outer(np.sqrt(found), ndtri(0.5 + 0.5 * even))
+    return float(np.quantile(new, 0.95) / stdtrit(THRESHOLDS.freedom, 0.975))
+
+
+def _settings(trials: Sequence[Trial]) -> NDArray[np.intp]:
+    """Return the number of the setting of each trial (n,): numbers of one are about the same."""
+    firsts, found = list[Trial](), list[int]()
+    for trial in trials:
+        found.append(next((k for k, x in enumerate(firsts) if _same(x, trial)), len(firsts)))
+        firsts.extend([trial] * (found[-1] == len(firsts)))
+    return np.array(found)
+
+
+def _same(one: Trial, other: Trial) -> bool:
+    """Return whether two trials have the same setting, whatever the last digits of its numbers."""
+    known, values = (
+        {path: x for path, _, x in parameters(trial.mechanism, "mechanism")} | {**trial.initial}
+        for trial in (one, other)
+    )
+    near = {x for x in known if math.isclose(known[x], values.get(x, math.nan), rel_tol=ALIKE)}
+    moved = {path: known[path] for path in near - one.initial.keys()}
+    started = one.initial.keys() == other.initial.keys() <= near
+    return started and vary(other.mechanism, "mechanism", moved) == one.mechanism
+
+
+def _solved(linear: Linear, measured: Array, errors: Array, shared: Array) -> Solved:
     """Return a linear problem solved, with its evidence and its held-out errors."""
     columns = linear.columns / errors[:, None]
     off = linear.centre - linear.means
@@ -904,7 +985,7 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     covariance = 0.5 * (covariance + covariance.T)
     _, volume = np.linalg.slogdet(matrix)
     evidence = (
-        -0.5 * float(np.sum(block_scores(left**2)))
+        -0.5 * float(setting_scores(left, shared))
         - float(np.sum(np.log(errors)))
         - 0.5 * float(off**2 @ precision)
         - 0.5 * float(volume)
@@ -914,17 +995,16 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
     evidence += math.log(2.0) * int(
         signed[1 : law.count].sum()
     )  # others than the leading are not negative
-    held_out, growth = np.array(left), np.ones(len(left))
-    losses = []
-    for block in range(int(blocks.max()) + 1):
-        rows = blocks == block
+    held_out, spreads, losses = np.array(left), list[Array](), list[float]()
+    for block in shared:
+        rows = block != 0.0
         own = columns[rows]
         hat = own @ covariance @ own.T
         # rounding must not make a leverage more than 1
         values, vectors = np.linalg.eigh(0.5 * (hat + hat.T))
         inverse = (vectors / (1.0 + 1e-9 - np.minimum(values, 1.0))) @ vectors.T
         held_out[rows] = alone = inverse @ left[rows]
-        growth[rows] = np.sqrt(np.diag(inverse))
+        spreads.append(inverse)
         losses.append(float(np.mean(alone**2)))
     return Solved(
         linear=linear,
@@ -934,7 +1014,7 @@ def _solved(linear: Linear, measured: Array, errors: Array, blocks: Array) -> So
         evidence=evidence,
         freedom=len(measured) - float(np.trace(covariance @ gram)),
         held_out=held_out * errors,
-        growth=growth,
+        spreads=spreads,
         losses=np.array(losses),
     )
 

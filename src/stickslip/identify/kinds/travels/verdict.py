@@ -253,8 +253,9 @@ class TravelVerdict(Verdict[TravelCandidate]):
         """By how much mean velocities are off beside what the laws tell [m/s]; 0 of runs to rest.
 
         It is the scale of Student's t with four degrees of freedom that held-out errors of the
-        named law ask for beside those of the readings and of its coefficients. `band` has it; bands
-        of runs with laws that `sample` draws need it beside them.
+        named law ask for beside those of the readings and of its coefficients; repeats of a setting
+        count once, and few settings leave it uncertain and so larger. `band` has it; bands of runs
+        with laws that `sample` draws need it beside them.
         """
         return self.judgement.discrepancy
 
@@ -424,8 +425,10 @@ def columns_of(verdict: TravelVerdict | None) -> Columns[TravelCandidate]:
             ),
             text=lambda one: _fitted(one) or None, why_empty="no value fits",
         ),
-        Column(key="range", title="95 %", page="95 %", numeric=False, phone="label", value=_ranges,
-               text=lambda one: _ranges(one) or None),
+        Column(
+            key="range", title="95 % if it holds", page="95 %,\nif it holds", numeric=False,
+            phone="label", value=_ranges, text=lambda one: _ranges(one) or None,
+        ),
         Column(
             key="travel", title="travel", page="travel\nm" if not ranked else "", phone="hide",
             value=travel, text=lambda one: scale.error(travel(one)) if one.criteria else None,
