@@ -80,7 +80,7 @@ __all__ = ["Branch", "BranchEvent", "continue_orbit"]
 Event: TypeAlias = "BranchEvent"
 MOST_POINTS = 2000
 """Points of a branch to either side."""
-FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 2e-6, 0.02
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 4e-6, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
 GROWTH, EASY, FAST = 1.5, 3, 3.0
 """By how much a step grows, after how many of Newton's steps at most, and after none."""
@@ -138,7 +138,7 @@ INSIDE = 0.618
 """Place in a range at which drives must fit a given cycle, too."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
-OVER: Final = (2e-6, 1e-4, 1e-3, 4e-3)
+OVER: Final = (4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
