@@ -80,8 +80,10 @@ __all__ = ["Branch", "BranchEvent", "continue_orbit"]
 Event: TypeAlias = "BranchEvent"
 MOST_POINTS = 2000
 """Points of a branch to either side."""
-FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 4e-6, 0.02
+FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
+DIAGRAM_STEP = 4e-6
+"""Least step of the branches of a diagram, of which there are many."""
 GROWTH, EASY, FAST = 1.5, 3, 3.0
 """By how much a step grows, after how many of Newton's steps at most, and after none."""
 MOST_NEWTON = 6
@@ -98,7 +100,7 @@ ON_CURVE = 0.5
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
 MOST_SECTIONS, MOST_FALSE = 40, 12
 """Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
-ZERO = 1e-7
+ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
 SHORT, COARSE = 1e-3, 0.05
 """Length of a step from which its predictor may be off the branch, and share of it to which is
@@ -138,7 +140,7 @@ INSIDE = 0.618
 """Place in a range at which drives must fit a given cycle, too."""
 AT_CIRCLE = 0.02
 """Distance from the unit circle within which a multiplier has passed it and not jumped across."""
-OVER: Final = (4e-6, 1e-4, 1e-3, 4e-3)
+OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
@@ -344,6 +346,7 @@ def begun(
     step: float,
     points: int,
     period: float | None,
+    least: float = LEAST_STEP,
 ) -> tuple["_Curve", "_Point"]:
     """Return a branch that is to be followed, and its first point."""
     low, high = between_of("continue_orbit", between)
@@ -377,7 +380,8 @@ def begun(
         )
     map_ = within(map_, (low, high))
     y = np.array([orbit.start[name] for name in orbit.free])
-    curve = _Curve(map_, low, high, unit_of(mechanism, law, full), step, int(points))
+    unit = unit_of(mechanism, law, full)
+    curve = _Curve(map_, low, high, unit, step, int(points), least)
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
     return curve, first
 
@@ -547,10 +551,18 @@ class _Curve:
     """One branch: scales, corrector, events."""
 
     def __init__(
-        self, map_: ReturnMap, low: float, high: float, unit: str, step: float, most: int
+        self,
+        map_: ReturnMap,
+        low: float,
+        high: float,
+        unit: str,
+        step: float,
+        most: int,
+        least: float,
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
-        self.step, self.most = step, most
+        self.step, self.most, self.least = step, most, least
+        self.behind = [ds for ds in OVER if ds >= least]
         self.scale = np.ones(1)
         self.runs = 0
         self.backward = False
@@ -723,7 +735,7 @@ class _Curve:
             step = self.stepped(points, u0, ds)
             if isinstance(step, float):
                 ds, held = step, True
-                if ds > LEAST_STEP:
+                if ds > self.least:
                     continue
                 there = self.over(here)
                 if there is None:
@@ -803,7 +815,7 @@ class _Curve:
         A long predictor is off the branch by more than a short arc.
         """
         low, high = 0.0, ds
-        while high - low > (LEAST_STEP if ds <= SHORT else COARSE * ds):
+        while high - low > (self.least if ds <= SHORT else COARSE * ds):
             middle = 0.5 * (low + high)
             same = self.is_alike(here, ahead(middle))
             low, high = (middle, high) if same else (low, middle)
@@ -950,7 +962,7 @@ class _Curve:
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
-        return next(filter(None, (self.across(here, ds) for ds in OVER)), None)
+        return next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
 
     def across(self, here: _Point, ds: float) -> _Point | None:
         """Return a point at which something else happens, from a start behind the last one.
@@ -992,7 +1004,7 @@ class _Curve:
         """
         u0 = here.unknowns
         at = f"It ends at {quantity(here.shot.value, self.unit, 6)}"
-        for ds in OVER:
+        for ds in self.behind:
             try:
                 ahead = self.shoot(u0 + ds * here.tangent).sensed()
             except (SimulationError, InputError) as error:
@@ -1086,7 +1098,7 @@ class _Curve:
         low, high, a, b = part.low, part.high, part.a, part.b
         first, last, side = test(a), test(b), 0
         for count in range(MOST_SECTIONS):
-            if high - low <= LEAST_STEP:
+            if high - low <= self.least:
                 break
             share = 0.5 if least is None or count >= MOST_FALSE else first / (first - last)
             middle = low + share * (high - low)

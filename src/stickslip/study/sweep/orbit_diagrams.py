@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 from stickslip.study.sweep.continuation import (
+    DIAGRAM_STEP,
     MOST_POINTS,
     MOST_STEP,
     Branch,
@@ -649,7 +650,7 @@ class _Search:
         try:
             curve, first = begun(
                 orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
-                self.map.period,
+                self.map.period, DIAGRAM_STEP,
             )  # fmt: skip
             curve.met = self.met
             branch = curve.branch(first)
