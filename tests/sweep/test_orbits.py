@@ -596,3 +596,25 @@ def test_starts_of_an_orbit_diagram_do_not_grow_with_what_has_not_settled():
     path = "mechanism.drive.drive.frequency"
     found = orbit_diagram(robot, ROUGH, path, (17.0, 19.0), cycles=1, values=20, settle=1)
     assert np.nanmax(np.abs(found.samples)) < 1e3  # twice as large each time is 1e17
+
+
+def test_a_walk_ends_where_every_step_changes_what_happens():
+    """Branches of rest and of slip lie side by side here, each a step behind the other."""
+    square = Square(high=0.2, low=-0.2, period=0.125, duty=0.5)
+    capsule = Capsule(
+        capsule_mass=0.08, inner_mass=0.02, stiffness=60.0, damping=0.03, drive_on="inner mass",
+        upper_stop=2e-3, lower_stop=-2e-3, restitution=0.6, drive=Torque(drive=square),
+    )  # fmt: skip
+    law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.25)
+    path, between = "friction.kinetic_coefficient", (0.05, 0.2)
+    found = orbit_diagram(capsule, law, path, between, cycles=1, values=3, starts=1, settle=40)
+    assert found.branches
+    assert max(len(branch.values) for branch in found.branches) < 1000
+
+
+def test_a_branch_ends_where_the_body_comes_to_rest():
+    axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    law = Coulomb(kinetic_coefficient=0.5)
+    branch = continue_orbit(periodic_orbit(axis, law), "amplitude", (0.0, 5.0))
+    assert branch.values.min() == pytest.approx(0.5, abs=0.01)
+    assert "followed" not in branch.ends[0]

@@ -39,6 +39,7 @@ Sources: Keller 1977 (pseudo-arclength); Seydel 2010, chapters 4 to 7 (test func
 di Bernardo et al. 2008, chapters 6 to 8 (grazing, sliding).
 """
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -83,7 +84,7 @@ MOST_POINTS = 2000
 FIRST_STEP, LEAST_STEP, MOST_STEP = 4e-3, 1e-7, 0.02
 """Length of a step, over the size of the states and the range of the parameter."""
 DIAGRAM_STEP = 4e-6
-"""Least step of the branches of a diagram, of which there are many."""
+"""The same of the many branches of a diagram: length below which a step that fails is given up."""
 GROWTH, EASY, FAST = 1.5, 3, 3.0
 """By how much a step grows, after how many of Newton's steps at most, and after none."""
 MOST_NEWTON = 6
@@ -99,7 +100,7 @@ ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
 MOST_SECTIONS, MOST_FALSE = 40, 12
-"""Orbits by which an event is located to `LEAST_STEP`, and how many of them by false position."""
+"""Orbits by which an event is located to the least step, some of them by false position."""
 ZERO = 1e-9
 """Share of its value at the ends of a step by which a smooth test function is 0."""
 SHORT, COARSE = 1e-3, 0.05
@@ -107,6 +108,9 @@ SHORT, COARSE = 1e-3, 0.05
 located then where something changes along it."""
 CLEAN, RESTART = 1e-4, 4e-4
 """Distance over which a branch is stepped without a gap, and first step behind."""
+WINDOW, CREPT, FLICKERS = 40, 1e-4, 6
+"""Points in which a walk comes that far at least, over the largest scales, and steps in a row of
+which not all may change what happens."""
 POLE = 0.9
 """Share of the arc in front of a pole of the derivative after which a step ends."""
 BEHIND: Final = (1e-3, 4e-3)
@@ -351,10 +355,7 @@ def begun(
     """Return a branch that is to be followed, and its first point."""
     low, high = between_of("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
-    if not LEAST_STEP < step <= 1.0:
-        raise InputError(
-            f"continue_orbit: step must be above {LEAST_STEP:g} and at most 1, got {step!r}."
-        )
+    check_step("continue_orbit", step, least)
     mechanism, law = orbit.mechanism, orbit.law
     full, _ = axis_of(mechanism, law, path, [low, high])
     if full.startswith("initial."):
@@ -384,6 +385,12 @@ def begun(
     curve = _Curve(map_, low, high, unit, step, int(points), least)
     first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
     return curve, first
+
+
+def check_step(owner: str, step: float, least: float) -> None:
+    """Refuse a largest step that is none."""
+    if not least < step <= 1.0:
+        raise InputError(f"{owner}: step must be above {least:g} and at most 1, got {step!r}.")
 
 
 def between_of(owner: str, between: Any) -> tuple[float, float]:
@@ -562,6 +569,7 @@ class _Curve:
     ) -> None:
         self.map, self.low, self.high, self.unit = map_, low, high, unit
         self.step, self.most, self.least = step, most, least
+        self.searching, self.widest = False, np.zeros(1)
         self.behind = [ds for ds in OVER if ds >= least]
         self.scale = np.ones(1)
         self.runs = 0
@@ -580,6 +588,7 @@ class _Curve:
         """
         if self.scale.size == 1:
             self.scale = np.append(shot.scale, self.high - self.low)
+            self.widest = self.scale
         return _Point(shot, along, self.scale)
 
     def fit(self, *points: _Point) -> tuple[_Point, ...]:
@@ -589,6 +598,7 @@ class _Curve:
         if ratio.max() <= OUTGROWN and ratio.min() >= 1.0 / OUTGROWN:
             return points
         self.scale = size
+        self.widest = np.maximum(self.widest, size)
         return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
 
     def unscaled(self, shot: Shot) -> Array:
@@ -744,9 +754,8 @@ class _Curve:
                         sentence = "the branch ends there"
                         events.append(self.event(kind, here, len(points) - 1, sentence))
                     return points, reason, events
+                self.look_behind(here)
                 gap = _length(there.unknowns - u0)
-                found = [self.correct(u0, here.tangent, far, reach=far) for far in BEHIND]
-                self.beyond += [pair[0] for pair in found if pair is not None]
                 ds = RESTART if gap < CLEAN else 0.1 * gap
             else:
                 there = step.there
@@ -763,18 +772,41 @@ class _Curve:
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
-            ended = self.ended(first, points)
+            ended = self.ended(first, points) or self.stalled(points)
             if ended:
                 return points, ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
             if not isinstance(step, float):
                 growth = FAST if step.count == 0 else GROWTH if step.count <= EASY else 1.0
                 ds = min(step.length * (1.0 if held else growth), self.step, step.free)
-            ds, held = min(ds, self.straight(points)), False
-            if (short := self.short_of_pole(points)) < SHORT:
-                ds = min(ds, short)
+            short, held = self.short_of_pole(points), False
+            ds = min(ds, self.straight(points), short if short < SHORT else ds)
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
+
+    def look_behind(self, here: _Point) -> None:
+        """Note orbits behind a change, perhaps of other branches, if a search asks for them."""
+        for far in BEHIND if self.searching else ():
+            found = self.correct(here.unknowns, here.tangent, far, reach=far)
+            self.beyond += [] if found is None else [found[0]]
+
+    def stalled(self, points: list[_Point]) -> str:
+        """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
+
+        So it is where the body comes to rest, and its states become 0, or where what happens
+        changes with nearly every step.
+        """
+        at = quantity(points[-1].shot.value, self.unit, 6)
+        pairs = list(itertools.pairwise(points[-WINDOW:]))
+        changes = [a.signature != b.signature for a, b in pairs]
+        if len(changes) >= FLICKERS and all(changes[-FLICKERS:]):
+            self.beyond.clear()
+            return f"It ends at {at}: what happens in a period changes with every step."
+        if len(pairs) < WINDOW - 1:
+            return ""
+        scale = np.maximum(self.widest, self.scale)
+        arcs = (_length((self.unscaled(b.shot) - self.unscaled(a.shot)) / scale) for a, b in pairs)
+        return f"It ends at {at}: the steps become too short." if sum(arcs) < CREPT else ""
 
     def stepped(self, points: list[_Point], u0: Array, ds: float) -> _Step | float:
         """Return a step in which nothing changes of what happens, or how long one may be.

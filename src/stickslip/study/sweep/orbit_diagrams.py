@@ -43,6 +43,7 @@ from stickslip.study.sweep.orbits import (
     solved,
 )
 from stickslip.study.sweep.parameter_grid import (
+    PERIOD,
     Array,
     Progress,
     Tally,
@@ -65,6 +66,7 @@ from stickslip.study.sweep.continuation import (
     BranchEvent,
     begun,
     between_of,
+    check_step,
     units_of,
     within,
 )
@@ -80,10 +82,13 @@ BESIDE = 1e-3
 FINER, FEW = 32, 2
 """Places between two values at which runs settle, at most, where no stable orbit is known, and how
 many of them there as beside an end."""
+MOST_BEYOND, DEEPEST = 32, 4
+"""Orbits behind changes of a branch that are followed, and branches that lead on to others."""
 STRETCH = 64
 """Cycles of a settled run that are recorded at a time."""
 EARLY, SOONER = 4, 100.0
-"""Share of the cycles after which a run may have settled, if it closes that much better."""
+"""Part of the cycles after which, and twice that, a run may have settled, if it closes so much
+better."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
@@ -107,6 +112,8 @@ class OrbitDiagram(OnAxes, Tabular):
     """Full path of the parameter."""
     unit: str
     """Its SI unit."""
+    between: tuple[float, float]
+    """Its range."""
     states: tuple[str, ...]
     """Free states (k,), as in `Orbit.free`."""
     units: Mapping[str, str]
@@ -169,7 +176,7 @@ class OrbitDiagram(OnAxes, Tabular):
                 stretches.append((at.min(), at.max(), (branch.cycles, *shown, i)))
         widest = sorted(stretches, key=lambda stretch: stretch[0] - stretch[1])[:MOST_ROWS]
         spans = np.array([stretch[:2] for stretch in stretches]).reshape(-1, 2)
-        edges, whole = np.unique(spans), np.ptp(self.values)
+        edges, whole = np.unique(spans), self.between[1] - self.between[0]
         middles = 0.5 * (edges[1:] + edges[:-1])[:, None]
         beside = ((spans[:, 0] < middles) & (middles < spans[:, 1])).sum(axis=1)
         known, several = (edges[_runs(beside > others)] for others in (0, 1))
@@ -181,9 +188,10 @@ class OrbitDiagram(OnAxes, Tabular):
             sentence += f", several side by side over {shares[1]}, most widely from {places}"
         which = f"The widest of {len(stretches)} stable stretches on {len(self.branches)} branches."
         moving = [f"mean velocity {name}" for name in self.velocities]
+        head = (f"stable {self.path.rpartition('.')[2]}", "period", *moving, "branch")
         return Summary(
             sentence=f"{sentence}.",
-            head=(f"stable {self.path.rpartition('.')[2]}", "period", *moving, "branch"),
+            head=head if stretches else (),
             rows=[(span(low, high, self.unit, 4), *row) for low, high, row in sorted(widest)],
             notes=(*([which] if len(stretches) > MOST_ROWS else []), *self.costs()),
         )
@@ -244,7 +252,8 @@ def orbit_diagram(
         Values with settled runs, evenly spaced, and runs for each of them: the first from where the
         mechanism begins, others from random states at values between it and the next.
     settle : int
-        Cycles before a run counts as settled; one that closes well after a quarter has settled.
+        Cycles before a run counts as settled; one that closes well after a quarter or half of them
+        has settled.
     step : float
         Largest step along a branch, as in `continue_orbit`.
     seed : int
@@ -280,6 +289,7 @@ def orbit_diagram(
     """
     owner = "orbit_diagram"
     low, high = between_of(owner, between)
+    check_step(owner, step, DIAGRAM_STEP)
     laws = event_driven_law(mechanism, law)
     for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
         counted(owner, name, count, least)
@@ -293,6 +303,8 @@ def orbit_diagram(
         )
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
+    else:
+        PERIOD.check(owner, "period", period)
     first = return_map(mechanism, laws, 1, period, compiled(solver), full)
     first = within(first, (low, high))
     search = _Search(
@@ -390,6 +402,7 @@ class _Search:
         self.brute_cycles = 0
         self.looked = np.empty(0)
         self.stable: list[Array] = []
+        self.depth = 0
         self.lost: list[tuple[float, Mapping[str, Array]]] = []
 
     def settle_at(self, value: float, columns: Mapping[str, Array]) -> None:
@@ -487,7 +500,7 @@ class _Search:
         samples = np.full((len(rows), keep, len(self.map.free)), np.nan)
         ways = np.full((len(rows), len(self.map.moving)), np.nan)
         closed, status = np.zeros(len(rows), dtype=int), np.empty(len(rows), dtype=object)
-        # Runs that close clearly after a share of the cycles, or after two, need not go on.
+        # Runs that close clearly after a quarter or half of the cycles need not go on.
         for share in (1, 2, EARLY):
             tolerance = CLOSED if share == EARLY else CLOSED / SOONER
             settle = max((self.settle if share == EARLY else share * early) - count, 0)
@@ -652,7 +665,7 @@ class _Search:
                 orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
                 self.map.period, DIAGRAM_STEP,
             )  # fmt: skip
-            curve.met = self.met
+            curve.met, curve.searching = self.met, True
             branch = curve.branch(first)
         except (SimulationError, InputError):
             return  # nothing leaves there, as where a multiplier jumps across -1
@@ -672,11 +685,15 @@ class _Search:
             half = replace(self.map, cycles=branch.cycles // 2)
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
-        for shot in curve.beyond:
+        if self.depth >= DEEPEST:
+            return
+        self.depth += 1
+        for shot in curve.beyond[:MOST_BEYOND]:
             if self.met(shot) is not None:
                 continue
             with suppress(SimulationError, InputError):
                 self.follow_shot(solved(branch.map, shot.y, shot.value), branch.cycles)
+        self.depth -= 1
 
     def strobes(self, shot: Shot, cycles: int) -> Array:
         """Return the free states of an orbit once a cycle."""
@@ -688,6 +705,7 @@ class _Search:
         velocities = np.array(self.velocities).reshape(len(self.values), -1)
         return OrbitDiagram(
             path=str(self.map.path),
+            between=self.between,
             unit=unit_of(mechanism, law, str(self.map.path)),
             states=self.map.names,
             units=units_of(self.map),

@@ -390,11 +390,11 @@ class ReturnMap:
         """With which power of the parameter the cycle goes: 0, -1 or 1; None with none of them."""
         if self.period is not None or str(self.path).startswith("friction."):
             return 0
-        if self.between is None or self.between[0] <= 0.0:
+        if self.between is None:
             return None
         values = np.linspace(*self.between, POWERS)
         cycles = np.array([cycle_of(self.pair(float(value))[0]) for value in values])
-        for power in (0, -1, 1):
+        for power in (0, -1, 1) if self.between[0] > 0.0 else (0,):
             if np.ptp(cycles / values**power) <= POWERS * _EPSILON * cycles.max():
                 return power
         return None
