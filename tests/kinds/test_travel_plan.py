@@ -158,7 +158,7 @@ def test_sources_are_those_that_were_asked_for():
 def test_worse_readings_take_more_runs():
     few, many = (
         plan(BLOCK, ["coulomb", "viscous"], uncertainty=size, parameter_uncertainties=EXACT)
-        for size in (SIGMA, 0.02)
+        for size in (SIGMA, 0.015)
     )
     assert few.tellings[0].repeats == few.repeats == 3
     assert 3 < many.tellings[0].repeats == many.repeats <= 10
