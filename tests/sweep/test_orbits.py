@@ -618,3 +618,23 @@ def test_a_branch_ends_where_the_body_comes_to_rest():
     branch = continue_orbit(periodic_orbit(axis, law), "amplitude", (0.0, 5.0))
     assert branch.values.min() == pytest.approx(0.5, abs=0.01)
     assert "followed" not in branch.ends[0]
+
+
+@pytest.mark.parametrize("start", [0.0, -0.4])
+def test_a_wave_shifted_to_before_time_0_has_the_orbit_that_runs_settle_to(start):
+    axis, law = squared(start), Coulomb(kinetic_coefficient=0.5)
+    times = np.linspace(0.0, 0.5, 101)
+    settled = simulate(axis, law, t_end=40.0).at(39.0 + times)["x"]
+    own = periodic_orbit(axis, law).run().at(times)["x"]
+    np.testing.assert_allclose(own, settled, atol=1e-5)
+
+
+def test_a_wave_that_begins_late_is_refused():
+    """Its first cycle differs: a run over it alone closes at what is no orbit."""
+    with pytest.raises(InputError, match=r"begins at 0\.1 s.*a whole number of periods earlier"):
+        periodic_orbit(squared(0.1), Coulomb(kinetic_coefficient=0.5))
+
+
+def squared(start: float) -> Axis:
+    wave = Square(high=4.0, low=-4.0, period=0.5, duty=0.5, start=start)
+    return Axis(inertia=1.0, stiffness=100.0, damping=0.5, drive=wave)

@@ -112,10 +112,11 @@ class Runner:
     ) -> tuple[Any, Any]:
         """Run on to a time, as `kernels.driver.run` does, with as much room as it takes."""
         while True:
+            # Before the call, too: a run that goes on may write an event before its first step.
+            log, events = self.with_room(whole, log, events)
             self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
             if whole[layout.STATUS] != layout.FULL:
                 return log, events
-            log, events = self.with_room(whole, log, events)
 
     def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
         """Return rows of steps and of events with room for a further step."""

@@ -63,6 +63,7 @@ from stickslip.study.sweep.orbits import (
     Shot,
     Signature,
     refuse_cut,
+    refuse_late,
     return_map,
     solved,
 )
@@ -95,7 +96,7 @@ WORSE, AGAIN = 2.0, 0.1
 """Residual over the last one, and distance from the last start but one over that from the last, at
 which Newton's steps are given up."""
 FALLS = 0.5
-"""Residual over the last one at which they are given up in a walk."""
+"""Residual over the last one at which Newton's steps are given up in a walk."""
 ON_CURVE = 0.5
 """Largest correction over the step: what comes from farther is another branch."""
 TURNS_BACK: Final = "; the branch turns back there (non-smooth fold)"
@@ -411,6 +412,7 @@ def within(map_: ReturnMap, between: tuple[float, float]) -> ReturnMap:
     for value in (low, high, low + INSIDE * (high - low)):
         mechanism, _ = map_.pair(value)
         map_.duration(mechanism, value)
+        refuse_late(mechanism)
         if map_.period is not None:  # which may fit at both ends by chance
             refuse_cut(mechanism, map_.cycles * map_.period)
     return replace(map_, between=between)
@@ -606,10 +608,14 @@ class _Curve:
 
     def shoot(self, u: Array, most: float = np.inf) -> Shot:
         """Run from scaled unknowns; a residual of more than a size is a `SimulationError`."""
+        bound = most * self.scale[:-1] if most < np.inf else None
+        return self.map.shoot(*self.start_of(u), bound)
+
+    def start_of(self, u: Array) -> tuple[Array, float]:
+        """Return free states and parameter of a run that is about to be made, which is counted."""
         self.runs += 1
         *y, value = (u * self.scale).tolist()
-        bound = most * self.scale[:-1] if most < np.inf else None
-        return self.map.shoot(np.array(y), value, bound)
+        return np.array(y), value
 
     def correct(
         self,
@@ -794,7 +800,7 @@ class _Curve:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
         So it is where the body comes to rest, and its states become 0, or where what happens
-        changes with nearly every step.
+        changes with every step.
         """
         at = quantity(points[-1].shot.value, self.unit, 6)
         pairs = list(itertools.pairwise(points[-WINDOW:]))
@@ -835,10 +841,8 @@ class _Curve:
 
     def is_alike(self, here: _Point, start: Array) -> bool:
         """Whether the same happens in the run from a start, of which nothing else is asked."""
-        self.runs += 1
-        *y, value = (start * self.scale).tolist()
         with suppress(SimulationError, InputError):
-            return self.map.happens(np.array(y), value) == here.signature
+            return self.map.happens(*self.start_of(start)) == here.signature
         return False
 
     def clear(self, here: _Point, ahead: _Predictor, ds: float) -> tuple[float, float]:
@@ -939,7 +943,7 @@ class _Curve:
         share = float((start - a) @ chord) / float(chord @ chord)
         gap = _length(start - a - share * chord)
         along = float(first.tangent @ there.tangent) > TURN
-        return along and 0.0 < share <= 1.0 and gap < 0.05 * _length(chord)
+        return along and 0.0 < share <= 1.0 and gap < BESIDE * _length(chord)
 
     def returns(self, there: _Point) -> bool:
         """Whether a point lies between two earlier ones of this branch, in either direction.

@@ -596,6 +596,20 @@ def refuse_cut(mechanism: Mechanism, period: float) -> None:
                 )
 
 
+def refuse_late(mechanism: Mechanism) -> None:
+    """Refuse drives that are 0 at first: their first cycle is another than those that follow."""
+    for name, drive in mechanism.drives().items():
+        for part in parts_of(drive):
+            own, pieces = part.repeats(), part.pieces()
+            if own and pieces and float(pieces[0].start) > CUT * own:
+                raise InputError(
+                    f"{type(mechanism).__name__}: the drive {name!r} begins at"
+                    f" {number(float(pieces[0].start), 4)} s, so that its first cycle is another"
+                    " than those that follow. Let it begin a whole number of periods earlier, at"
+                    " time 0 or before."
+                )
+
+
 def return_map(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
@@ -605,6 +619,7 @@ def return_map(
     path: str | None = None,
 ) -> ReturnMap:
     """Return the map whose fixed points are sought, with its free states."""
+    refuse_late(mechanism)
     states = states_of(mechanism, law)
     prescribed = {
         name
