@@ -129,7 +129,7 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
     assert rig is not None  # one file at least is given
     if reading != Reading():
         raise InputError(
-            "--columns, --unit, --gain, --repair and --conditions apply to data files: name one"
+            "--columns, --rate, --unit, --gain, --repair and --conditions apply to data files: name one"
             f" beside {rig.path}, or write these settings under its [data]."
         )
     if rig.measurement is None:

@@ -16,7 +16,15 @@ from rich.text import Text
 
 from stickslip.cli import CANCELLED, QUIET, ToldExit
 from stickslip.cli.options import ColumnOptions, ReadingOptions
-from stickslip.data import Column, Reading, column_of, motor_constants, read_gain, read_number
+from stickslip.data import (
+    Column,
+    Reading,
+    column_of,
+    motor_constants,
+    read_gain,
+    read_number,
+    regular_times,
+)
 from stickslip.errors import InputError, ParameterError, concerning
 from stickslip.quantities import Quantity
 from stickslip.show.documents import check_replaceable, json_text, unwritable
@@ -245,9 +253,22 @@ def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
 
 def columns_of(options: ColumnOptions) -> Reading:
     """Return what the options of that name say together."""
-    constant = options.motor_constant
+    constant, columns = options.motor_constant, _columns(options.columns)
+    if options.rate is not None:
+        rates = (
+            rate
+            for rate in (options.rate, f"{options.rate} Hz")
+            if regular_times(rate, 1) is not None
+        )
+        rate = next(rates, None)
+        if rate is None or "time" in columns:
+            raise InputError(
+                "--rate takes a rate such as 50Hz or a time between rows such as 0.5ms, and no"
+                f" --columns time=... beside it, got {options.rate!r}."
+            )
+        columns["time"] = rate
     return Reading(
-        columns=_columns(options.columns),
+        columns=columns,
         units=_pairs("--unit", "position=mm", options.units),
         gain=_gains(_pairs("--gain", "force=35.15", options.gain)),
         motor_constant={} if constant is None else motor_constants(constant),

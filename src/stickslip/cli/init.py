@@ -24,7 +24,9 @@ def run(options: InitOptions) -> None:
     named = file if file.name else file.absolute()  # "." is the folder that it stands for
     if not named.name:
         raise InputError(f"{str(file)!r} is no data file: give the file, or the folder of a log.")
-    target = options.output or named.with_suffix(".toml")
+    ended = named.suffix[1:2].isalpha()  # run_0.5mm has no ending
+    own = named.with_suffix(".toml") if ended else named.with_name(f"{named.name}.toml")
+    target = options.output or own
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=options.force)
     try:
@@ -32,8 +34,7 @@ def run(options: InitOptions) -> None:
     except UnknownNameError:
         raise
     except InputError as error:
-        text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
-        raise type(error)(text) from None
+        raise type(error)(data.spelled(str(error), "options")) from None
     if not options.as_json:  # all of the file is read once more below
         say(str(guess))
     name = _relative(data.data_file(file), target)
@@ -100,8 +101,8 @@ def _guess(file: Path, reading: data.Reading, urdf: Path | None) -> data.Guess:
         )
     if reading.columns or reading.gain or reading.motor_constant:
         raise InputError(
-            "--columns, --gain and --motor-constant are those of one axis: with --urdf, change the"
-            " rig file that is written, as columns = { position.elbow = ... }."
+            "--columns, --rate, --gain and --motor-constant are those of one axis: with --urdf,"
+            " change the rig file that is written, as columns = { position.elbow = ... }."
         )
     return data.guess_robot(file, urdf, units=reading.units)
 

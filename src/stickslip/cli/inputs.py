@@ -530,7 +530,7 @@ def measured(
         measurement = rig.with_uncertainties(read_data(data, own, mechanism=rig.mechanism))
     elif reading != Reading() and validate is None:
         raise InputError(
-            "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"
+            "--columns, --rate, --unit, --gain, --repair and --conditions apply to the files of --data or"
             " --validate: name one, or leave them out."
         )
     if measurement is None:

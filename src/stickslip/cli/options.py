@@ -209,6 +209,8 @@ class ColumnOptions:
     gain: Annotated[Sequence[str], typer.Option(metavar="NAME=FACTOR,...")] = ()
     """Scale factor per quantity, e.g. friction=-1 to flip a sign, force=35.15 to convert volts to
     newtons, or "position=4096 counts/rev"."""
+    rate: Annotated[str | None, typer.Option(metavar="50Hz")] = None
+    """Rate of the rows, or time from one to the next such as 0.5ms, where no column has times."""
     motor_constant: Annotated[str | None, typer.Option(metavar="VALUE")] = None
     """Force or torque per current of the motor with its gears, e.g. "0.12 N m/A": the column
     `current` is then read as the force."""

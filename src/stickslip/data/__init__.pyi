@@ -62,9 +62,11 @@ from stickslip.data.readers.columns import Column as Column
 from stickslip.data.readers.columns import Reading as Reading
 from stickslip.data.readers.columns import column_of as column_of
 from stickslip.data.readers.columns import motor_constants as motor_constants
+from stickslip.data.readers.columns import spelled as spelled
 from stickslip.data.readers.guess import Guess as Guess
 from stickslip.data.readers.guess import guess_data as guess_data
 from stickslip.data.readers.layout import Layout as Layout
+from stickslip.data.readers.layout import regular_times as regular_times
 from stickslip.data.readers.robot_guess import guess_robot as guess_robot
 from stickslip.data.readers.table_reader import data_file as data_file
 from stickslip.data.readers.table_reader import is_data_file as is_data_file

@@ -1024,7 +1024,8 @@ def _check_shapes(record: Measurement) -> None:
 def _without_time(sizes: Mapping[str, int]) -> str:
     """Return what is wrong with arrays that are no friction map."""
     text = f"Measurement.{next(iter(sizes))} is an array without times: give time [s], or give"
-    text += " friction and velocity together as a friction map."
+    text += " friction and velocity together as a friction map. Of a file, the rate of its rows"
+    text += ' will do, as columns={"time": "50 Hz"}.'
     if {"friction", "position"} <= {*sizes}:
         text += (
             " Friction over distance needs the time of each sample: add a column of times, the"

@@ -10,7 +10,7 @@ from stickslip.data.checking.finding import OTHER_SPEEDS, Finding, Severity
 from stickslip.data.checking.motion import Motion
 from stickslip.data.differentiation import GAP, interval_of, noise_of, step_of
 from stickslip.data.measurement import QUANTITIES, SAMPLED, Array, Measurement
-from stickslip.show.formatting import count, number, percent, quantity
+from stickslip.show.formatting import count, joined, number, percent, quantity
 
 # Narrow lines at the frequency of the mains and its harmonics.
 
@@ -256,11 +256,15 @@ def sampling(time: Array) -> Iterator[Finding]:
         between = " between gaps" if regular.size < steps.size else ""
         text += f", evenly spaced{between} (largest deviation {least})."
     elif odd and odd < EVEN:
-        missing = int(np.sum(np.rint(regular / dt) - 1))
-        text += (
-            f", evenly spaced except for {count(int(np.sum(off > 0.5)), 'step')}"
-            f" ({count(missing, 'single sample')} missing)."
-        )
+        long, short = regular > 1.5 * dt, regular < 0.5 * dt
+        # beside a short step, a long one is that of a sample off its time
+        beside = np.sum((long[:-1] & short[1:]) | (short[:-1] & long[1:]))
+        missing = int(max(0, np.sum(np.rint(regular[long] / dt) - 1) - beside))
+        early = int(np.sum(short))
+        what = [f"{count(missing, 'single sample')} missing"] if missing else []
+        what += [f"{count(early, 'sample')} come{'s' * (early == 1)} early"] if early else []
+        steps_off = count(int(np.sum(off > 0.5)), "step")
+        text += f", evenly spaced except for {steps_off} ({joined(what)})."
     else:
         text += (
             f", with intervals that scatter by {percent(typical)} (largest deviation"

@@ -220,6 +220,7 @@ def spelled(text: str, by: Speaker) -> str:
     if by == "python":
         return text
     text = text.replace("motor_constant=", "--motor-constant " if by == "options" else MOTOR_KEY)
+    text = text.replace('columns={"time": "50 Hz"}', "--rate 50Hz") if by == "options" else text
     return _SETTING.sub(_option if by == "options" else _key, text)
 
 

@@ -28,11 +28,15 @@ from stickslip.data.readers.layout import (
     BRACKETS,
     Layout,
     bare_cells,
+    bytes_of,
     cells_of,
     decoded,
     is_number,
+    is_stamp,
     layout_of,
+    stated_rates,
     unit_in,
+    without_names,
 )
 from stickslip.data.readers.toml import decode
 from stickslip.errors import MOST_NUMBERS, InputError, check_columns, check_size, concerning
@@ -156,10 +160,7 @@ def ambiguous(file: str | Path, name: str) -> InputError:
 
 def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
     """Return a CSV table; lines before the header may be comments."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+    data = bytes_of(path)
     if layout is not None:
         return read_as(path, data, layout)
     text, encoding = _decoded(path, data)
@@ -173,8 +174,11 @@ def read_text(path: Path, layout: Layout | None = None) -> tables.Table:
     header, sample = lines[0], lines[1:]
     separator = max(SEPARATORS, key=header.count)
     names = named or bare_cells(header, separator)
-    _check_first(path, lines, start, separator)
-    _check_table(path, names, sample, separator)
+    first = [cells_of(header, mark) for mark in (*SEPARATORS, "|", " ")]
+    if any(all(is_number(cell) or is_stamp(cell) for cell in cells) for cells in first):
+        refuse_numbers(path, text)
+    _check_first(path, lines, start, separator, text)
+    _check_table(path, names, sample, separator, text)
     decimal = "," if _has_decimal_comma(sample[:20], separator) else "."
     found = Layout(encoding=encoding, separator=separator, decimal=decimal, preface=start)
     return _parsed(path, data, names, sample, found)
@@ -208,7 +212,8 @@ def read_as(path: Path, data: bytes, layout: Layout) -> tables.Table:
     if not layout.thousands.isascii():  # of which the parser knows none
         data = text.replace(layout.thousands, "").encode(layout.encoding)
         layout = replace(layout, thousands="")
-    return _parsed(path, data, names, sample, layout)
+    rates = stated_rates(upper[: layout.preface], layout)
+    return replace(_parsed(path, data, names, sample, layout), rates=rates)
 
 
 def _parsed(
@@ -371,7 +376,13 @@ def _head(path: Path, text: str) -> tuple[list[str], int]:
     return lines, start
 
 
-def _check_first(path: Path, lines: list[str], start: int, separator: str) -> None:
+def _by_init(path: Path, text: str, what: str) -> str:
+    """Return the cure, after a comma, that is a rig file, if one can be written for a text."""
+    found = layout_of(text, "")
+    return f", or let `stickslip init {path.name}` write a rig file{what}" if found else ""
+
+
+def _check_first(path: Path, lines: list[str], start: int, separator: str, text: str) -> None:
     """Refuse lines above the header that are no comments, before they are taken for it."""
     width = len(bare_cells(lines[0], separator))
     rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
@@ -385,22 +396,23 @@ def _check_first(path: Path, lines: list[str], start: int, separator: str) -> No
                 above = "a line precedes" if index == 1 else f"{index} lines precede"
                 raise InputError(
                     f"{path}: {above} the header, which appears to be line {start + index + 1},"
-                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it;"
-                    f" or let `stickslip init {path.name}` write a rig file that skips it."
+                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it"
+                    f"{_by_init(path, text, ' that skips it')}."
                 )
 
 
-def _check_table(path: Path, names: list[str], sample: list[str], separator: str) -> None:
+def _check_table(
+    path: Path, names: list[str], sample: list[str], separator: str, text: str
+) -> None:
     """Refuse what is no table before megabytes of it are parsed."""
     rows = [row for row in sample if row.strip()]
-    if all(_NUMBER.fullmatch(name) for name in names):
-        raise _no_names(path)
     if not rows:
         return
     if len(names) == 1:
-        _check_single(path, names[0], rows)
+        _check_single(path, names[0], rows, text)
     cells = [cell.strip().strip('"') for row in rows for cell in row.split(separator)]
     if not any(_NUMBER.fullmatch(cell) or cell.lower() in _WORDS for cell in cells):
+        refuse_numbers(path, text)
         raise InputError(
             f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
             f" begins with {shown(rows[0][:40])}. A table has a line of column names, followed by"
@@ -409,20 +421,12 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
 
 
 def refuse_numbers(path: Path, text: str) -> None:
-    """Refuse a text whose first line is a row of numbers, whatever parts them."""
-    first = text.lstrip()[:LONGEST_LINE].partition("\n")[0].strip()
-    if any(all(map(is_number, cells_of(first, mark))) for mark in (*SEPARATORS, "|")):
-        raise _no_names(path)
+    """Refuse a text whose rows of numbers have no names above them, whatever parts them."""
+    if said := without_names(text):
+        raise InputError(f"{path}: {said}.")
 
 
-def _no_names(path: Path) -> InputError:
-    return InputError(
-        f"{path}: its first line holds numbers, not names. Add a first line with the column"
-        " names, such as time,position."
-    )
-
-
-def _check_single(path: Path, name: str, rows: list[str]) -> None:
+def _check_single(path: Path, name: str, rows: list[str], text: str) -> None:
     """Refuse a single column whose rows are parted by something else."""
     for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
         parts = [row.split(mark) for row in rows]
@@ -430,10 +434,10 @@ def _check_single(path: Path, name: str, rows: list[str]) -> None:
         # A time of day such as 12:30 is one cell, so that names must be parted as well.
         alike = len(several) == len(rows) and len(name.split(mark)) > 1
         if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
+            refuse_numbers(path, text)
             raise InputError(
                 f"{path}: has a single column {shown(name)}, with cells separated by {words}."
-                " Separate the cells by commas, semicolons or tabs"
-                + ("." if mark else f", or let `stickslip init {path.name}` write a rig file.")
+                f" Separate the cells by commas, semicolons or tabs{_by_init(path, text, '')}."
             )
 
 

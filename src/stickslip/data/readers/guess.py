@@ -1,5 +1,6 @@
 """What a file seems to hold: its layout, its columns, their units; and what speaks for it."""
 
+import itertools
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,14 +35,14 @@ from stickslip.data.readers.columns import (
     parts_of,
 )
 from stickslip.data.readers.csv_reader import dialect_of, refuse_numbers
-from stickslip.data.readers.table import TRIAL
+from stickslip.data.readers.table import MOST_LISTED, TRIAL
 from stickslip.data.readers.table_reader import (
     KELVINS,
-    TEXT,
     Frame,
     by_trial,
     conditions_in,
     data_file,
+    is_text,
     read_frame,
 )
 from stickslip.data.readers.toml import check_file, check_path
@@ -55,10 +56,11 @@ COEFFICIENTS: Final = ("cof", "mu", "reibwert", "reibzahl", "reibungszahl", "rei
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": (
         *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
-        "t",
+        *("t", "millis", "micros"),
     ),
     "position": (
-        *("position", "pos", "weg", "lage", "winkel", "angle", "displacement", "verschiebung"),
+        *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
+        "verschiebung",
         *(
             "lvdt",
             "wegaufnehmer",
@@ -74,7 +76,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "velocity": (
         *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "dq", "qd", "v", "n", "ω"),
+        *("omega", "vel", "velo", "angvel", "gyro", "qd", "v", "n", "ω"),
     ),
     "force": (
         *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
@@ -95,12 +97,18 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
+DERIVATIVE: Final = re.compile(
+    r"(d{1,2})(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angle|phi|theta|[φϕθ])(d?dot)"
+)
+"""How names of first and second derivatives are made of those of coordinates."""
 RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
 """How names of columns that have no sign for it say a unit over a time."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
 """Words in names of voltages that drive no axis by themselves."""
 MEASURED: Final = ("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor")
 """Words of measured signals."""
+COMMANDS: Final = ("u", "cmd", "command", "control", "ctrl", "input", "pwm", "duty", "stellgroesse")
+"""Words in names of what a drive was given, in whatever unit."""
 PREFERRED: Final = (*MEASURED, "motor", "drive", "antrieb", "sliding")
 """Words of measured signals, beside which others are commands or derived, and of what drives."""
 TEMPERATURES: Final = ("temperature", "temperatures", "temperatur", "temp")
@@ -132,9 +140,11 @@ SENSITIVITY: Final = {
 """Assumed sensitivities of channels in volts, of a motion along a line and about an axis."""
 TURNING: Final = (
     *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
-    *("joint", "effort", "φ", "ϕ", "θ", "ω", "tau", "τ"),
+    *("joint", "effort", "gyro", "φ", "ϕ", "θ", "ω", "tau", "τ"),
 )
-"""What names of columns contain where an axis turns."""
+"""What names of columns contain where an axis turns, beside the word ang."""
+COUNTED: Final = {"millis": "ms", "micros": "us"}
+"""Times of a microcontroller by the names of its functions."""
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
@@ -165,6 +175,15 @@ CHECKED: Final = 5_000
 WHOLE, PART, INSIDE, LETTER, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 1.9, 0.5, 0.4
 """How much speaks for a column: its name, a part of it, a word in it, a letter, its unit, its
 numbers."""
+OFFERED: Final[Mapping[str, tuple[str, ...]]] = {
+    **{"s": ("s", "ms", "us", "ns"), "m": ("m", "mm", "um"), "m/s": ("m/s", "mm/s", "um/s")},
+    **{"rad": ("rad", "deg", "rev"), "rad/s": ("rad/s", "deg/s", "rpm")},
+}
+"""Units that columns without one may have, by those of SI."""
+SLOW, FAR = 1.0, 100.0
+"""Step of times [s] and span of positions [m] or [rad] that columns without a unit hardly have."""
+VARIED: Final = 0.5
+"""Span of a velocity over its largest value from which its integral is like no other column."""
 CALENDAR: Final = ("a", "d")
 """Units of time that are no such word: time.a is the time of a joint, not in years."""
 UPSIDE_DOWN: Final = (
@@ -322,11 +341,15 @@ def guess_data(
     named = [
         n for name in (columns or {}).values() for n in ([name] if isinstance(name, str) else name)
     ]
-    frame = read_frame(path, columns={}, units={}, layout=layout, also=named).as_headed()
+    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
+    frame = _timed(frame, columns or {})
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
+    if "time" not in found or found["time"].name not in frame.rates:
+        frame = replace(frame, names={k: x for k, x in frame.names.items() if k not in frame.rates})
     _check_enough(frame, found)
     servo, found = _of_servo(frame, found, units or {})
+    found = found if servo is not None else _by_derivative(frame, found)
     if motor_constant is not None and "current" not in found:
         raise InputError(
             f"{path}: the motor constant belongs to a current, and no column seems to hold one."
@@ -435,10 +458,11 @@ def _has_other_times(frame: Frame, found: Mapping[str, Found], given: Mapping[st
 
 def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
     """Refuse a long text by its top, if that holds no record, before all of it is read."""
-    if path.suffix.lower() not in TEXT or path.stat().st_size <= LONG:
+    if not is_text(path) or path.stat().st_size <= LONG:
         return
     with path.open("rb") as file:
         top = file.read(TOP)
+    top = top if b"\n" in top else top.replace(b"\r", b"\n")
     text, encoding = text_layout.decoded(top)
     if encoding.startswith("utf-16") or dialect_of(text) is not None:
         return
@@ -447,7 +471,7 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
         part.write_bytes(top[: top.rfind(b"\n") + 1])
         try:
             layout, _ = layout_and_reasons(part)
-            frame = read_frame(part, columns={}, units={}, layout=layout).as_headed()
+            frame = _timed(read_frame(part, columns={}, units={}, layout=layout), columns)
             given = {quantity: frame.column(column) for quantity, column in columns.items()}
             _check_enough(frame, assigned(frame, given, units))
         except UnknownNameError:
@@ -456,11 +480,20 @@ def look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, st
             raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
+def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
+    """Return a table by its headers, with the times of rows at a rate that is given or stated."""
+    frame = frame.as_headed()
+    given = columns.get("time", "")
+    if isinstance(given, str) and given in frame.at_rate(given).names:
+        return replace(frame.at_rate(given), rates={})
+    return frame.at_rate(*frame.rates) if len(frame.rates) == 1 else frame
+
+
 def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str, str]]:
     """Return how a text file holds its table, and what was found in words."""
-    if path.suffix.lower() not in TEXT:
+    if not is_text(path):
         return None, {}
-    text, encoding = text_layout.decoded(path.read_bytes())
+    text, encoding = text_layout.decoded(text_layout.bytes_of(path))
     dialect = dialect_of(text)
     if dialect is not None:
         return None, {"cells": dialect.title}
@@ -471,13 +504,12 @@ def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str,
         refuse_numbers(path, text)
         return None, {}
     layout = found.layout
-    marks = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
     decimal = "comma" if layout.decimal == "," else "point"
     thousands = f", thousands parted by {layout.thousands!r}" if layout.thousands else ""
     header = ", ".join(map(repr, (name for name in found.names if name)))
     reasons = {
         "code page": layout.encoding.removesuffix("-sig"),
-        "cells": f"parted by {marks[layout.separator]}, decimal {decimal}{thousands}",
+        "cells": f"parted by {text_layout.MARKS[layout.separator]}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
     if found.units:
@@ -532,8 +564,7 @@ def assigned(
     if {"force", "friction"} <= taken.keys() and _is_its_size(frame, taken):
         size = taken["friction"]
         taken["friction"] = replace(taken.pop("force"), why=f"as {size.name!r} is its size")
-    order = ("time", *(q for q in NAMES if q != "time"))
-    return {q: taken[q] for q in (*order, *taken) if q in taken}
+    return {q: taken[q] for q in (*NAMES, *taken) if q in taken}
 
 
 def _of_servo(
@@ -577,6 +608,77 @@ def _angles(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
         for q, column in moving.items()
         if column.unit is None and not is_of(first.unit or "deg", "count")
     }
+
+
+def _by_derivative(frame: Frame, found: Mapping[str, Found]) -> dict[str, Found]:
+    """Return columns with the units in which the velocity is the derivative of the position.
+
+    Of units that are not stated, as few as possible are not those of SI. A position that no name
+    shows is sought by its derivative.
+    """
+    clock, speed = found.get("time"), found.get("velocity")
+    times = None if clock is None else times_of(frame, clock)
+    if clock is None or speed is None or times is None:
+        return dict(found)
+    taken = {column.name for column in found.values()}
+    offers = [found["position"]] if "position" in found else []
+    for name in [] if offers else _of_one_joint(frame, {"velocity": speed.name}):
+        unit = _bare_and_unit(name, frame.units.get(name), "position")[1]
+        if name not in taken and unit is None and not _is_other(name, "position"):
+            offers.append(Found(score=BY_VALUES, name=name, unit=None, stated=False, why=""))
+    for offer in offers:
+        own = {"position": offer, "velocity": speed, "time": clock}
+        ratio = _over_way(times, _numbers(frame, speed), _numbers(frame, offer))
+        units = _units_between(own, ratio, _turns(own), float(np.median(np.diff(times))))
+        if units is None:
+            continue
+        why = f"as its derivative is {speed.name!r}"
+        changed = {"position": offer if offer.why else replace(offer, why=why)}
+        for q, unit in units.items():
+            why = ", ".join(filter(None, (own[q].why, f"as {speed.name!r} is then the derivative")))
+            changed[q] = replace(own[q], unit=unit, stated=False, why=f"{why} of {offer.name!r}")
+        found = {**found, **changed}
+        break
+    return {q: found[q] for q in sorted(found, key=[*NAMES, *found].index)}
+
+
+def _over_way(times: measurement.Array, speed: measurement.Array, x: measurement.Array) -> float:
+    """Return positions (n,) over the integral of a velocity; 0 if they are in no proportion."""
+    known = np.isfinite(times) & np.isfinite(speed) & np.isfinite(x)
+    t, v, x = times[known], speed[known], x[known]
+    steps = np.diff(t)
+    varied = t.size >= text_layout.ALIKE and float(np.ptp(v)) > VARIED * float(np.abs(v).max())
+    if not varied or not np.ptp(x) or np.any(steps <= 0.0):
+        return 0.0
+    way = np.concatenate([[0.0], np.cumsum(steps * (v[1:] + v[:-1]) / 2.0)])
+    alike = np.ptp(way) > 0.0 and np.corrcoef(way, x)[0, 1] > SAME_MOTION
+    return float(np.polyfit(way, x, 1)[0]) if alike else 0.0
+
+
+def _units_between(
+    own: Mapping[str, Found], ratio: float, turning: bool, step: float
+) -> dict[str, str] | None:
+    """Return units, other than those of SI, by which a position is the integral of a velocity.
+
+    They are None if no units do that, or several pairs as well. Times with steps of 1 or more are
+    rather in a part of a second than speeds in one of their unit.
+    """
+    fits: list[dict[str, str]] = []
+    for turns in (True,) if turning else (False, True):
+        kinds = {q: UNITS[q][turns * (q != "time")] for q in own}
+        offered = [(own[q].unit or "",) if own[q].unit else OFFERED[kinds[q]] for q in own]
+        for units in itertools.product(*offered) if ratio and not fits else ():
+            pairs = dict(zip(own, units, strict=True))
+            if not all(is_of(unit, kinds[q]) for q, unit in pairs.items()):
+                continue
+            x, v, t = (factor(unit, kinds[q]) for q, unit in pairs.items())
+            # times in a stated unit were converted to seconds before
+            if abs(ratio * x / (v * (1.0 if own["time"].unit else t)) - 1.0) < ONE_TO_ONE:
+                fits.append({q: u for q, u in pairs.items() if u not in (own[q].unit, kinds[q])})
+    fewest = [units for units in fits if len(units) == min(map(len, fits))]
+    if len(fewest) > 1 and step >= 1.0:
+        fewest = [units for units in fewest if "time" in units]
+    return fewest[0] if len(fewest) == 1 else None
 
 
 def _numbers(frame: Frame, candidate: Found) -> measurement.Array:
@@ -676,6 +778,9 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[Found]:
         return
     stated = frame.units.get(name)
     bare, unit = _bare_and_unit(name, stated, quantity)
+    if quantity == "time" and name in frame.rates:
+        yield Found(score=BY_UNIT, name=name, unit=unit, stated=True, why=frame.rates[name])
+        return
     since = _since_epoch(column) if quantity == "time" and unit is None else None
     score, why = _score(bare, unit, quantity)
     if since:
@@ -697,6 +802,8 @@ def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, s
         unit = unit.lower() if is_unit_of(unit.lower(), quantity) else unit  # MM is no molarity
     if unit is None and quantity == "friction" and _is_coefficient(bare):
         return bare, "1"
+    if unit is None and quantity == "time":
+        return bare, COUNTED.get(bare)
     if unit is None:
         plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
         return (plain, "V") if plain != bare else (bare, None)
@@ -777,6 +884,11 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
         return 0.0, ""
     if quantity == "force" and any(part in NAMES["friction"] for part in parts):
         return 0.0, ""  # a friction torque is no torque of a drive
+    if quantity in ("position", "velocity") and (found := DERIVATIVE.fullmatch(joined)):
+        speed = quantity == "velocity" and {"d", "dot"} & {found[1], found[2]}
+        return (WHOLE + 0.2, "by its name") if speed else (0.0, "")
+    if quantity == "position" and any(len(p) > 1 and p in NAMES["velocity"] for p in parts):
+        return 0.0, ""  # the speed of an angle
     wanted = is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
@@ -817,6 +929,7 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
         and len(name) > 1
         and not name[-1].isdigit()  # A1, V1 and m1 are names of channels
         and name.casefold() not in NAMES.get(quantity, ())
+        and not DERIVATIVE.fullmatch(name)
         and is_unit(name)
     ):
         return "", name  # counts, rpm
@@ -910,9 +1023,12 @@ def _check_enough(frame: Frame, found: Mapping[str, Found]) -> None:
     if "time" not in found and not map_of:
         for name in frame.names:
             _refuse_disorder(frame, name)
+        rates = joined([*frame.rates])
+        several = f", and the lines above state several rates, {rates}" if rates else ""
         raise InputError(
-            f"{frame.file}: no column seems to hold times; the columns are {listed}. Name it, as"
-            ' columns={"time": "..."}.'
+            f"{frame.file}: no column seems to hold times{several}; the columns are {listed}. Name"
+            ' it, as columns={"time": "..."}, or give the rate of the rows, as'
+            ' columns={"time": "50 Hz"}.'
         )
     if not ({"position", "velocity"} & set(found)):
         for name in frame.names:
@@ -1007,8 +1123,11 @@ def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None
     if unit:
         return is_of(unit, "N m/A")
     still = ("time", "load", "temperature")
-    moving = [candidate.name.casefold() for q, candidate in found.items() if q not in still]
-    if any(joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving):
+    names = [candidate.name for q, candidate in found.items() if q not in still]
+    moving = [name.casefold() for name in names]
+    if any("ang" in parts_of(name) for name in names) or any(
+        joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving
+    ):
         return True  # coordinates of the joints of a robot
     return any(word in name for name in moving for word in TURNING)
 
@@ -1021,6 +1140,9 @@ def _with_unit(motor_constant: float | str, unit: str) -> str:
 
 def column_text(candidate: Found, column: Column = "") -> str:
     """Return where a quantity was found, in words; a position may have two columns."""
+    if text_layout.regular_times(candidate.name, 1) is not None:
+        every = "at" if candidate.name.endswith("Hz") else "a step apart of"
+        return f"rows {every} {candidate.name}, {candidate.why}"
     unit = f" in {candidate.unit}" if candidate.unit else ""
     if column and not isinstance(column, str):
         return f"columns {joined(list(map(repr, column)))}{unit}, {candidate.why}"
@@ -1394,6 +1516,8 @@ def _may_drive(frame: Frame, name: str) -> bool:
     volts = is_voltage(name)
     forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
     forced = forced and not (_named_score(bare, "load")[0] or _is_other(bare, "force"))
+    moves = any(_named_score(bare, q)[0] for q in ("position", "velocity", "reference"))
+    forced = forced or (unit is None and not moves and _is_named(bare, COMMANDS))
     if any(part in SUPPLIES for part in parts_of(name)):
         return False
     return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
@@ -1442,7 +1566,7 @@ def _doubts(
             kinds = UNITS.get(quantity, ("SI",))
             yield (
                 f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
-                f" the {quantity}."
+                f" the {quantity}{_implausible(frame, quantity, one, turning)}."
             )
         elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
             yield (
@@ -1472,6 +1596,21 @@ def _doubts(
     if "current" in found and not constant:
         yield _scale_doubt(turning)
     yield from _driving_doubts(frame, found)
+
+
+def _implausible(frame: Frame, quantity: str, one: Found, turning: bool) -> str:
+    """Return what an assumed unit makes of a column, and the cure, where that is hardly true."""
+    numbers = _numbers(frame, one)
+    numbers = numbers[np.isfinite(numbers)]
+    if numbers.size < 2:
+        return ""
+    step, span = float(np.median(np.abs(np.diff(numbers)))), float(np.ptp(numbers))
+    if quantity == "time" and step >= SLOW:
+        return f", with {number(step, 3)} s between samples: if it counts ms, give --unit time=ms"
+    if quantity == "position" and span > FAR:
+        unit, cure = ("rad", "deg") if turning else ("m", "um")
+        return f", over {number(span, 4)} {unit}: if it counts {cure}, give --unit position={cure}"
+    return ""
 
 
 def _scale_doubt(turning: bool) -> str:
@@ -1546,14 +1685,24 @@ def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
     """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
         taken = {column.name for column in found.values()}
-        drives = [name for name in frame.names if name not in taken and _may_drive(frame, name)]
-        yield (
-            f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
-            f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m of"
-            " an axis that turns) as --gain force=..."
-            if drives
-            else "The file has no force: the body is assumed to move without a drive."
-        )
+        left = [name for name in frame.names if name and name not in taken]
+        drives = [name for name in left if _may_drive(frame, name)]
+        unread = [name for name in left if not _is_named(name, CONDITIONS)]
+        more = f" and {len(unread) - MOST_LISTED} more" if len(unread) > MOST_LISTED else ""
+        if drives:
+            yield (
+                f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
+                f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m"
+                " of an axis that turns) as --gain force=..."
+            )
+        elif unread:
+            yield (
+                f"No name or unit shows a force; not read: {', '.join(map(shown, unread[:MOST_LISTED]))}"
+                f"{more}. If one of them drives the body, give it as --columns force=...; else it"
+                " is assumed to move without a drive."
+            )
+        else:
+            yield "The file has no force: the body is assumed to move without a drive."
     elif "friction" in found and found["friction"].why == BESIDE_LOAD:
         yield (
             f"{found['friction'].name!r} is taken for the friction that a sensor shows. If it"

@@ -8,16 +8,19 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.data.measurement import Array
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.data.units import read_number
+from stickslip.errors import InputError, UnknownNameError, concerning
+from stickslip.quantities import Quantity
 from stickslip.show.described import Described
 from stickslip.show.formatting import count, quantity
-from stickslip.units import is_unit
+from stickslip.units import is_of, is_unit, split_number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -134,6 +137,101 @@ def _of_day(texts: "pd.Series[Any]") -> NDArray[np.float64] | None:
     days = np.cumsum(np.diff(times[there], prepend=times[there[0]]) < -HALF)
     times[there] += DAY * days
     return times
+
+
+# Rows that follow each other at a rate, where no column has their times; lines that state one.
+
+_SAMPLES: Final = (
+    "(?:sampl(?:e|es|ing)|scan|acquisition|acq|daq|data|record(?:ing)?|logging|frame|capture"
+    "|abtast|mess|aufzeichnungs)"
+)
+_STATED: Final = re.compile(
+    rf"""(?:(?<![^\W\d_])(?:
+          (?P<rate>{_SAMPLES}[ _-]*(?:rate|freq|frequency|frequenz)|samples?[ ]*(?:per|/)[ ]*s\w*
+            |sampled[ ]+(?:at|with))
+          |(?:sampl(?:e|ing)|scan|time|abtast|mess|zeit)[ _-]*
+            (?:period|intervall?|step|schritt(?:weite)?|increment|inkrement|spacing)
+          |sample[ _-]?time|abtastzeit)
+        |(?:^|[,;|\t])[^\w,;|\t]*(?:(?P<short>rate|f_?s)|dt|δt|delta[ _]?t|t_?s))(?![^\W_])
+        (?:\s*[\[(<{{]\s*(?P<unit>[^\[\]()<>{{}}]*?)\s*[\])>}}])?
+        [\s:=,;|"]*(?P<number>\.?\d[\d.,]*(?:e[+-]?\d+)?)(?<![.,])(?![:\d])""",
+    re.VERBOSE | re.IGNORECASE,
+)
+"""Words that say how rows follow each other, and a number; short ones begin a line or a cell."""
+_BEHIND: Final = re.compile(r'(?P<cell>["\s]*[,;|\t]["\s]*)?\s*(?P<unit>[^\W\d_][^\s,;|"]*|1/s)')
+_HERTZ: Final = re.compile(r"([kM]?)(?:hz|sps|sa?/s|samples?/s(?:ec)?|fps|1/s)", re.IGNORECASE)
+
+
+def regular_times(rate: object, rows: int) -> Array | None:
+    """Return times (rows,) [s] of rows at a rate, or a step apart; None if a text is no such.
+
+    Examples
+    --------
+    >>> regular_times("50 Hz", 3).tolist(), regular_times("0.5 ms", 2).tolist()
+    ([0.0, 0.02, 0.04], [0.0, 0.0005])
+    >>> regular_times("t", 3), regular_times("50", 3), regular_times("50 mm", 3)
+    (None, None, None)
+    """
+    found = split_number(rate)
+    unit = found["unit"] if found else None
+    with concerning("columns.time"):
+        if unit and is_of(unit, "Hz"):
+            return np.arange(rows) / read_number(rate, Quantity("f", "Hz", above=0.0))
+        if unit and is_of(unit, "s"):
+            return np.arange(rows) * read_number(rate, Quantity("Delta t", "s", above=0.0))
+    return None
+
+
+def stated_rates(lines: Sequence[str], layout: "Layout") -> dict[str, str]:
+    """Return the rates that lines above a header state, and what each says.
+
+    Examples
+    --------
+    >>> stated_rates(["Rig 3", "# Abtastrate: 0,5 kHz"], Layout(separator=";", decimal=","))
+    {'0.5 kHz': "as line 2 states: 'Abtastrate: 0,5 kHz'"}
+    >>> stated_rates(["dt [ms],2,gain,5", "baud rate: 115200", "frequency: 5 Hz"], Layout())
+    {'2 ms': "as line 1 states: 'dt [ms] 2'"}
+    """
+    found: dict[float, tuple[str, str]] = {}
+    for place, line in enumerate(lines, 1):
+        cells = cells_of(line, ",") if layout.separator == "," else []
+        text = "\t".join(cells) if cells and not re.search(r"\d", cells[0]) else line
+        for hit in _STATED.finditer(text):
+            rate, end = _stated_rate(hit, layout.decimal)
+            step = regular_times(rate, 2)
+            if step is not None:
+                said = " ".join(text[hit.start() : end].strip(' \t,;|"#%').split())
+                why = f"as line {place} states: {said!r}"
+                found.setdefault(float(f"{step[1]:.6g}"), (rate, why))
+    return dict(found.values())
+
+
+def _stated_rate(hit: re.Match[str], decimal: str) -> tuple[str, int]:
+    """Return a rate or a step with its unit, and where it ends; empty if the unit is another one.
+
+    A unit stands in brackets before the number, or behind it; without any, it is of SI.
+    """
+    base = "Hz" if hit["rate"] or hit["short"] else "s"
+    behind = _BEHIND.match(hit.string, hit.end())
+    own = _unit_of_rate(behind["unit"], base) if behind else ""
+    if hit["unit"] is not None or (behind and not behind["cell"]):
+        unit = own or _unit_of_rate(hit["unit"] or "", base)
+    else:
+        unit = own or base
+    other, text = "," if decimal == "." else ".", hit["number"]
+    if re.fullmatch(rf"[1-9]\d{{0,2}}(?:\{other}\d{{3}})+(?:\{decimal}\d+)?", text):
+        text = text.replace(other, "")
+    text = text.replace(",", ".")
+    fits = unit and text.count(".") < 2 and float(text) > 0.0
+    return f"{text} {unit}" if fits else "", behind.end() if own and behind else hit.end()
+
+
+def _unit_of_rate(unit: str, base: str) -> str:
+    """Return a unit as the package spells it; empty if it is not of the kind of the base."""
+    if base == "s":
+        return unit if unit and is_of(unit, "s") else ""
+    found = _HERTZ.fullmatch(unit)
+    return f"{found[1].replace('K', 'k')}Hz" if found and unit[:1] != "m" else ""
 
 
 NEAR = 1e-3
@@ -257,6 +355,8 @@ def nearly_zero(time: Array) -> float:
 
 SEPARATORS: Final = (";", "\t", ",", "|", " ")
 """Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
+MARKS: Final = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
+"""What they are called."""
 LOOKED_AT: Final = 400
 """Lines at the top among which header and rows are sought."""
 LONGEST_CELL: Final = 100_000
@@ -345,6 +445,15 @@ class Text:
     """Cells of some of the upper rows."""
 
 
+def bytes_of(path: Path) -> bytes:
+    """Return what a text file holds, its lines ended by line feeds."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+    return data if b"\n" in data else data.replace(b"\r", b"\n")
+
+
 def decoded(data: bytes) -> tuple[str, str]:
     """Return a text and its code page.
 
@@ -403,7 +512,18 @@ def layout_of(text: str, encoding: str) -> Text | None:
     (',', True, ('Zeit', 'Weg'), ('s', 'mm'))
     """
     lines = _upper(text)
-    # The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
+    for width, first, separator in _tables(lines):
+        table = _table(text, encoding, lines, first, width, separator)
+        if table is not None:
+            return table
+    return None
+
+
+def _tables(lines: Sequence[str]) -> Iterator[tuple[int, int, str]]:
+    """Yield how many cells rows of numbers have, the first line of these, and the mark between.
+
+    The mark that leaves fewest words beside numbers, and then makes most cells, parts them.
+    """
     found = sorted(
         (
             (*rows, -place, mark)
@@ -412,11 +532,34 @@ def layout_of(text: str, encoding: str) -> Text | None:
         ),
         reverse=True,
     )
-    for _, width, first, _, separator in found:
-        table = _table(text, encoding, lines, first, width, separator)
-        if table is not None:
-            return table
-    return None
+    yield from ((width, first, mark) for _, width, first, _, mark in found)
+
+
+def without_names(text: str) -> str:
+    r"""Return what a text lacks that has rows of numbers and no names above; empty if it has some.
+
+    Examples
+    --------
+    >>> without_names("1 2 3\n4 5 6\n")
+    'its first line holds numbers, ... names of the 3 columns, separated by blanks, such as ...'
+    >>> without_names("t;x\n1;2\n3;4\n")
+    ''
+    """
+    lines = _upper(text)
+    width, first, mark = next(_tables(lines), (0, 0, ""))
+    if not mark or not any(map(str.strip, lines[first + 1 :])) or layout_of(text, "") is not None:
+        return ""
+    columns = (
+        f"names of the {width} columns, separated by {MARKS[mark]}, such as time and position"
+        if width > 1
+        else "name of the column"
+    )
+    if any(line.strip() and line[0] != "#" for line in lines[:first]):
+        return (
+            f"its rows of numbers begin in line {first + 1}, and no line above has names for all"
+            f" columns. Add a line above them with the {columns}"
+        )
+    return f"its first line holds numbers, not names. Add a first line with the {columns}"
 
 
 def _table(

@@ -5,9 +5,9 @@ import json
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -42,6 +42,8 @@ class Table:
     """What was decided in reading and a user should know, one sentence each."""
     lost: tuple[str, ...] = ()
     """What the file says that it holds, or holds, and the table has not; one sentence each."""
+    rates: Mapping[str, str] = field(default_factory=dict)
+    """Rates of the rows that the file states, and where."""
 
 
 def numbered_twice(names: Sequence[str]) -> list[str]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,7 +14,7 @@ from stickslip import errors
 from stickslip.data.readers import binary, csv_reader, robots
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
 from stickslip.data.readers.columns import Column, stated_unit, without_unit
-from stickslip.data.readers.layout import Layout, seconds_of, unit_in
+from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
 from stickslip.data.readers.table import TRIAL, Table
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
@@ -23,8 +23,8 @@ from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
 
 # The file formats that are read, each by one function: a new one is a file and an entry here.
 
-TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
-"""Endings of text files."""
+TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".log", ".prn")
+"""Endings of text files, beside those that have none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +72,22 @@ def format_of(path: Path) -> Format | None:
     >>> format_of(Path("run.CSV")) is FORMATS[0], format_of(Path("rig.toml"))
     (True, None)
     """
+    if is_text(path):
+        return FORMATS[0]
     name = path.name.lower()
     return next((form for form in FORMATS if name.endswith(form.endings)), None)
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file is read as text: by its ending, or as it has none.
+
+    Examples
+    --------
+    >>> [is_text(Path(name)) for name in ("run.CSV", "log", "run_0.5mm", "run.mat", "info.json")]
+    [True, True, True, False, False]
+    """
+    ending = path.suffix.lower()
+    return ending in TEXT or not ending[1:2].isalpha()
 
 
 def data_file(path: Path) -> Path:
@@ -87,12 +101,12 @@ def log_name(path: Path) -> str:
 
     Examples
     --------
-    >>> log_name(Path("run.csv")), log_name(Path("monday/metadata.yaml"))
-    ('run', 'monday')
+    >>> log_name(Path("run.csv")), log_name(Path("run_0.5mm")), log_name(Path("a/metadata.yaml"))
+    ('run', 'run_0.5mm', 'a')
     """
     known = format_of(path)
     if known is None or not known.within:
-        return path.stem
+        return path.stem if path.suffix[1:2].isalpha() else path.name
     return path.absolute().parents[len(Path(known.within).parts) - 1].name
 
 
@@ -155,6 +169,8 @@ class Frame:
     """What the reader decided and a user should know."""
     lost: tuple[str, ...] = ()
     """What the file lacks."""
+    rates: Mapping[str, str] = field(default_factory=dict)
+    """Rates of the rows that the file states, and where."""
 
     def is_empty(self, name: str) -> bool:
         """Return whether no cell of a column holds anything, as of a channel that was off."""
@@ -168,6 +184,18 @@ class Frame:
             self,
             names={own[key]: header for key, header in self.names.items()},
             units={own[key]: unit for key, unit in self.units.items()},
+        )
+
+    def at_rate(self, rate: str) -> "Frame":
+        """Return the table with a column, called like a rate, of the times of its rows."""
+        times = regular_times(rate, len(self.data))
+        if times is None or rate in self.names:
+            return self
+        return replace(
+            self,
+            data=self.data.assign(**{rate: times}),
+            names={**self.names, rate: rate},
+            units={**self.units, rate: "s"},
         )
 
     def column(self, given: Column) -> Column:
@@ -268,7 +296,8 @@ def is_data_file(path: Path) -> bool:
     >>> is_data_file(Path("run.CSV")), is_data_file(Path("rig.toml"))
     (True, False)
     """
-    return format_of(data_file(path)) is not None
+    file = data_file(path)
+    return format_of(file) is not None and (bool(file.suffix) or file.is_file())
 
 
 def read_frame(
@@ -293,17 +322,18 @@ def read_frame(
             file, path.stat().st_size, "split it", unit="bytes", most=16 * errors.MOST_NUMBERS
         )
     single = dict(_single(columns))
-    if layout is not None and path.suffix.lower() not in TEXT:
+    if layout is not None and not is_text(path):
         raise errors.InputError(
             f"{file}: a layout is that of a text file, such as .csv: leave it out."
         )
     if known is None:
         *endings, last = (ending for form in FORMATS for ending in form.endings)
         raise errors.InputError(
-            f"{file}: must be a {', '.join(endings)} or {last} file, got"
-            f" {path.suffix or 'no file extension'}. Save other spreadsheets as CSV."
+            f"{file}: must be a {', '.join(endings)} or {last} file, got {path.suffix}. Save other"
+            " spreadsheets as CSV."
         )
-    wanted = [*dict.fromkeys((*single.values(), *also))]
+    named = dict.fromkeys((*single.values(), *also))
+    wanted = [name for name in named if regular_times(name, 1) is None]
     table = known.read(path, wanted) if layout is None else csv_reader.read_text(path, layout)
     data, signs = robots.with_signs(table.data)
     return frame_of(
@@ -314,6 +344,7 @@ def read_frame(
         first_row=table.first_row,
         remarks=(*table.remarks, *signs),
         lost=table.lost,
+        rates=table.rates,
     )
 
 
@@ -326,8 +357,9 @@ def frame_of(
     first_row: int = 1,
     remarks: Sequence[str] = (),
     lost: Sequence[str] = (),
+    rates: Mapping[str, str] | None = None,
 ) -> Frame:
-    """Find out what the columns of a table hold."""
+    """Find out what the columns of a table hold; times may be a rate instead of a column."""
     if data.empty:
         raise errors.InputError(f"{file}: has no rows.")
     errors.check_columns(file, len(data.columns))
@@ -337,8 +369,12 @@ def frame_of(
             f"{file}: the name of a column, {shown(longest)}, has {len(longest):,} characters; it"
             f" may have {LONGEST_NAME}."
         )
-    found = _named(file, data, first_row, dict(_single(columns)), units)
-    return replace(found, remarks=tuple(remarks), lost=tuple(lost))
+    single = dict(_single(columns))
+    times = regular_times(single.get("time"), len(data))
+    if times is not None and single["time"] not in data.columns:
+        data = data.assign(**{single["time"]: times})
+    found = _named(file, data, first_row, single, units)
+    return replace(found, remarks=tuple(remarks), lost=tuple(lost), rates=rates or {})
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
