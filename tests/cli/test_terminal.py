@@ -250,6 +250,24 @@ def test_the_inertia_of_a_small_motor_is_small_enough_to_be_checked(run, tmp_pat
     assert run("check", "a.toml")[0] == 0
 
 
+def test_a_rate_is_given_where_rows_have_no_times(run, tmp_path):
+    rows = "".join(f"{a:.4f},{b:.4f}\n" for a, b in zip(np.sin(T), np.cos(T), strict=True))
+    (tmp_path / "log").write_text(f"angle [rad],torque [N m]\n{rows}")
+    code, _, err = run("init", "log")
+    assert (code, "--columns time=..., or give the rate of the rows, as --rate 50Hz." in err) == (
+        2,
+        True,
+    )
+    for given, rate in (("50Hz", "50Hz"), ("50", "50 Hz"), ("20 ms", "20 ms")):
+        assert run("init", "log", "--rate", given, "--force", "-q") == (0, "", "")
+        assert f'time = "{rate}"' in (tmp_path / "log.toml").read_text()
+        code, out, _ = run("check", "log.toml")
+        assert (code, "at 50 Hz over" in out) == (0, True)
+    for wrong in (("--rate", "fast"), ("--rate", "50Hz", "--columns", "time=angle")):
+        code, _, err = run("init", "log", "--force", *wrong)
+        assert (code, err.startswith("stickslip: --rate takes a rate such as 50Hz")) == (2, True)
+
+
 def test_init_overwrites_nothing_and_takes_what_is_known(run, tmp_path, measured):
     assert measured
     (tmp_path / "messung.toml").write_text("mine")

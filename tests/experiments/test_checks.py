@@ -99,6 +99,19 @@ def test_single_samples_that_are_missing_are_counted():
     assert "except for 3 steps (3 single samples missing)" in check(record).sentences[0]
 
 
+def test_further_samples_and_those_off_the_grid_are_no_missing_ones():
+    time = parts()["time"]
+    moved = time.copy()
+    moved[100] += 0.6 / RATE
+    for other, words in (
+        (np.sort([*time, time[200] + 0.4 / RATE]), "1 step (1 sample comes early)"),
+        (np.sort([*time, *(time[[200, 300]] + 0.4 / RATE)]), "2 steps (2 samples come early)"),
+        (moved, "2 steps (1 sample off the grid)"),
+    ):
+        record = Measurement(time=other, position=np.sin(other), force=np.cos(other))
+        assert f"evenly spaced except for {words}" in check(record).sentences[0]
+
+
 def test_a_gap_is_placed_and_counted():
     kept = np.concatenate([np.arange(3000), np.arange(3300, 8000)])
     record = Measurement(**{name: values[kept] for name, values in parts().items()})

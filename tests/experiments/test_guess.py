@@ -342,6 +342,77 @@ def test_what_is_no_record_is_refused_in_one_line(tmp_path, text, message):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(("mark", "word"), [(" ", "blanks"), ("\t", "tabs"), ("|", "bars")])
+@pytest.mark.parametrize("above", ["", "# rig 3\n", "Rig 3\nMotor A\n"])
+def test_rows_without_names_are_told_apart_from_a_single_column(tmp_path, mark, word, above):
+    file = tmp_path / "log.txt"
+    file.write_text(above + rows((T, X, F, F), mark, lambda value: f"{value:8.3f}"))
+    with pytest.raises(InputError, match=f"names of the 4 columns, separated by {word}") as caught:
+        guess_data(file)
+    first = "line 3, and no line above" if above.startswith("Rig") else "holds numbers, not names"
+    assert first in str(caught.value)
+    assert "stickslip init" not in str(caught.value)  # which says this
+
+
+TURNED = (0.3 * np.sin(2.0 * T), 0.6 * np.cos(2.0 * T), np.sign(np.cos(2.0 * T)))
+
+
+@pytest.mark.parametrize(
+    ("names", "factors", "found"),
+    [
+        (("t", "armAng", "armAngVel"), (1e3, 1.0, 1.0), {"time": "ms"}),
+        (("t", "armAng", "armAngVel"), (1e6, 1.0, 1.0), {"time": "us"}),
+        (("t", "theta", "dtheta"), (1.0, 180.0 / np.pi, 1.0), {"position": "deg"}),
+        (("t", "ang", "n"), (1.0, 1.0, 30.0 / np.pi), {"velocity": "rpm"}),
+        (
+            *(("t", "theta", "theta_dot"), (1e3, 180.0 / np.pi, 1.0)),
+            {"time": "ms", "position": "deg"},
+        ),
+        (("t", "x", "xdot"), (1.0, 1e3, 1.0), {"position": "mm"}),
+        (("t", "theta", "omega"), (1.0, 1.0, 1.0), {}),
+        # m beside mm/s, or a tenth of a second in ms: nobody knows
+        (("t", "x", "xdot"), (1.0, 1.0, 1e3), {}),
+    ],
+)
+def test_units_are_those_in_which_the_velocity_is_the_derivative(tmp_path, names, factors, found):
+    file = tmp_path / "a.csv"
+    columns = [f * c for f, c in zip(factors, (T, *TURNED[:2]), strict=True)]
+    body = rows((*columns, TURNED[2]), ",", lambda value: f"{value:.6f}")
+    file.write_text(f"{','.join(names)},u\n{body}")
+    guess = guess_data(file)
+    assert guess.columns == dict(zip(("time", "position", "velocity"), names, strict=True))
+    assert guess.units == found
+    assert guess.turning is (names[1] != "x")
+    assert "'u' may drive the axis" in guess.doubts[-1]
+
+
+def test_a_position_is_known_by_its_derivative_and_no_wanted_or_other_column_is(tmp_path):
+    file = tmp_path / "a.csv"
+    wanted, angle, speed = TURNED[0] + 0.01, TURNED[0], TURNED[1]
+    body = rows((T, wanted, np.arange(N), angle, speed), ",", lambda value: f"{value:.6f}")
+    file.write_text(f"t,a_cmd,index,a,armVel\n{body}")
+    guess = guess_data(file)
+    assert guess.columns["position"] == "a"
+    assert "as its derivative is 'armVel'" in guess.reasons["position"]
+
+
+def test_no_force_is_said_only_beside_the_columns_that_are_not_read(tmp_path):
+    file = tmp_path / "a.csv"
+    body = rows((T, X, F), ",", lambda value: f"{value:.6f}")
+    file.write_text(f"time [s],position [m],ch3\n{body}")
+    assert "not read: 'ch3'. If one of them drives" in guess_data(file).doubts[-1]
+    file.write_text("time [s],position [m]\n" + rows((T, X), ",", lambda value: f"{value:.6f}"))
+    assert guess_data(file).doubts[-1].startswith("The file has no force: the body is assumed")
+
+
+def test_a_unit_that_is_hardly_true_is_doubted_with_its_cure(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("t,x\n" + rows((1e3 * T, 1e6 * X), ",", lambda value: f"{value:.3f}"))
+    first, second, _ = guess_data(file).doubts
+    assert "with 10 s between samples: if it counts ms, give --unit time=ms" in first
+    assert "give --unit position=um" in second
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

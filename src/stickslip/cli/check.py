@@ -129,8 +129,8 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
     assert rig is not None  # one file at least is given
     if reading != Reading():
         raise InputError(
-            "--columns, --rate, --unit, --gain, --repair and --conditions apply to data files: name one"
-            f" beside {rig.path}, or write these settings under its [data]."
+            "--columns, --rate, --unit, --gain, --repair and --conditions apply to data files: name"
+            f" one beside {rig.path}, or write these settings under its [data]."
         )
     if rig.measurement is None:
         raise InputError(

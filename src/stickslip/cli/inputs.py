@@ -530,8 +530,8 @@ def measured(
         measurement = rig.with_uncertainties(read_data(data, own, mechanism=rig.mechanism))
     elif reading != Reading() and validate is None:
         raise InputError(
-            "--columns, --rate, --unit, --gain, --repair and --conditions apply to the files of --data or"
-            " --validate: name one, or leave them out."
+            "--columns, --rate, --unit, --gain, --repair and --conditions apply to the files of"
+            " --data or --validate: name one, or leave them out."
         )
     if measurement is None:
         raise InputError(

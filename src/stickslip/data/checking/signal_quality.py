@@ -257,12 +257,13 @@ def sampling(time: Array) -> Iterator[Finding]:
         text += f", evenly spaced{between} (largest deviation {least})."
     elif odd and odd < EVEN:
         long, short = regular > 1.5 * dt, regular < 0.5 * dt
-        # beside a short step, a long one is that of a sample off its time
-        beside = np.sum((long[:-1] & short[1:]) | (short[:-1] & long[1:]))
-        missing = int(max(0, np.sum(np.rint(regular[long] / dt) - 1) - beside))
-        early = int(np.sum(short))
+        # beside a short step, a long one is that of a sample off its time, and none is missing
+        beside = int(np.sum((long[:-1] & short[1:]) | (short[:-1] & long[1:])))
+        missing = max(0, int(np.sum(np.rint(regular[long] / dt) - 1)) - beside)
+        early = max(0, int(np.sum(short)) - beside)
         what = [f"{count(missing, 'single sample')} missing"] if missing else []
         what += [f"{count(early, 'sample')} come{'s' * (early == 1)} early"] if early else []
+        what += [f"{count(beside, 'sample')} off the grid"] if beside else []
         steps_off = count(int(np.sum(off > 0.5)), "step")
         text += f", evenly spaced except for {steps_off} ({joined(what)})."
     else:

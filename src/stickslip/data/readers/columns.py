@@ -48,7 +48,7 @@ LAST: Final = ("index", "power", "leistung", "diff", "err")
 NO_MOTION: Final = (
     *("acc", "accel", "delta", "wear", "verschleiss", "height", "hoehe", "depth", "tiefe"),
     *("amplitude", "amplituden", "radius", "diameter", "durchmesser", "width", "breite"),
-    *("thickness", "dicke", "frequency", "frequenz", "acceleration", "beschleunigung"),
+    *("thickness", "dicke", "ddot", "frequency", "frequenz", "acceleration", "beschleunigung"),
 )
 """Words of columns that are no motion, but may be forces: the amplitude of a friction force."""
 MOTION: Final = ("position", "velocity", "reference")
@@ -100,7 +100,7 @@ def is_barred(parts: Sequence[str], quantity: str) -> bool:
     >>> [is_barred(parts_of("force amplitude"), q) for q in ("position", "force")]
     [True, False]
     """
-    if quantity in MOTION and any(part.startswith(NO_MOTION[-2:]) for part in parts):
+    if quantity in MOTION and any(part.startswith(("dd", *NO_MOTION[-2:])) for part in parts):
         return True
     if any(part in OTHER_WORDS or (quantity in MOTION and part in NO_MOTION) for part in parts):
         return True

@@ -378,7 +378,7 @@ def _head(path: Path, text: str) -> tuple[list[str], int]:
 
 def _by_init(path: Path, text: str, what: str) -> str:
     """Return the cure, after a comma, that is a rig file, if one can be written for a text."""
-    found = layout_of(text, "")
+    found = layout_of(text, "utf-8")
     return f", or let `stickslip init {path.name}` write a rig file{what}" if found else ""
 
 

@@ -97,10 +97,8 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
 }
 """Names of columns by quantity, in English and German, umlauts written out."""
-DERIVATIVE: Final = re.compile(
-    r"(d{1,2})(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angle|phi|theta|[φϕθ])(d?dot)"
-)
-"""How names of first and second derivatives are made of those of coordinates."""
+DERIVATIVE: Final = re.compile(r"d(?:q|phi|theta|[φϕθ])|(?:x|q|s|pos|ang|angle|phi|theta|[φϕθ])dot")
+"""How names of derivatives are made of those of coordinates."""
 RATE: Final = re.compile(r"(?P<name>.+)_(?P<unit>[^\W\d_]+)_(?P<per>s2?|min)")
 """How names of columns that have no sign for it say a unit over a time."""
 SUPPLIES: Final = ("supply", "bus", "battery", "versorgung")
@@ -345,8 +343,7 @@ def guess_data(
     frame = _timed(frame, columns or {})
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
-    if "time" not in found or found["time"].name not in frame.rates:
-        frame = replace(frame, names={k: x for k, x in frame.names.items() if k not in frame.rates})
+    frame = _without_rate(frame, found)
     _check_enough(frame, found)
     servo, found = _of_servo(frame, found, units or {})
     found = found if servo is not None else _by_derivative(frame, found)
@@ -487,6 +484,13 @@ def _timed(frame: Frame, columns: Mapping[str, Column]) -> Frame:
     if isinstance(given, str) and given in frame.at_rate(given).names:
         return replace(frame.at_rate(given), rates={})
     return frame.at_rate(*frame.rates) if len(frame.rates) == 1 else frame
+
+
+def _without_rate(frame: Frame, found: Mapping[str, Found]) -> Frame:
+    """Return a table without the times of rows at a stated rate if it has others."""
+    if "time" in found and found["time"].name in frame.rates:
+        return frame
+    return replace(frame, names={k: x for k, x in frame.names.items() if k not in frame.rates})
 
 
 def layout_and_reasons(path: Path) -> tuple[text_layout.Layout | None, dict[str, str]]:
@@ -878,17 +882,10 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
         return (WHOLE, "by its name") if first == quantity else (0.0, "")
     parts = parts_of(name)
     joined = "".join(parts)
-    if is_barred(parts, quantity):
+    if _is_rival(parts, quantity):
         return 0.0, ""
-    if quantity == "load" and any(word in joined for word in ("torque", "moment", "present")):
-        return 0.0, ""
-    if quantity == "force" and any(part in NAMES["friction"] for part in parts):
-        return 0.0, ""  # a friction torque is no torque of a drive
-    if quantity in ("position", "velocity") and (found := DERIVATIVE.fullmatch(joined)):
-        speed = quantity == "velocity" and {"d", "dot"} & {found[1], found[2]}
-        return (WHOLE + 0.2, "by its name") if speed else (0.0, "")
-    if quantity == "position" and any(len(p) > 1 and p in NAMES["velocity"] for p in parts):
-        return 0.0, ""  # the speed of an angle
+    if quantity == "velocity" and DERIVATIVE.fullmatch(joined):
+        return WHOLE + 0.2, "by its name"
     wanted = is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
@@ -910,6 +907,21 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     if len(parts) < 3 and any(part in words for part in parts):  # of force_x, x says less
         return LETTER - less, "by its name"
     return 0.0, ""
+
+
+def _is_rival(parts: Sequence[str], quantity: str) -> bool:
+    """Whether the words of a name are those of something else with the word of a quantity."""
+    joined = "".join(parts)
+    if is_barred(parts, quantity):
+        return True
+    if quantity == "load":
+        return any(word in joined for word in ("torque", "moment", "present"))
+    if quantity == "force":  # a friction torque is no torque of a drive
+        return any(part in NAMES["friction"] for part in parts)
+    if quantity == "position":  # the speed of an angle
+        speed = any(len(part) > 1 and part in NAMES["velocity"] for part in parts)
+        return speed or DERIVATIVE.fullmatch(joined) is not None
+    return False
 
 
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
@@ -1687,8 +1699,9 @@ def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
         taken = {column.name for column in found.values()}
         left = [name for name in frame.names if name and name not in taken]
         drives = [name for name in left if _may_drive(frame, name)]
-        unread = [name for name in left if not _is_named(name, CONDITIONS)]
+        unread = [shown(name) for name in left if not _is_named(name, CONDITIONS)]
         more = f" and {len(unread) - MOST_LISTED} more" if len(unread) > MOST_LISTED else ""
+        listed = f"{', '.join(unread[:MOST_LISTED])}{more}"
         if drives:
             yield (
                 f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
@@ -1697,9 +1710,9 @@ def _driving_doubts(frame: Frame, found: Mapping[str, Found]) -> Iterable[str]:
             )
         elif unread:
             yield (
-                f"No name or unit shows a force; not read: {', '.join(map(shown, unread[:MOST_LISTED]))}"
-                f"{more}. If one of them drives the body, give it as --columns force=...; else it"
-                " is assumed to move without a drive."
+                f"No column is known as a force by its name or unit; not read: {listed}. If one of"
+                " them drives the body, give it as --columns force=...; else the body is assumed"
+                " to move without a drive."
             )
         else:
             yield "The file has no force: the body is assumed to move without a drive."

@@ -547,7 +547,11 @@ def without_names(text: str) -> str:
     """
     lines = _upper(text)
     width, first, mark = next(_tables(lines), (0, 0, ""))
-    if not mark or not any(map(str.strip, lines[first + 1 :])) or layout_of(text, "") is not None:
+    if (
+        not mark
+        or not any(map(str.strip, lines[first + 1 :]))
+        or layout_of(text, "utf-8") is not None
+    ):
         return ""
     columns = (
         f"names of the {width} columns, separated by {MARKS[mark]}, such as time and position"
