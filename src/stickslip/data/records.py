@@ -352,7 +352,9 @@ def load_measurement(
         as a video gives, has two, ``{"position": ["x", "y"]}``: what is read is the way along the
         line through all points, from the first of them, positive where the body went first; a
         negative gain turns it. Its time may also be called ``t``, and of a column
-        ``track/x`` the last part is enough where there is one track.
+        ``track/x`` the last part is enough where there is one track. Where no column has times,
+        ``"time"`` is the rate of the rows, as ``"50 Hz"``, or the time between them, as
+        ``"0.5 ms"``.
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
     gain : mapping of str to float or str, optional

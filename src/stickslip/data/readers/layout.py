@@ -176,9 +176,11 @@ def regular_times(rate: object, rows: int) -> Array | None:
     unit = found["unit"] if found else None
     with concerning("columns.time"):
         if unit and is_of(unit, "Hz"):
-            return np.arange(rows) / read_number(rate, Quantity("f", "Hz", above=0.0))
+            return np.arange(rows, dtype=float) / read_number(rate, Quantity("f", "Hz", above=0.0))
         if unit and is_of(unit, "s"):
-            return np.arange(rows) * read_number(rate, Quantity("Delta t", "s", above=0.0))
+            return np.arange(rows, dtype=float) * read_number(
+                rate, Quantity("Delta t", "s", above=0.0)
+            )
     return None
 
 

@@ -109,7 +109,7 @@ class ReadTable(rig_models.Table):
     columns: ByJoint[Columns] = Field(
         default={},
         description="quantity: name of its column, of a joint as `force.elbow`; `position`: two"
-        " names for motion in a plane",
+        ' names for motion in a plane; `time`: a rate such as "50 Hz" if no column has times',
     )
     units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
     gain: ByJoint[Gain] = Field(
