@@ -56,6 +56,7 @@ LABELS = {
     "mechanism": "the mechanism",
     "motion": "how much moves",
     "order": "the order of the readings",
+    "outliers": "samples far off those beside",
     "quantisation": "coarse steps of a signal",
     "repeated trial": "trials with the same samples",
     "rest": "readings at rest",

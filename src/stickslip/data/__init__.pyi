@@ -57,6 +57,9 @@ from stickslip.data.measurement import condition_unit as condition_unit
 from stickslip.data.measurement import levels_at as levels_at
 from stickslip.data.measurement import tells_load as tells_load
 from stickslip.data.measurement import unit_of_input as unit_of_input
+from stickslip.data.outliers import REPLACED as REPLACED
+from stickslip.data.outliers import outlier_sentence as outlier_sentence
+from stickslip.data.outliers import without_outliers as without_outliers
 from stickslip.data.readers.binary import parquet_data as parquet_data
 from stickslip.data.readers.columns import Column as Column
 from stickslip.data.readers.columns import Reading as Reading

@@ -16,6 +16,7 @@ from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
 from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
+from stickslip.data.outliers import REPLACED, outlier_sentence, without_outliers
 from stickslip.data.rig import check_record
 from stickslip.data.travels import is_filmed, other_drives
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
@@ -360,6 +361,12 @@ def _record(
     if not grave:
         yield from signal_quality.sampling(record.time)
         yield from signal_quality.gaps(record.time)
+    record, times = without_outliers(record)  # of which no motion and no force is made
+    for column, at in times.items():
+        # Those of joints stay where they are.
+        said = " ".join([outlier_sentence(column, at), *[REPLACED] * (not coupled)])
+        numbers = {"samples": len(at), "first": at[0]}
+        yield Finding(kind="outliers", severity="warning", sentence=said, numbers=numbers)
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
     rubbed = isinstance(record.friction, np.ndarray)

@@ -30,6 +30,7 @@ from stickslip.data.differentiation import (
     velocity_of,
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
+from stickslip.data.outliers import without_outliers
 from stickslip.data.rig import COMMANDS
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
@@ -694,6 +695,7 @@ def swing_of(record: Measurement) -> Swing | None:
     driven = record.turning and "force" in record.quantities() and record.time is not None
     if record.trials or record.joints or not (free or driven):
         return None
+    record, _ = without_outliers(record)
     moving = motion_of(record)
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
