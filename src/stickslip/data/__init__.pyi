@@ -33,6 +33,7 @@ from stickslip.data.checking.signal_quality import is_narrow as is_narrow
 from stickslip.data.checking.signal_quality import lines_of as lines_of
 from stickslip.data.checking.signal_quality import words_of as words_of
 from stickslip.data.differentiation import GAP as GAP
+from stickslip.data.differentiation import as_readings as as_readings
 from stickslip.data.differentiation import between_gaps as between_gaps
 from stickslip.data.differentiation import interval_of as interval_of
 from stickslip.data.differentiation import noise_of as noise_of

@@ -371,8 +371,10 @@ def between_gaps(record: Measurement) -> tuple[Measurement, ...]:
 # follows at once: a low pass takes off what friction depends on, and slow readings between faster
 # ones vanish.
 
-FEWEST_READINGS: Final = 30
-"""Rows below which nothing is sampled often enough to be filtered."""
+FEWEST_READINGS: Final = 60
+"""Rows without a gap between them below which nothing is sampled often enough to be filtered."""
+TABLE: Final = {"velocity", "friction", "load"}
+"""What rows of a table have; beside anything else they are samples of a motion."""
 READING_INTERVAL: Final = 1.0
 """Step of time [s] from which rows, each at another speed, are readings."""
 VELOCITY_CHANGE: Final = 0.01
@@ -383,6 +385,31 @@ SCATTER_RATIO: Final = 2.0
 """Scatter of friction about the mean velocity of some rows, over that about its own velocity."""
 MEAN_ROWS: Final = 5
 """Rows of that mean: about what a low pass at a tenth of the sampling frequency takes."""
+
+
+def as_readings(measurement: Measurement) -> Measurement:
+    """Return steady readings that have times as a table in their order; all else as it is.
+
+    Examples
+    --------
+    >>> v = np.tile([0.1, 0.2, 0.4], 20)
+    >>> as_readings(Measurement(time=6.0 * np.arange(60), velocity=v, friction=2.0 + v)).kind
+    'friction-map'
+    """
+    records = measurement.records()
+    if not all(map(_are_readings, records)):
+        return measurement
+    tables = tuple(replace(record, time=None) for record in records)
+    return replace(measurement, trials=tables) if measurement.trials else tables[0]
+
+
+def _are_readings(record: Measurement) -> bool:
+    time, velocity, friction = record.time, record.velocity, record.friction
+    if time is None or not {*record.quantities()} <= TABLE:
+        return False
+    if not isinstance(velocity, np.ndarray) or not isinstance(friction, np.ndarray):
+        return False
+    return are_steady_readings(time, velocity, friction)
 
 
 def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
@@ -401,8 +428,9 @@ def are_steady_readings(time: Array, velocity: Array, friction: Array) -> bool:
     extent = float(np.ptp(velocity))
     if extent == 0.0:
         return False
-    slow = float(np.median(np.diff(time))) >= READING_INTERVAL
-    if slow and velocity.size < FEWEST_READINGS:
+    slow = interval_of(time) >= READING_INTERVAL
+    gaps = np.flatnonzero(np.diff(time) > GAP * interval_of(time))
+    if slow and np.diff([-1, *gaps, time.size - 1]).max() < FEWEST_READINGS:
         return True
     steps = np.abs(np.diff(velocity))
     if float(np.mean(steps > VELOCITY_CHANGE * extent)) < CHANGED_SHARE:

@@ -114,7 +114,7 @@ def far_off(x: Array, column: str) -> NDArray[np.bool_]:
     # Imported here, as what has no times needs no filter.
     from scipy.ndimage import label, maximum_filter1d, median_filter, minimum_filter1d
 
-    middle, ends = median_filter(x, 5), np.array([0, 1, -2, -1])
+    middle = median_filter(x, 5)
     for end in (middle, middle[::-1]):  # which goes on there as it ran beside
         end[:2] = end[2] + (end[2] - end[4]) * np.array([1.0, 0.5])
     apart = np.abs(x - middle)
@@ -130,7 +130,9 @@ def far_off(x: Array, column: str) -> NDArray[np.bool_]:
         steps = label(beside >= 0.5 * beside[lone].min())[1]
         lone &= label(lone)[1] <= OFTEN * steps
     far: NDArray[np.bool_] = lone | ((apart > least) & (apart > APART * beside))
-    far[ends] &= apart[ends] > FAR * np.maximum(least, beside[ends])  # a motion may turn there
+    for end, off, at in ((x, apart, far), (x[::-1], apart[::-1], far[::-1])):
+        # A motion may turn there, as fast as it moves beside.
+        at[:2] &= off[:2] > FAR * max(least, float(np.max(np.abs(np.diff(end[3 : 3 + BESIDE])))))
     if column == "velocity":
         fastest = usual_top_speed(middle)
         moves = fastest > least

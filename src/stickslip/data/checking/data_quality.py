@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
 from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.data.differentiation import as_readings
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
 from stickslip.data.outliers import REPLACED, outlier_sentence, without_outliers
 from stickslip.data.rig import check_record
@@ -211,6 +212,9 @@ def _findings(
     grave: bool = False,
 ) -> Iterator[Finding]:
     """Yield all findings; with ``grave`` only those of checks that can find errors."""
+    times, measurement = measurement.records()[0].time, as_readings(measurement)
+    if times is not None and measurement.kind == "friction-map":
+        yield motion.readings(times)
     records = measurement.records()
     if measurement.kind == "scalars":
         yield from coverage.settings(records, conditions)
@@ -392,7 +396,6 @@ def _signals(
     yield from signal_quality.plausible(record, moving)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
-    yield from motion.readings(record)
     if not enough:
         return
     yield from signal_quality.jumps(record)

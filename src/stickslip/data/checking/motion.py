@@ -21,7 +21,6 @@ from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
     acceleration_of,
-    are_steady_readings,
     between_gaps,
     interval_of,
     noise_of,
@@ -235,26 +234,17 @@ def rests(motion: Motion) -> Iterator[Finding]:
     )
 
 
-def readings(record: Measurement) -> Iterator[Finding]:
-    """Say that rows seem to be steady readings, and no samples of a motion."""
-    friction, velocity, time = record.friction, record.velocity, record.time
-    if time is None or not (isinstance(friction, np.ndarray) and isinstance(velocity, np.ndarray)):
-        return
-    if {*record.quantities()} & {"position", "force", "pull", "spring_force"}:
-        return
-    if not are_steady_readings(time, velocity, friction):
-        return
-    yield Finding(
+def readings(time: Array) -> Finding:
+    """Return that rows with times are read as steady readings, and no samples of a motion."""
+    step = interval_of(time)
+    return Finding(
         kind="steady readings",
-        severity="warning",
         sentence=(
-            f"The rows, one every {quantity(interval_of(time), 's')} and each at another speed,"
-            " seem to be steady readings of friction, not samples of one motion: filters then mix"
-            " what was measured at different speeds. Leave the time out, as in a rig file with"
-            ' columns = { time = "" }.'
+            f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
+            " a table over the speed, in the order of their times. `--route balance` takes them for"
+            " samples of one motion."
         ),
-        measure="Sample a motion more often, or leave the times of steady readings out",
-        numbers={"interval": interval_of(time)},
+        numbers={"interval": step},
     )
 
 
