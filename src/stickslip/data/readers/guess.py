@@ -173,7 +173,7 @@ UPSIDE_DOWN: Final = (
 )
 READINGS: Final = (
     "The rows, each at another speed, are taken for steady readings of friction, not for samples of"
-    " one motion. If they are such samples, give --columns time={!r}, and --route balance to select."
+    " one motion. If they are such samples, give --columns time={!r} and --route balance."
 )
 BESIDE_LOAD: Final = "as the other force beside Fz"
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
