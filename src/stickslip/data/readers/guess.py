@@ -135,6 +135,8 @@ TURNING: Final = (
     *("joint", "effort", "φ", "ϕ", "θ", "ω", "tau", "τ"),
 )
 """What names of columns contain where an axis turns."""
+PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
+"""What names of currents contain that are of one phase of a motor, or of one of its axes."""
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
@@ -348,7 +350,9 @@ def guess_data(
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
-    turning = servo is not None or _turns(_geared(found, gain or {}), motor_constant)
+    turning = servo is not None or _turns(
+        _geared(found, gain or {}), motor_constant, [*frame.names]
+    )
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
@@ -995,7 +999,11 @@ def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict
     }
 
 
-def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
+def _turns(
+    found: Mapping[str, Found],
+    motor_constant: float | str | None = None,
+    names: Sequence[str] = (),
+) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, column in found.items():
         kinds = UNITS.get(quantity, ())
@@ -1010,6 +1018,12 @@ def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None
     moving = [candidate.name.casefold() for q, candidate in found.items() if q not in still]
     if any(joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving):
         return True  # coordinates of the joints of a robot
+    if sum(bool(PHASE.search(name.casefold())) for name in names) > 1:
+        return True  # a motor by its phases
+    place = found.get("position")
+    if place is not None and place.unit and is_of(place.unit, "count") and "force" not in found:
+        own = place.name.casefold()
+        return "lin" not in own and ("enc" in own or "current" in found)
     return any(word in name for name in moving for word in TURNING)
 
 
