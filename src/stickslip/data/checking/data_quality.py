@@ -15,9 +15,8 @@ import numpy as np
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
 from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
-from stickslip.data.differentiation import as_readings
+from stickslip.data.differentiation import REPLACED, as_readings, outlier_sentence, without_outliers
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
-from stickslip.data.outliers import REPLACED, outlier_sentence, without_outliers
 from stickslip.data.rig import check_record
 from stickslip.data.travels import is_filmed, other_drives
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
@@ -513,17 +512,9 @@ def findings_text(findings: Sequence[Finding]) -> str:
     for finding in findings:
         records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
     return " ".join(
-        f"{_listed(names)}: {sentence}" if named else sentence
+        f"{joined([*dict.fromkeys(names)], MOST_LISTED)}: {sentence}" if named else sentence
         for (sentence, named), names in records.items()
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return names in words, of many the first ones."""
-    names = list(dict.fromkeys(names))
-    if len(names) > MOST_LISTED:
-        names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
-    return joined(names)
 
 
 def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:

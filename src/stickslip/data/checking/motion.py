@@ -27,9 +27,9 @@ from stickslip.data.differentiation import (
     smooth,
     step_of,
     velocity_of,
+    without_outliers,
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
-from stickslip.data.outliers import without_outliers
 from stickslip.data.rig import COMMANDS
 from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
@@ -771,8 +771,14 @@ def swing_of(record: Measurement) -> Swing | None:
     if not record.turning:
         slope = -float(first)
         return Swing(stiffness=slope, rest=float(second) / slope) if slope > 0.0 else None
-    if not free and others[2] <= 0.0:  # of a torque that does not vary, or drives backward
-        return None
+    if not free:  # a torque that tells no inertia tells no weight: another joint may use it
+        aside = np.delete(table, 4, axis=1)
+        both = np.stack([a, table[:, 4]], axis=1)
+        both -= aside @ np.linalg.lstsq(aside, both, rcond=None)[0]
+        told = float(both[:, 0] @ both[:, 1]) ** 2
+        sure = told >= EXPLAINED_FOR_FACTOR * float(np.prod(np.sum(both**2, axis=0)))
+        if others[2] <= 0.0 or not sure:  # or a torque that does not vary, or drives backward
+            return None
     given = None if free else 1.0 / float(others[2])
     rest = math.atan2(float(second), -float(first))
     return Swing(stiffness=math.hypot(first, second), rest=rest, inertia=given)
