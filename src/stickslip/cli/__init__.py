@@ -47,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _leave(str(error), BAD_INPUT)
     except StickslipError as error:
         return _leave(str(error), NO_CONVERGENCE)
+    except MemoryError as error:
+        said = f"not enough memory ({error}): " if str(error) else "not enough memory: "
+        return _leave(f"{said}give fewer rows or trials, or a shorter record.", BAD_INPUT)
     except BrokenPipeError:  # whoever read the result has seen enough
         _abandon_stdout()
         sys.exit(BROKEN_PIPE)

@@ -23,13 +23,17 @@ from stickslip.data import (
 )
 from stickslip.errors import InputError
 from stickslip.show.documents import document, json_text, write_folder
-from stickslip.show.formatting import joined
+from stickslip.show.formatting import count, joined
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
 FORMATS = ("svg", "png")
 DOCUMENT = "checks.json"
 
+MOST_LINES = 24
+"""Lines about several trials at most: a screen has hardly more."""
+MOST_NAMED = 6
+"""Trials that a line names."""
 RESTED = "constant"
 """Kind of the finding that a trial shows no motion."""
 LABELS = {
@@ -56,6 +60,7 @@ LABELS = {
     "mechanism": "the mechanism",
     "motion": "how much moves",
     "order": "the order of the readings",
+    "outliers": "samples far off those beside",
     "quantisation": "coarse steps of a signal",
     "repeated trial": "trials with the same samples",
     "rest": "readings at rest",
@@ -142,13 +147,21 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
 
 def _show(measurement: Measurement, found: Checks) -> None:
     console = stdout()
-    for record in measurement.records():
-        if "; " in record.provenance:  # something was repaired
-            console.print(f"  {record.provenance}", style="dim")
+    origins = dict.fromkeys(record.provenance for record in measurement.records())
+    for origin in [one for one in origins if "; " in one][:MOST_LINES]:  # something was repaired
+        console.print(f"  {origin}", style="dim")
     findings = [*_by_trial(found.findings)] if measurement.trials else found.findings
+    left = len(findings) - MOST_LINES
+    if left > 0:  # what is graver comes first, and what all share before what is of one
+        grave = sorted(
+            findings, key=lambda one: (-SEVERITIES.index(one.severity), bool(one.record))
+        )
+        findings = [one for one in findings if one in grave[:MOST_LINES]][:MOST_LINES]
     for finding in findings:
         mark, style = MARKS[finding.severity]
         console.print(f"{mark}{finding}", style=style)
+    if left > 0:
+        console.print(f"And {count(left, 'line')} more.")
     if len(findings) < len(found.findings):
         console.print("All findings of each trial: --json.")
 
@@ -173,7 +186,7 @@ def _by_trial(findings: Sequence[Finding]) -> Iterator[Finding]:
         same = [finding for finding in findings if finding.sentence == sentence]
         who = [finding.record for finding in same]
         everyone = len(who) == len(names)
-        yield replace(same[0], record="all trials" if everyone else joined(who))
+        yield replace(same[0], record="all trials" if everyone else joined(who, MOST_NAMED))
     yield from (finding for finding in findings if not finding.record)
 
 

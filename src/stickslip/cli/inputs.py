@@ -42,7 +42,15 @@ from stickslip.friction import (
 )
 from stickslip.identify import fits
 from stickslip.identify.candidates import Wording
-from stickslip.identify.kinds import AnyKind, Law, Request, drawn_laws, kind_of, refuse_unused
+from stickslip.identify.kinds import (
+    AnyKind,
+    Law,
+    Request,
+    as_judged,
+    drawn_laws,
+    kind_of,
+    refuse_unused,
+)
 from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.quantities import Quantity, all_paths, fields_of, full_path, parameters, vary
 from stickslip.show.formatting import joined, number, printable, significant, unit_text, within
@@ -543,6 +551,7 @@ def measured(
         # a second record is predicted, whatever its conditions
         second = read_data([validate], replace(own, conditions=()), mechanism=rig.mechanism)
         files += _hashed([validate])
+    measurement = as_judged(measurement, route)
     kind = kind_of(measurement, route)
     chosen = None if law is None else law(kind)
     owner = None if chosen is None else kind.owner(chosen)

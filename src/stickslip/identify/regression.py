@@ -45,9 +45,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfcx, softmax, stdtrit
 
+from stickslip.errors import check_size
 from stickslip.identify.candidates import DIGITS
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
+from stickslip.show.formatting import count
 
 RIDGE = math.sqrt(np.finfo(float).eps)
 """Ridge over the diagonal of a Gram matrix: alike columns share their coefficient."""
@@ -63,6 +65,12 @@ FIXED = 1.0 / np.finfo(float).eps
 """Precision of what is not fitted over that of all rows, and of what is exact over its noise."""
 TOGETHER = 256
 """Structures that are solved together, which bounds the memory."""
+MOST_MEMORY = 8.0
+"""Memory that rows and Gram matrices may take [GB]; copies while they are made count."""
+FEWER = (
+    "group the loads, as rounded to what was set, where they only scatter; or give fewer rows or"
+    " trials"
+)
 
 
 class BlockRegression:
@@ -97,10 +105,13 @@ class BlockRegression:
         for name, shape in new:
             x = self.columns.of((name, shape))
             self._at[name, shape] = np.arange(j, j + x.shape[1])
+            self._check_size(j + x.shape[1], 0)
             parts.append(x)
             precisions.append(self.problem.terms[name].precision(shape) * np.ones(x.shape[1]))
             doubts.append(self.problem.terms[name].doubt * np.ones(x.shape[1]))
             j += x.shape[1]
+        blocks = len(self.problem.blocks)
+        self._check_size(j, blocks if self.problem.excluded is self.problem.blocks else 2 * blocks)
         matrix = np.hstack(parts)
         size = np.sqrt(np.mean(matrix**2, axis=0))
         size[size == 0.0] = 1.0  # a shape that these rows do not reach, such as a limit
@@ -113,6 +124,14 @@ class BlockRegression:
         self._doubt = np.concatenate([self._doubt, doubt])
         if self._weighed:
             self._extend()
+
+    def _check_size(self, columns: int, grams: int) -> None:
+        """Refuse rows and Gram matrices that would take more memory than machines have."""
+        problem, rows = self.problem, len(self.problem.response)
+        # Gram matrices stand beside their larger successors; rows also with their weights.
+        memory = 8e-9 * columns * (2.3 * grams * columns + 3.0 * rows)
+        what = f"comparing laws on {count(rows, 'row')} in {count(len(problem.blocks), 'block')}"
+        check_size(what, memory, FEWER, unit="GB of memory", most=MOST_MEMORY)
 
     def weigh(self, weights: Array, z: Array | None = None) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices.

@@ -17,11 +17,12 @@ from stickslip.data import (
     refuse_same,
     refuse_unused,
     speeds_in_order,
+    without_outliers,
 )
 from stickslip.errors import InputError
 from stickslip.friction import PARTS, FrictionLaw, law_type
 from stickslip.identify.ensemble import PredictionBand, band_of
-from stickslip.identify.fits import goes_straight, inside, load_of, outlying, without_outliers
+from stickslip.identify.fits import goes_straight, inside, load_of
 from stickslip.identify.forces import doubts_of, load_slopes, with_gear
 from stickslip.identify.judge import Judgement, Proposal, propose
 from stickslip.identify.observer import Observer
@@ -285,7 +286,7 @@ def select_record(
     samples, as in `RecordSettings`, and None that the record is to tell it.
     """
     checks = checked(mechanism, measurement, validate, unknown=vary)
-    measurement, far = without_outliers(measurement)
+    measurement, _ = without_outliers(measurement)
     judged = partial(
         _judged, mechanism, measurement, laws=laws, vary=vary, offset=offset, hold=hold
     )
@@ -314,7 +315,7 @@ def select_record(
         route=route,
         second=validate,
         others=others,
-        remarks=map(str, outlying(far)),
+        remarks=map(str, checks.of("outliers")),
     )
 
 

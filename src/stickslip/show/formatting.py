@@ -591,14 +591,18 @@ def in_words(size: int) -> str:
     return _WORDS[size] if 0 <= size < len(_WORDS) else f"{size:,}"
 
 
-def joined(parts: Sequence[str]) -> str:
-    """Return a list as it stands in a sentence.
+def joined(parts: Sequence[str], most: int | None = None) -> str:
+    """Return a list as it stands in a sentence; of more than `most` parts, the first ones.
 
     Examples
     --------
+    >>> joined(["1", "2", "3", "4"], 3)
+    '1, 2 and 2 more'
     >>> joined(["Dahl", "LuGre", "Stribeck"]), joined(["Dahl"]), joined([])
     ('Dahl, LuGre and Stribeck', 'Dahl', '')
     """
+    if most is not None and len(parts) > most:
+        parts = [*parts[: most - 1], f"{len(parts) - most + 1} more"]
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 

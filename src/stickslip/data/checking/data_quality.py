@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.data.checking import coverage, motion, signal_quality
 from stickslip.data.checking.coverage import same
 from stickslip.data.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.data.differentiation import REPLACED, as_readings, outlier_sentence, without_outliers
 from stickslip.data.measurement import Measurement, as_turning, quantity_called
 from stickslip.data.rig import check_record
 from stickslip.data.travels import is_filmed, other_drives
@@ -210,6 +211,9 @@ def _findings(
     grave: bool = False,
 ) -> Iterator[Finding]:
     """Yield all findings; with ``grave`` only those of checks that can find errors."""
+    times, measurement = measurement.records()[0].time, as_readings(measurement)
+    if times is not None and measurement.kind == "friction-map":
+        yield motion.readings(times)
     records = measurement.records()
     if measurement.kind == "scalars":
         yield from coverage.settings(records, conditions)
@@ -360,6 +364,12 @@ def _record(
     if not grave:
         yield from signal_quality.sampling(record.time)
         yield from signal_quality.gaps(record.time)
+    record, times = without_outliers(record)  # of which no motion and no force is made
+    for column, at in times.items():
+        # Those of joints stay where they are.
+        said = " ".join([outlier_sentence(column, at), *[REPLACED] * (not coupled)])
+        numbers = {"samples": len(at), "first": at[0]}
+        yield Finding(kind="outliers", severity="warning", sentence=said, numbers=numbers)
     still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
     yield from still
     rubbed = isinstance(record.friction, np.ndarray)
@@ -385,7 +395,6 @@ def _signals(
     yield from signal_quality.plausible(record, moving)
     yield from signal_quality.usual(record)
     yield from motion.straight(record)
-    yield from motion.readings(record)
     if not enough:
         return
     yield from signal_quality.jumps(record)
@@ -503,17 +512,9 @@ def findings_text(findings: Sequence[Finding]) -> str:
     for finding in findings:
         records.setdefault((finding.sentence, bool(finding.record)), []).append(finding.record)
     return " ".join(
-        f"{_listed(names)}: {sentence}" if named else sentence
+        f"{joined([*dict.fromkeys(names)], MOST_LISTED)}: {sentence}" if named else sentence
         for (sentence, named), names in records.items()
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return names in words, of many the first ones."""
-    names = list(dict.fromkeys(names))
-    if len(names) > MOST_LISTED:
-        names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
-    return joined(names)
 
 
 def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:

@@ -10,7 +10,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Final
 
 import numpy as np
@@ -21,13 +21,13 @@ from stickslip.data.differentiation import (
     CUTOFF,
     PADDED,
     acceleration_of,
-    are_steady_readings,
     between_gaps,
     interval_of,
     noise_of,
     smooth,
     step_of,
     velocity_of,
+    without_outliers,
 )
 from stickslip.data.measurement import ELECTRIC, Array, Measurement, travels
 from stickslip.data.rig import COMMANDS
@@ -35,6 +35,8 @@ from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 from stickslip.show.formatting import count, number, percent, quantities, quantity
 
+GRAVITY: Final = 9.81
+"""Acceleration of weights that are not given otherwise [m/s^2]."""
 SLOW: Final = 0.05
 BENT: Final = 0.01
 """Distance from the line of motion over its length up to which a motion counts as straight."""
@@ -66,6 +68,8 @@ class Motion:
     """``"rad/s"`` about an axis."""
     measured: Array | None = None
     """As it was measured [m/s], if it was."""
+    cutoff: float | None = None
+    """Corner of the filter that positions passed [Hz]; None for the usual one."""
 
     @property
     def fastest(self) -> float:
@@ -93,14 +97,29 @@ class Motion:
 
     @cached_property
     def rests(self) -> Array:
-        """Durations (k,) [s] of the periods in which nothing moves."""
-        still = np.abs(self.velocity) <= max(RESTING * self.fastest, SURE * self.noise)
-        # Padded, so that rests at the ends of the record count.
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
-        first, last = edges[::2], edges[1::2] - 1
-        long = last - first + 1 >= SHORTEST
-        durations: Array = (self.time[last] - self.time[first])[long]
-        return durations
+        """Durations (k,) [s] of the periods in which nothing moves.
+
+        A body that turns is no slower than twice a speed for twice as long as than the speed, half
+        of it on either side; at rest, it is hardly any longer.
+        """
+        slow = max(RESTING * self.fastest, SURE * self.noise)
+        (first, end), (wide, wide_end) = self._slower(slow), self._slower(2.0 * slow)
+        at = np.searchsorted(wide, first, side="right") - 1
+        speeds = np.pad(self.velocity, 1)  # 0 beyond the ends of the record
+        opposite = speeds[wide[at]] * speeds[wide_end[at] + 1] <= 0.0
+        beside = 0.25 * (end - first)
+        before = (first - wide[at] >= beside) | (first == 0)
+        after = (wide_end[at] - end >= beside) | (end == self.time.size)
+        turns = opposite & before & after & (end - first < self.time.size)
+        rests = (end - first >= SHORTEST) & ~turns
+        return np.asarray((self.time[end - 1] - self.time[first])[rests])
+
+    def _slower(self, speed: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return where stretches slower than a speed begin (k,), and where they have ended."""
+        still = np.abs(self.velocity) <= speed
+        # Padded, so that stretches at the ends of the record count.
+        edges = np.flatnonzero(np.diff(np.pad(still.astype(int), 1)))
+        return edges[::2], edges[1::2]
 
     @property
     def hardly_moves(self) -> bool:
@@ -122,10 +141,21 @@ def motion_of(record: Measurement) -> Motion | None:
             time=time, velocity=smooth(time, raw), noise=float(noise), unit=unit, measured=raw
         )
     position = np.asarray(record.values("position"))
-    # The same for the derivative, whose spectrum grows with the frequency squared.
-    share = 2 * np.pi * np.sqrt(2 * CUTOFF**3 / 3)
-    noise = noise_of(position, step_of(position)) * share / dt
-    return Motion(time=time, velocity=velocity_of(record), noise=float(noise), unit=unit)
+    blur, corner, cutoff = noise_of(position, step_of(position)), CUTOFF, None
+    found = velocity_of(record)
+    while True:
+        # The same for the derivative, whose spectrum grows with the frequency squared.
+        noise = blur * 2 * np.pi * np.sqrt(2 * corner**3 / 3) / dt
+        moving = Motion(time=time, velocity=found, noise=float(noise), unit=unit, cutoff=cutoff)
+        corner, enough = corner / 2, SURE * noise <= HYSTERESIS * moving.fastest
+        if enough or corner * time.size < PADDED:
+            return moving
+        # A coarse encoder has a filter so low that it takes off no more than its noise.
+        cutoff = corner / dt
+        smoothed = smooth(time, position, cutoff)
+        if float(np.mean((position - smoothed) ** 2)) > blur**2:
+            return moving
+        found = np.gradient(smoothed, time)
 
 
 def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
@@ -234,26 +264,17 @@ def rests(motion: Motion) -> Iterator[Finding]:
     )
 
 
-def readings(record: Measurement) -> Iterator[Finding]:
-    """Say that rows seem to be steady readings, and no samples of a motion."""
-    friction, velocity, time = record.friction, record.velocity, record.time
-    if time is None or not (isinstance(friction, np.ndarray) and isinstance(velocity, np.ndarray)):
-        return
-    if {*record.quantities()} & {"position", "force", "pull", "spring_force"}:
-        return
-    if not are_steady_readings(time, velocity, friction):
-        return
-    yield Finding(
+def readings(time: Array) -> Finding:
+    """Return that rows with times are read as steady readings, and no samples of a motion."""
+    step = interval_of(time)
+    return Finding(
         kind="steady readings",
-        severity="warning",
         sentence=(
-            f"The rows, one every {quantity(interval_of(time), 's')} and each at another speed,"
-            " seem to be steady readings of friction, not samples of one motion: filters then mix"
-            " what was measured at different speeds. Leave the time out, as in a rig file with"
-            ' columns = { time = "" }.'
+            f"The rows, one every {quantity(step, 's')}, are taken for steady readings of friction:"
+            " a table over the speed, in the order of their times. `--route balance` takes them for"
+            " samples of one motion."
         ),
-        measure="Sample a motion more often, or leave the times of steady readings out",
-        numbers={"interval": interval_of(time)},
+        numbers={"interval": step},
     )
 
 
@@ -476,7 +497,11 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
     """
     if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
         return
-    gained, kept, turned = _sizes(record, mechanism)
+    gained, kept, rose = _sizes(record, mechanism)
+    swing = swing_of(record) if mechanism is not None and rose > GAINED >= gained else None
+    if swing is not None and mechanism is not None:
+        yield _swinging(swing, record, mechanism)
+        return
     forced = "force" in record.quantities()
     which = "its force is constant" if forced else "no drive is recorded"
     severity: Severity = "warning" if mechanism is None else "error"
@@ -486,9 +511,9 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
             f" speed than before and gains {percent(gained)} of its largest energy. Check whether"
             " the force is missing, or whether the record begins before the release."
         )
-    elif turned > GAINED:
+    elif rose > GAINED:
         sentence = (
-            f"The speed rises and falls, by {percent(turned)} of the largest, although {which} and"
+            f"The speed rises and falls, by {percent(rose)} of the largest, although {which} and"
             " the mechanism has no spring. Check whether the force is missing, or the stiffness of"
             " the mechanism."
         )
@@ -504,7 +529,24 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
         kind="drive",
         severity=severity,
         sentence=sentence,
-        numbers={"gained": gained, "turned": turned, "kept": kept},
+        numbers={"gained": gained, "turned": rose, "kept": kept},
+    )
+
+
+def _swinging(swing: "Swing", record: Measurement, mechanism: Mechanism) -> Finding:
+    """Return that a body swings by itself on a mechanism that nothing pulls back."""
+    spring = swing.stiffness * _mass(mechanism)
+    cure = f'give it stiffness = "{number(spring)} {turned("N/m", record.turning)}"'
+    if record.turning:
+        cure = f'make it a pendulum, as with length = "{number(swing.length)} m", or {cure}'
+    return Finding(
+        kind="mechanism",
+        severity="error",
+        sentence=(
+            f"The body swings by itself, at {quantity(swing.frequency, 'Hz')} in small swings, and"
+            f" the mechanism has no spring and no weight: {cure}."
+        ),
+        numbers={"frequency": swing.frequency, "stiffness": spring},
     )
 
 
@@ -673,6 +715,16 @@ class Swing:
     inertia: float | None = None
     """Moment of inertia [kg m^2], where a torque tells it."""
 
+    @property
+    def frequency(self) -> float:
+        """Of small swings [Hz]."""
+        return math.sqrt(self.stiffness) / (2.0 * math.pi)
+
+    @property
+    def length(self) -> float:
+        """Of a pendulum that swings like this with all of its mass at its end [m]."""
+        return GRAVITY / self.stiffness
+
 
 def swing_of(record: Measurement) -> Swing | None:
     """Return how a free motion swings, or a driven one about an axis that is pulled by its weight.
@@ -694,6 +746,7 @@ def swing_of(record: Measurement) -> Swing | None:
     driven = record.turning and "force" in record.quantities() and record.time is not None
     if record.trials or record.joints or not (free or driven):
         return None
+    record, _ = without_outliers(record)
     moving = motion_of(record)
     if moving is None or moving.fastest <= CLEAR * moving.noise:
         return None
@@ -701,13 +754,15 @@ def swing_of(record: Measurement) -> Swing | None:
         return None
     x, t = _positions(record), moving.time
     # Both sides through one low pass, without the ends, beyond which it guesses the motion.
-    inner = slice(*np.array([1, -1]) * min(round(PADDED / CUTOFF), x.size // 4))
-    a = make_interp_spline(t, smooth(t, x), k=5).derivative(2)(t)[inner]
+    corner, low = moving.cutoff, partial(smooth, t, cutoff=moving.cutoff)
+    padded = PADDED / (corner * interval_of(t) if corner else CUTOFF)
+    inner = slice(*np.array([1, -1]) * min(round(padded), x.size // 4))
+    a = make_interp_spline(t, low(x), k=5).derivative(2)(t)[inner]
     pulls = [np.sin(x), np.cos(x)] if record.turning else [x, np.ones_like(x)]
     beside = [moving.velocity / moving.fastest, moving.directions]
     if not free:
         beside += [np.asarray(record.values("force")), np.ones_like(x)]
-    table = np.stack([smooth(t, pull)[inner] for pull in (*pulls, *beside)], axis=1)
+    table = np.stack([low(pull)[inner] for pull in (*pulls, *beside)], axis=1)
     found, plain = np.linalg.lstsq(table, a, rcond=None)[0], table[:, 2:]
     first, second, *others = found
     left, without = a - table @ found, a - plain @ np.linalg.lstsq(plain, a, rcond=None)[0]
@@ -716,8 +771,14 @@ def swing_of(record: Measurement) -> Swing | None:
     if not record.turning:
         slope = -float(first)
         return Swing(stiffness=slope, rest=float(second) / slope) if slope > 0.0 else None
-    if not free and others[2] <= 0.0:  # of a torque that does not vary, or drives backward
-        return None
+    if not free:  # a torque that tells no inertia tells no weight: another joint may use it
+        aside = np.delete(table, 4, axis=1)
+        both = np.stack([a, table[:, 4]], axis=1)
+        both -= aside @ np.linalg.lstsq(aside, both, rcond=None)[0]
+        told = float(both[:, 0] @ both[:, 1]) ** 2
+        sure = told >= EXPLAINED_FOR_FACTOR * float(np.prod(np.sum(both**2, axis=0)))
+        if others[2] <= 0.0 or not sure:  # or a torque that does not vary, or drives backward
+            return None
     given = None if free else 1.0 / float(others[2])
     rest = math.atan2(float(second), -float(first))
     return Swing(stiffness=math.hypot(first, second), rest=rest, inertia=given)

@@ -467,9 +467,16 @@ def unmoved(record: Measurement) -> Iterator[Finding]:
 def jumps(record: Measurement) -> Iterator[Finding]:
     """Find steps of position in a single sample that no neighbouring speed allows."""
     time = record.time
-    if time is None or record.position is None or time.size < 8:
+    if time is None or record.position is None or time.size < FEWEST_SAMPLES:
         return
     position = np.asarray(record.values("position"))
+    usual = _repeats(position)
+    if usual > 1:  # of values that are held, from one to the next
+        first = np.flatnonzero(np.diff(position, prepend=np.nan) != 0)
+        rows = np.union1d(first, np.maximum(first[1:] - usual, 0))
+        time, position = time[rows], position[rows]
+    if time.size < FEWEST_SAMPLES:
+        return
     dt = np.diff(time)
     speed = np.diff(position) / dt
     size = np.pad(np.abs(speed), 2, mode="edge")
@@ -520,6 +527,15 @@ def _runs(values: Array) -> tuple[Array, Array]:
     # NaN differs from all: the first value begins a run.
     first = np.flatnonzero(np.diff(values, prepend=np.nan) != 0)
     return values[first], np.diff(np.append(first, values.size))
+
+
+def _repeats(values: Array) -> int:
+    """Return how often each value is repeated, where nearly all are just as often; else 1."""
+    _, lengths = _runs(values)
+    usual = int(np.median(lengths))
+    # A constant, or a few levels of a command, are held on purpose.
+    often = len(lengths) >= LEVELS and np.mean(lengths == usual) >= REPEATED_SHARE
+    return usual if usual >= REPEATED and often else 1
 
 
 def _ends(values: Array) -> Iterator[tuple[str, int, float]]:
@@ -620,11 +636,8 @@ def held(record: Measurement) -> Iterator[Finding]:
     if record.time is None:
         return
     for name, values in arrays(record):
-        _, lengths = _runs(values)
-        usual = int(np.median(lengths))
-        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < REPEATED_SHARE:
-            continue
-        if len(lengths) < LEVELS:  # a constant, or a few levels of a command
+        usual = _repeats(values)
+        if name not in SLOWLY or usual == 1:
             continue
         # A value held for n samples is (n - 1) / 2 samples late on average.
         late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))

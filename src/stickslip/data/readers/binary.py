@@ -228,7 +228,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> Table:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``."""
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
-    vectors = vectors or dict(_split(found))
+    vectors = vectors or dict(_split(found)) or dict(_cells(found))
     if not vectors:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
@@ -266,8 +266,27 @@ def _split(found: Mapping[str, Any]) -> Iterator[Found]:
     """Yield the rows or columns of matrices, whichever are longer, as ``name(1)``."""
     for name, value in found.items():
         if isinstance(value, np.ndarray) and _is_signals(value):
-            longer = value if value.shape[0] > value.shape[1] else value.T
-            yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
+            yield from ((f"{name}({i})", row) for i, row in enumerate(_signals(value), 1))
+
+
+def _cells(found: Mapping[str, Any]) -> Iterator[Found]:
+    """Yield the columns of the matrices in cells, below each other, each cell a trial."""
+    for name, value in found.items():
+        cells = value.ravel() if isinstance(value, np.ndarray) and value.dtype == object else ()
+        arrays = (cell for cell in cells if isinstance(cell, np.ndarray))
+        tables = [_signals(cell) for cell in arrays if _is_signals(cell)]
+        if len({len(table) for table in tables}) == 1:
+            if len(tables) > 1:
+                sizes = [table.shape[1] for table in tables]
+                yield TRIAL, np.repeat(np.arange(len(tables)) + 1, sizes)
+            columns = np.concatenate(tables, axis=1)
+            yield from ((f"{name}({i})", column) for i, column in enumerate(columns, 1))
+            return
+
+
+def _signals(value: NDArray[Any]) -> NDArray[Any]:
+    """Return rows or columns of a matrix, whichever are longer, as rows."""
+    return value.T if value.shape[0] > value.shape[1] else value
 
 
 def _is_signals(value: Any) -> bool:
@@ -449,6 +468,11 @@ class _Hdf5:
         kind = item.attrs.get("MATLAB_class", b"double")
         kind = kind.decode() if isinstance(kind, bytes) else str(kind)
         shape = item.shape[::-1]
+        if kind == "cell" and depth and item.size <= MOST_ELEMENTS:
+            cells = np.empty(item.size, dtype=object)
+            for i, cell in enumerate(_Elements(item).items):
+                cells[i] = self.value(cell, f"{name}{{{i + 1}}}", depth - 1)
+            return cells
         filled = "MATLAB_empty" not in item.attrs and item.dtype.kind in "iuf"
         if kind == "char" and filled and item.size <= LONGEST_TEXT:
             return np.array(["".join(map(chr, np.ravel(item[()])))])

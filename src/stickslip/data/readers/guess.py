@@ -143,6 +143,8 @@ TURNING: Final = (
 """What names of columns contain where an axis turns, beside the word ang."""
 COUNTED: Final = {"millis": "ms", "micros": "us"}
 """Times of a microcontroller by the names of its functions."""
+PHASE: Final = re.compile(r"(?<![^\W_])i[_ ]?[abcuvwdq](?![^\W_])|phase")
+"""What names of currents contain that are of one phase of a motor, or of one of its axes."""
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
@@ -190,7 +192,7 @@ UPSIDE_DOWN: Final = (
 )
 READINGS: Final = (
     "The rows, each at another speed, are taken for steady readings of friction, not for samples of"
-    " one motion. If they are such samples, give --columns time={!r}."
+    " one motion. If they are such samples, give --columns time={!r} and --route balance."
 )
 BESIDE_LOAD: Final = "as the other force beside Fz"
 PRESSED: Final = "The column {!r} is negative throughout: its gain of -1 makes a load of it."
@@ -368,7 +370,9 @@ def guess_data(
         given["trial"] = trial
         reasons["trial"] = f"column {trial!r}, {why}"
     assumed = reasons.pop("thousands", "")
-    turning = servo is not None or _turns(_geared(found, gain or {}), motor_constant)
+    turning = servo is not None or _turns(
+        _geared(found, gain or {}), motor_constant, [*frame.names]
+    )
     parts = _of_trials(frame, trial)
     conditions = _conditions(frame, found, trial)
     if "temperature" not in found:
@@ -1123,7 +1127,11 @@ def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict
     }
 
 
-def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None) -> bool:
+def _turns(
+    found: Mapping[str, Found],
+    motor_constant: float | str | None = None,
+    names: Sequence[str] = (),
+) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, column in found.items():
         kinds = UNITS.get(quantity, ())
@@ -1141,6 +1149,12 @@ def _turns(found: Mapping[str, Found], motor_constant: float | str | None = None
         joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving
     ):
         return True  # coordinates of the joints of a robot
+    if sum(bool(PHASE.search(name.casefold())) for name in names) > 1:
+        return True  # a motor by its phases
+    place = found.get("position")
+    if place is not None and place.unit and is_of(place.unit, "count") and "force" not in found:
+        own = place.name.casefold()
+        return "lin" not in own and ("enc" in own or "current" in found)
     return any(word in name for name in moving for word in TURNING)
 
 

@@ -481,6 +481,8 @@ RADIUS: Final = "radius"
 FORCES: Final = {"g": "gf", "kg": "kgf", "mg": "mgf"}
 """Units of masses in which forces are given there, and what is meant."""
 _FORCE: Final = re.compile(r"F[xyzntf]?|F_?[xyznt]|load|force", re.I)
+LISTED: Final = 12
+"""Steps in a sentence at most."""
 FEWEST_IN_STEP: Final = 2
 """Numbers in a row of a table, and rows in a step."""
 
@@ -549,7 +551,9 @@ def read_tribometer(text: str) -> Table:
     others = [section for section in sections if section.names != often or section in others]
     if others:
         labels = [other.label or str(sections.index(other) + 1) for other in others]
-        lost.append(f"Steps with other columns, or units of another kind: {joined(labels)}.")
+        lost.append(
+            f"Steps with other columns, or units of another kind: {joined(labels, LISTED)}."
+        )
     remarks = []
     labels = [section.label or str(number) for number, section in enumerate(kept, 1)]
     if len(set(labels)) < len(labels):  # each run counts its steps anew
@@ -560,7 +564,9 @@ def read_tribometer(text: str) -> Table:
     data, own = _of_column(data)
     steps = own or (labels if len(tables) > 1 else [])
     if steps:
-        remarks.append(f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps)}.")
+        remarks.append(
+            f"Each of the {count(len(steps), 'step')} is a trial: {joined(steps, LISTED)}."
+        )
     data, told = _with_sliding_speed(data, lines, separator)
     data, said = _from_slip(data)
     if nameless := sum(len(section.rows) for section in found if not section.names):
@@ -616,10 +622,11 @@ def _without_rows(lines: Sequence[str], sections: Sequence[_Section]) -> list[st
     }
     missed = Counter(hit[hit.lastgroup or 0] for hit in found if hit.lastgroup in kinds)
     missed -= Counter(section.label for section in sections)
-    return [
-        f"Step {label} has no table of {FEWEST_IN_STEP} rows or more and is left out."
-        for label in missed
-    ]
+    if not missed:
+        return []
+    step, have, are = ("Steps", "have", "are") if len(missed) > 1 else ("Step", "has", "is")
+    which = f"{step} {joined([*missed], LISTED)} {have} no table of {FEWEST_IN_STEP} rows or more"
+    return [f"{which} and {are} left out."]
 
 
 def _step_units(section: _Section) -> list[str]:

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from stickslip.data import travels
-from stickslip.data.checking.motion import Swing
+from stickslip.data.checking.motion import GRAVITY, Swing
 from stickslip.data.readers.columns import Reading
 from stickslip.data.readers.guess import Guess, guess_data
 from stickslip.data.readers.layout import Layout
@@ -26,8 +26,6 @@ from stickslip.show.formatting import joined, number, percent, printable, quanti
 
 # Writes the rig file of a record of which only the data file is known.
 
-GRAVITY: Final = 9.81
-"""Acceleration of weights that are not given otherwise [m/s^2]."""
 ROD: Final = 0.75
 """Length to the centre of mass of a rod, over that of a point mass that swings as it does."""
 RESTING: Final = 0.01
@@ -131,7 +129,7 @@ def _with_load(guess: Guess) -> Iterator[str]:
 
 def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
     """Yield the table of a body that swings: of a pendulum, or on a spring."""
-    frequency = f"{math.sqrt(swing.stiffness) / (2.0 * math.pi):.3g} Hz"
+    frequency = f"{swing.frequency:.3g} Hz"
     yield "[mechanism]"
     if not guess.turning:
         yield 'type = "axis"  # a mass on a spring, as it swings by itself'
@@ -140,7 +138,7 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
         yield 'inertia = "? kg"'
         yield 'stiffness = "? N/m"'
     elif swing.inertia is None:
-        length = GRAVITY / swing.stiffness
+        length = swing.length
         yield 'type = "pendulum"  # assumed, as it swings by itself; on a spring it is an "axis"'
         yield f'# with stiffness = "{swing.stiffness:.3g} N m/rad" for each kg m^2 of its inertia.'
         yield 'mass = "? kg"  # a free motion tells friction over the mass only'
@@ -150,7 +148,7 @@ def _swinging(guess: Guess, swing: Swing) -> Iterator[str]:
         yield f'length = "{length:.4g} m"'
     else:
         weight = swing.inertia * swing.stiffness
-        length = ROD * GRAVITY / swing.stiffness
+        length = ROD * swing.length
         mass = weight / (GRAVITY * length)
         yield 'type = "pendulum"  # assumed, as the torque holds a weight; else it is an "axis"'
         product = f"{weight / GRAVITY:.3g} kg m"

@@ -48,8 +48,6 @@ from stickslip.identify.fits.force_map.joint_balance import joint_record as join
 from stickslip.identify.fits.force_map.start_values import StartEstimate as StartEstimate
 from stickslip.identify.fits.gears import gear_torques as gear_torques
 from stickslip.identify.fits.gears import transmitted_along as transmitted_along
-from stickslip.identify.fits.outliers import outlying as outlying
-from stickslip.identify.fits.outliers import without_outliers as without_outliers
 from stickslip.identify.fits.records.fit import Prediction as Prediction
 from stickslip.identify.fits.records.fit import RecordFit as RecordFit
 from stickslip.identify.fits.records.fit import Score as Score

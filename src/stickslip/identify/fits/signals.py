@@ -1,11 +1,10 @@
-"""What columns of a record show: filters and slopes, the noise of a sensor, single outliers."""
+"""What columns of a record show: filters and slopes, and the noise of a sensor."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label, maximum_filter1d, median_filter, minimum_filter1d
 from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from stickslip.data import unit_differences
@@ -16,21 +15,6 @@ GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
 ORDER = 4
 """Order of filters."""
-FAR = 10.0
-"""Least distance of an outlier from the median of its neighbours, over that which a tenth exceeds.
-"""
-APART = 3.0
-"""The same over the change from a sample to the next, the usual one and those beside ..."""
-BESIDE = 9
-"""Samples about it of which the change counts."""
-OUT = 1.25
-"""Least distance of an outlier beside a step from both of its sides, over its height ..."""
-OFTEN = 0.2
-"""... at a share of the steps at most: peaks at more of them are those of break-aways."""
-SHARES = {"position": 0.005, "force": 0.5, "friction": 0.5}
-"""... and over the range. A position is smooth; a force that is commanded may have peaks."""
-SELDOM = 0.01
-"""Most outliers over the samples: what is more frequent belongs to the signal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,37 +97,3 @@ def play(path: Array, reach: float) -> Array:
             at = x + reach
         found.append(at)
     return np.array(found)
-
-
-def far_off(x: Array, column: str) -> NDArray[np.bool_]:
-    """Return which samples (n,) of a column of a record lie far off those beside them."""
-    return _far_off(x, SHARES[column])
-
-
-def _far_off(x: Array, share: float) -> NDArray[np.bool_]:
-    """Return which single values (n,), or pairs, lie off those beside them by a share of the range.
-
-    A step is none, as the median of five follows it, nor is the turn of a swing, beside which
-    samples differ as much; a value beyond both sides of a step is one where other steps have none.
-
-    Examples
-    --------
-    >>> x = np.sin(0.01 * np.arange(500.0))
-    >>> x[[100, 300, 301]] += 3.0
-    >>> np.flatnonzero(_far_off(x, 0.05)).tolist()
-    [100, 300, 301]
-    """
-    middle = median_filter(x, 5, mode="nearest")
-    apart = np.abs(x - middle)
-    low, high = np.quantile(x, [0.01, 0.99])
-    steps = np.abs(np.diff(x))
-    usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
-    beside = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), BESIDE)
-    least = max(FAR * float(np.quantile(apart, 0.9)), share * float(high - low), APART * usual)
-    top, bottom = maximum_filter1d(middle, BESIDE), minimum_filter1d(middle, BESIDE)
-    lone = (apart > least) & (np.maximum(x - top, bottom - x) > OUT * beside)
-    if lone.any():
-        steps = label(beside >= 0.5 * beside[lone].min())[1]
-        lone &= label(lone)[1] <= OFTEN * steps
-    far: NDArray[np.bool_] = lone | ((apart > least) & (apart > APART * beside))
-    return far if far.mean() <= SELDOM else np.zeros(len(x), dtype=bool)

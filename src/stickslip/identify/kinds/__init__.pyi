@@ -18,6 +18,7 @@ from stickslip.identify.kinds.kind import data_row as data_row
 from stickslip.identify.kinds.kind import page_table as page_table
 from stickslip.identify.kinds.kind import terminal_table as terminal_table
 from stickslip.identify.kinds.registry import AnyKind as AnyKind
+from stickslip.identify.kinds.registry import as_judged as as_judged
 from stickslip.identify.kinds.registry import kind_of as kind_of
 from stickslip.identify.kinds.registry import kind_of_route as kind_of_route
 from stickslip.identify.kinds.registry import kinds as kinds

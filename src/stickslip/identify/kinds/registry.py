@@ -5,7 +5,7 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, TypeAlias
 
-from stickslip.data import Measurement
+from stickslip.data import Measurement, as_readings
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import law_type
 from stickslip.identify.fits import called, check_inputs
@@ -92,6 +92,20 @@ def kind_of(measurement: Measurement, asked: str | None = None) -> AnyKind:
             f"route {asked!r} applies to {found.measured}, not to this measurement: leave it out."
         )
     return found if "route" in usual.uses else usual
+
+
+def as_judged(measurement: Measurement, asked: str | None = None) -> Measurement:
+    """Return steady readings that have times as a table, if no route of records is asked for.
+
+    Examples
+    --------
+    >>> v = [0.1, 0.2, 0.4] * 4
+    >>> rows = Measurement(time=range(12), velocity=v, friction=v)
+    >>> as_judged(rows).kind, as_judged(rows, "balance").kind
+    ('friction-map', 'series')
+    """
+    of_tables = asked is None or asked in FrictionTableKind.routes
+    return as_readings(measurement) if of_tables else measurement
 
 
 def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> None:

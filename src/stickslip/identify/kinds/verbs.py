@@ -23,6 +23,7 @@ from stickslip.identify.fits import (
 from stickslip.identify.kinds.kind import Request, SeveralLaws
 from stickslip.identify.kinds.registry import (
     AnyKind,
+    as_judged,
     kind_of,
     refuse_foreign,
     refuse_uninformed,
@@ -143,7 +144,7 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
-    measurement = as_turning(measurement, mechanism.units)
+    measurement = as_judged(as_turning(measurement, mechanism.units), route)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     kind = kind_of(measurement, route)
@@ -253,7 +254,7 @@ def select(
     ('coulomb', ['coulomb', 'viscous'])
     """
     check_given("select", mechanism, measurement)
-    measurement = as_turning(measurement, mechanism.units)
+    measurement = as_judged(as_turning(measurement, mechanism.units), route)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     kind = kind_of(measurement, route)
@@ -268,7 +269,7 @@ def select(
         progress=progress,
         route=route,
         settings=settings,
-        validate=validate and as_turning(validate, mechanism.units),
+        validate=validate and as_judged(as_turning(validate, mechanism.units), route),
         assumed=assumed or None,
         t_end=t_end,
         executor=executor,

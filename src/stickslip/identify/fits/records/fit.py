@@ -12,9 +12,11 @@ from typing_extensions import TypeVar
 
 from stickslip.data import (
     QUANTITIES,
+    REPLACED,
     LawEstimates,
     Measurement,
     levels_at,
+    outlier_sentence,
     refuse_lack,
     refuse_unused,
 )
@@ -33,7 +35,6 @@ from stickslip.identify.fits.estimation.problem import (
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.force_map.model import ForceMap
 from stickslip.identify.fits.force_map.problem import MECHANISM, SENSOR
-from stickslip.identify.fits.outliers import outlying
 from stickslip.identify.fits.results import Estimate, Fit, ModelError, estimates_for
 from stickslip.identify.fits.rig_uncertainties import uncertainties_of
 from stickslip.identify.fits.series.applied_force import inside
@@ -240,13 +241,24 @@ class RecordFit(Fit[AnyLaw_co]):
     """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
     displaced: tuple[Displaced, ...] = ()
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
-    left_out: Mapping[str, int] = field(default_factory=dict)
-    """How many samples far off those beside were replaced before the fit, by column."""
+    left_out: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Times [s] of samples far off those beside, which were replaced before the fit, by column."""
 
     @property
     def model_errors(self) -> tuple[ModelError, ...]:
         """What is wrong with the record and was left out of the fit; `select` looks for more."""
-        return outlying(self.left_out)
+        return tuple(
+            ModelError(
+                kind="outliers",
+                finding=outlier_sentence(column, times),
+                consequence=REPLACED,
+                effect=float(len(times)),
+                interval=(math.nan, math.nan),
+                share=0.0,
+                moved=(),
+            )
+            for column, times in self.left_out.items()
+        )
 
     @property
     def friction_was_measured(self) -> bool:

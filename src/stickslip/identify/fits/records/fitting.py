@@ -16,6 +16,7 @@ from stickslip.data import (
     refuse_unused,
     volts_sentence,
     with_doubts,
+    without_outliers,
 )
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
@@ -46,7 +47,6 @@ from stickslip.identify.fits.estimation.problem import RecordProblem, ResidualJa
 from stickslip.identify.fits.force_map.force_balance import BalanceProblemBuilder, positive_noise
 from stickslip.identify.fits.force_map.holds import HoldFinding
 from stickslip.identify.fits.force_map.model import ForceMap
-from stickslip.identify.fits.outliers import without_outliers
 from stickslip.identify.fits.records.fit import RecordFit, scale_of
 from stickslip.identify.fits.records.problems import (
     FitSetup,
