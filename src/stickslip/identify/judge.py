@@ -112,6 +112,11 @@ class Judgement:
         fit = self.ensemble.fit(self.estimated)
         return self.problem.composition(self.estimated, fit.coefficients[None])
 
+    def acting(self, rows: Any) -> Array:
+        """Return friction of the named law and its constant offset (n,) at rows."""
+        fit = self.ensemble.fit(self.estimated)
+        return self.problem.acting(self.estimated, fit.coefficients, rows)
+
     def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return draws of the named family: shapes by their shares, coefficients by covariance."""
         return self._family_draws(self.problem.family(self.named), count)
