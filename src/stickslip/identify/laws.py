@@ -55,16 +55,15 @@ class Sliding:
 
     def off(self, law: FrictionLaw, composed: "Composition") -> float:
         """Return how far the friction of a law is off at most [N] or [N m]."""
-        own, load = bound(law, composed.inputs), composed.normal()
-        force = np.array([float(own.steady(v, load)) for v in self.velocity.tolist()])
+        force = bound(law, composed.inputs).steady(self.velocity, composed.normal())
         return float(np.max(np.abs(force - self.friction)))
 
     def is_of(self, law: FrictionLaw, composed: "Composition") -> bool:
         """Return whether it is that of a law, which brakes beyond these velocities, too."""
-        own, load = bound(law, composed.inputs), composed.normal()
-        far = [float(own.steady(v, load)) * v for v in (BEYOND * self.velocity).tolist()]
+        far = BEYOND * self.velocity
+        force = bound(law, composed.inputs).steady(far, composed.normal())
         size = float(np.max(np.abs(self.friction)))
-        return min(far) >= 0.0 and self.off(law, composed) <= AGREES * size
+        return bool(np.all(force * far >= 0.0)) and self.off(law, composed) <= AGREES * size
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +86,7 @@ class Composition:
     load: Array | float = 1.0
     """Normal force (d,) over which its levels are [N]."""
     inputs: Mapping[str, float] = field(default_factory=dict)
-    """Means of the inputs of the contact."""
+    """Means of the inputs that its terms depend on."""
     memory: str = ""
     """Notation of the memory around its levels; empty without any."""
     lacks: tuple[str, ...] = ()
@@ -109,9 +108,9 @@ class Composition:
                 return found
         return None
 
-    def through(self, steady: Sliding) -> FrictionLaw:
+    def through(self, sliding: Sliding) -> FrictionLaw:
         """Return the law through levels in steady sliding, with the memory of this one."""
-        kind = curve_law(steady, self.normal(), f"{self.memory}({{}})" if self.memory else "{}")
+        kind = curve_law(sliding, self.normal(), f"{self.memory}({{}})" if self.memory else "{}")
         names = kind.__dataclass_fields__
         return kind(**{name: float(x[0]) for name, x in self.values.items() if name in names})
 
@@ -212,9 +211,11 @@ class _Composer:
         """Values of the law that holds in both directions."""
         self.change: dict[str, Array] = {}
         """What levels and slopes are more forwards, and less backwards."""
-        self.inputs: dict[str, tuple[str, Array]] = {}
-        """By factor, what it multiplies and by how much that changes."""
+        self.inputs: dict[str, tuple[str, Array, float]] = {}
+        """By factor, what it multiplies, by how much that changes, and the mean of the input."""
         self.fixed: set[str] = set()
+        self.used: dict[str, float] = {}
+        """Means of the inputs that parts depend on."""
         self.smooth = "tanh" in terms
 
     def first(self, name: str, column: int = 0) -> Array:
@@ -226,33 +227,31 @@ class _Composer:
         for name, value in zip(names, self.terms[term][0], strict=False):
             self.values[name] = np.full(self.count, value)
 
-    def linear(self, part: str, parameter: str) -> tuple[str, Array]:
-        """Return a part with its changes with inputs, and what they take off where these are 0."""
-        text, off = part, np.zeros(self.count)
+    def linear(self, part: str, parameter: str) -> str:
+        """Return a part with its changes with inputs."""
         for name, mean in self.means.items():
             if f"{part}*{name}" in self.terms:
                 change = self.first(f"{part}*{name}")
-                text, off = f"{text} * linear[{name}]", off + mean * change
-                self.inputs[f"{part}_{name}_slope"] = parameter, change
-        return text, off
+                self.inputs[f"{part}_{name}_slope"] = parameter, change, mean
+                self.used[name] = mean
+        factors = [name for name in self.means if f"{part}*{name}" in self.terms]
+        return " * ".join([part, *(f"linear[{name}]" for name in factors)])
 
     def level(self) -> None:
         """Compose the levels."""
-        text, off = self.linear("level", "kinetic_coefficient")
-        kinetic = self.first("tanh" if self.smooth else "level") - off
-        differs = self.first("level_direction")
+        text = self.linear("level", "kinetic_coefficient")
         surplus = next((name for name in SURPLUSES if name in self.terms), "")
         if surplus or {"level", "level_direction", "tanh"} & self.terms.keys():
             self.levels = [text]
-            self.values["kinetic_coefficient"] = kinetic
-            self.change["kinetic_coefficient"] = differs
+            self.values["kinetic_coefficient"] = self.first("tanh" if self.smooth else "level")
+            self.change["kinetic_coefficient"] = self.first("level_direction")
         if not (self.smooth or "level" in self.terms):
             self.fixed.add("kinetic_coefficient")
         if surplus:
             self.levels.append("step" if surplus == "step" else "stribeck")
-            self.values["static_coefficient"] = kinetic + self.first(surplus)
-            of_sides = self.first(surplus, 1) if surplus == "stribeck_sides" else 0.0
-            self.change["static_coefficient"] = differs + of_sides
+            self.values["static_coefficient"] = self.first(surplus)  # on top of the kinetic one
+            if surplus == "stribeck_sides":
+                self.change["static_coefficient"] = self.first(surplus, 1)
             self.shape(surplus, "stribeck_velocity", "fading_exponent")
             self.fixed.add("fading_exponent")
         if "logarithmic" in self.terms:
@@ -261,6 +260,7 @@ class _Composer:
             self.shape("logarithmic", "reference_velocity")
         if "gear" in self.terms:
             self.levels.append("weight[transmitted]")
+            self.used["transmitted"] = self.means["transmitted"]
             self.values["transmitted_coefficient"] = self.first("gear")
         if self.smooth:
             self.shape("tanh", "smoothing_velocity")
@@ -269,9 +269,8 @@ class _Composer:
         """Compose what stands beside the levels."""
         for name, (parameter, shapes) in FLOWS.items():
             if name in self.terms:
-                text, off = self.linear(name, parameter)
-                self.beside.append(text)
-                self.values[parameter] = self.first(name) - off
+                self.beside.append(self.linear(name, parameter))
+                self.values[parameter] = self.first(name)
                 self.shape(name, *shapes)
         if "viscous_direction" in self.terms:
             # beside other flows than a viscous one it is a part of its own
@@ -303,7 +302,7 @@ class _Composer:
             values=values,
             fixed=frozenset(self.fixed),
             flow=flow,
-            inputs=self.means,
+            inputs=self.used,
             memory=memory,
         )
 
@@ -314,29 +313,39 @@ class _Composer:
         # slopes with inputs are shares of what differs
         both = "both_ways({})" if self.inputs else "both_ways[levels]({})"
         around = both if sides and not alone else "{}"
-        levels = " + ".join(self.levels)
+        levels = " + ".join(
+            [f"tanh({one})" if one == "level" and self.smooth else one for one in self.levels]
+        )
         beside = [one for one in self.beside if not (falls and one == "viscous")]
         if memory:
             parts = [f"{memory}({around.format(levels)})"]
             rest = " + ".join(beside)
         else:
-            parts, levels = [], f"tanh({levels})" if self.smooth else levels
+            parts = []
             rest = " + ".join(filter(None, (levels, *beside)))
         parts += [around.format(rest)] if rest else []
         parts += [f"both_ways({FALLS})" if sides else FALLS] if falls else []
         text = " + ".join(parts)
-        return text if _is_law(text) else ""
+        # a level that differs by direction does so at once, one that is smooth does not
+        return text if _is_law(text) and not (self.smooth and "level_direction" in sides) else ""
 
     def by_direction(self, text: str) -> dict[str, Array]:
-        """Return values of a law (d,) by name, of those that it has twice both."""
+        """Return values of a law (d,) by name, of those that it has twice both.
+
+        A level that changes with inputs has at their means what the terms say, and their slopes
+        there: of several inputs the law has a product, and the terms a sum.
+        """
 
         def along(side: float) -> dict[str, Array]:
             found = {name: x + side * self.change.get(name, 0.0) for name, x in self.values.items()}
-            shares = {
-                name: x / np.where(found[of], found[of], 1.0)
-                for name, (of, x) in self.inputs.items()
-            }
-            return {**found, **shares}
+            middle = dict(found)
+            for name, (of, x, mean) in self.inputs.items():
+                share = x / np.where(middle[of], middle[of], 1.0)
+                found[of] = found[of] * (1.0 - share * mean)  # where the input is 0
+                found[name] = share / np.where(share * mean == 1.0, 1.0, 1.0 - share * mean)
+            if "static_coefficient" in found:
+                found["static_coefficient"] += found["kinetic_coefficient"]
+            return found
 
         names = law_class(text).__dataclass_fields__ if text else {}
         ahead, back = along(1.0), along(-1.0)
@@ -448,7 +457,7 @@ class MeasuredCurves(FrictionLaw):
         return self.forward if direction > 0 else self.backward
 
 
-def drawn_curve(steady: Sliding, load: float) -> MeasuredCurve | MeasuredCurves:
+def drawn_curve(sliding: Sliding, load: float) -> MeasuredCurve | MeasuredCurves:
     """Return the law of `curve_law` with its points as parameters.
 
     Examples
@@ -458,11 +467,11 @@ def drawn_curve(steady: Sliding, load: float) -> MeasuredCurve | MeasuredCurves:
     >>> law.name, float(law.force(1.0, 1.0))
     ('measured-curve', 3.0)
     """
-    ahead, back = (MeasuredCurve.through(*one) for one in steady.levels(load))
+    ahead, back = (MeasuredCurve.through(*one) for one in sliding.levels(load))
     return ahead if ahead == back else MeasuredCurves(forward=ahead, backward=back)
 
 
-def curve_law(steady: Sliding, load: float, memory: str = "{}") -> type[FrictionLaw]:
+def curve_law(sliding: Sliding, load: float, memory: str = "{}") -> type[FrictionLaw]:
     """Return the type of laws through levels in each direction, constant beyond them.
 
     Examples
@@ -475,7 +484,7 @@ def curve_law(steady: Sliding, load: float, memory: str = "{}") -> type[Friction
     -5.0
     """
     texts = [
-        [f"{u:.6g}: {f:.6g}" for u, f in zip(*one, strict=True)] for one in steady.levels(load)
+        [f"{u:.6g}: {f:.6g}" for u, f in zip(*one, strict=True)] for one in sliding.levels(load)
     ]
     ahead, back = texts
     points = ahead if ahead == back else [*(f"-{one}" for one in reversed(back)), *ahead]

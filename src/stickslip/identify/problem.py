@@ -202,7 +202,9 @@ class Problem(ABC):
         """
         return self._summed(structure, coefficients, rows, offset=True)
 
-    def steady(self, structure: Structure, coefficients: Array, *, offset: bool = False) -> Sliding:
+    def sliding(
+        self, structure: Structure, coefficients: Array, *, offset: bool = False
+    ) -> Sliding:
         """Return how a structure with coefficients (p,) slides, with its offset or without."""
         # with the digits that a law through its levels is written with
         speeds = np.array([float(f"{u:.6g}") for u in self.speeds_of_curve()])

@@ -34,8 +34,8 @@ from stickslip.identify.fits import (
     typical_inputs,
 )
 from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, Sliding, drawn_curve
-from stickslip.identify.problem import Array, Family, Problem, Structure, family_of
+from stickslip.identify.laws import RIG_QUANTITIES, Composition, drawn_curve
+from stickslip.identify.problem import Array, Family, Structure, family_of
 from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
@@ -63,7 +63,7 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale, joined
+from stickslip.show.formatting import Scale, joined, quantity
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -375,8 +375,8 @@ class BandVerdict(Verdict[LawCandidate]):
         order = np.random.default_rng(seed).permutation(len(rows))
         found = []
         for structure, row in (rows[k] for k in np.resize(order, count)):
-            composed, steady, law = handed_over(judgement.problem, structure, row, self.mechanism)
-            found.append(drawn_curve(steady, composed.normal()) if law is None else law)
+            composed, sliding, law = judgement.handed_over(structure, row)
+            found.append(drawn_curve(sliding, composed.normal()) if law is None else law)
         return found
 
     def _details(self) -> Mapping[str, Any]:
@@ -533,6 +533,8 @@ def verdict_on(
     remarks: Sequence[str] = (),
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
+    if "offset" not in mechanism.__dataclass_fields__:
+        judgement = replace(judgement, offset=True)
     comparison, family = judgement.comparison, judgement.problem.family
     together = set(comparison.set)
     # all that are counted as not told apart are shown
@@ -623,7 +625,7 @@ def verdict_on(
 def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
     """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
     usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
-    if not usual:
+    if not usual:  # a table stands at the means of inputs
         return
     names = [one.path.rpartition(".")[2] for one in fit.estimates]
     spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
@@ -634,8 +636,9 @@ def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
             continue
         places = [names.index(one) for one in (name, *(f"{part}_{of}_slope" for of in sizes))]
         base, *slopes = (fit.estimates[k].value for k in places)
-        times = 1.0 + float(np.array(slopes) @ [*sizes.values()])
-        change = np.array([times, *(base * x for x in sizes.values())])
+        each = 1.0 + np.array(slopes) * [*sizes.values()]
+        times = float(np.prod(each))
+        change = np.array([times, *(base * times / each * [*sizes.values()])])
         half = 1.96 * math.sqrt(max(float(change @ covariance[np.ix_(places, places)] @ change), 0))
         at = inputs_text(sizes, turning=fit.measurement.turning)
         yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
@@ -698,22 +701,6 @@ def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -
     return NOT_DISTINGUISHED if structure in together else ""
 
 
-def handed_over(
-    problem: Problem, structure: Structure, coefficients: Array, mechanism: Mechanism
-) -> tuple[Composition, Sliding, FrictionLaw | None]:
-    """Return what a structure with coefficients (p,) is on a mechanism, how it slides, and its law.
-
-    The law slides as the structure says, in both directions, beside a constant force that the
-    mechanism has; if it has none the law holds the offset. It is None where no law of
-    `stickslip.friction` does.
-    """
-    offset = "offset" not in mechanism.__dataclass_fields__
-    composed = problem.composition(structure, coefficients[None], offset=offset)
-    steady = problem.steady(structure, coefficients, offset=offset)
-    law = composed.law()
-    return composed, steady, law if law is not None and steady.is_of(law, composed) else None
-
-
 def fit_of(
     judgement: Judgement,
     structure: Structure,
@@ -724,34 +711,28 @@ def fit_of(
     """Return the best structure of a family as a fit: the named one with its intervals."""
     if structure == judgement.named:
         structure = judgement.estimated
-    problem, fit = judgement.problem, judgement.ensemble.fit(structure)
-    composed, steady, own = handed_over(problem, structure, fit.coefficients, mechanism)
-    law = composed.through(steady) if own is None else own
+    fit = judgement.ensemble.fit(structure)
+    composed, sliding, own = judgement.handed_over(structure, fit.coefficients)
+    law = composed.through(sliding) if own is None else own
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
-    rig, remarks = _rig_of(composed, law, mechanism, measurement)
+    rig, remarks = _rig_of(composed, law, mechanism, measurement, offset=not judgement.offset)
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
-    beside = {name for name, _ in structure} | composed.rig.keys()
-    of_load = {"load_exponent", "adhesion", "hersey"} & beside
-    if of_load:
+    if of_load := {"load_exponent", "adhesion", "hersey"} & {*family_of(structure), *composed.rig}:
         remarks.append(load_sentence(composed.normal()))
     if (own is None or of_load) and "load" in rig.__dataclass_fields__:
         rig = vary(rig, "mechanism", {"load": composed.normal()})
-    lacking = tuple(
-        lacking_sentences(
-            title_of(judgement, structure),
-            [problem.terms[name].title for name in composed.lacks],
-            levels=own is None,
-            off=steady.off(law, composed)
-            if np.any(steady.friction * steady.velocity < 0.0)
-            else 0.0,
-            unit=measurement.unit("friction"),
-            without=""
-            if "offset" in composed.rig or "offset" not in beside
-            else type(rig).__name__,
-        )
+    drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
+    lacking = lacking_sentences(
+        title_of(judgement, structure),
+        [judgement.problem.terms[name].title for name in composed.lacks],
+        off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
+        table=own is None,
+        at=inputs_text(composed.inputs, turning=measurement.turning),
+        several="] * linear[" in str(law.composition),
+        offset=judgement.offset and "offset" in composed.rig,
     )
     return LawFit(
         law=law,
@@ -768,12 +749,21 @@ def fit_of(
 
 
 def _rig_of(
-    composed: Composition, law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+    composed: Composition,
+    law: FrictionLaw,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    offset: bool,
 ) -> tuple[Mechanism, list[str]]:
-    """Return a mechanism under what was measured and fitted beside a law, and what to say of it."""
-    own = {path: float(x[0]) for path, x in composed.rig.items() if path.startswith("mechanism.")}
-    if "offset" in composed.rig:
-        own["mechanism.offset"] = float(composed.rig["offset"][0])
+    """Return a mechanism under what was measured and fitted beside a law, and what to say of it.
+
+    A constant offset is set with `offset`.
+    """
+    found = {path: float(x[0]) for path, x in composed.rig.items()}
+    own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
+    if offset and "offset" in found:
+        own["mechanism.offset"] = found["offset"]
     mechanism = vary(mechanism, "mechanism", own) if own else mechanism
     mechanism, said = as_loaded(mechanism, measurement)
     mechanism, of_inputs = as_informed(law, mechanism, measurement)

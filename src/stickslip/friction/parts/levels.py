@@ -513,8 +513,8 @@ def _checked(points: list[tuple[float, float]], said: str) -> list[tuple[float, 
     for i, (x, y) in enumerate(points, 1):
         if not (math.isfinite(x) and math.isfinite(y) and y > 0.0):
             raise InputError(
-                f"{said}: point {i} has the speed {x:g} and the level {y:g}; the level must be"
-                " above 0 in both directions, the size of friction."
+                f"{said}: point {i} has the speed {x:g} and the level {y:g}; both must be finite,"
+                " and the level above 0 in either direction, the size of friction."
             )
         if i > 1 and x <= points[i - 2][0]:
             raise InputError(

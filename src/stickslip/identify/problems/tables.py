@@ -334,11 +334,11 @@ class TableProblem(Problem):
             entries = self.terms[name].same_shape
             if entries is not None and len(shape) > entries and self.loaded:
                 rig["load_exponent"] = np.full(len(own), shape[entries])
-            if name == "offset" and offset:
-                differs = own / load + terms.get("level_direction", ((), 0.0))[1]
-                terms["level_direction"] = (), differs
-            elif name == "offset":
+            if name == "offset":
                 rig[name] = own[:, 0]
+                if offset:
+                    differs = own / load + terms.get("level_direction", ((), 0.0))[1]
+                    terms["level_direction"] = (), differs
             elif name in ("adhesion", "drift"):  # columns are over the load
                 rig[name] = load * own[:, 0]
             elif name == "hersey":  # the law at the mean load
