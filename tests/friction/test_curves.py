@@ -70,6 +70,41 @@ def test_a_file_is_read_once_and_the_law_holds_its_points(tmp_path, text):
     assert "." not in kind.name  # dots separate names in paths
 
 
+TWO_WAYS = "table[-0.3: 3, -0.01: 4, 0: 2, 0.01: 1.5, 0.3: 1.1]"
+AHEAD, BACK = law("table[0: 2, 0.01: 1.5, 0.3: 1.1]")(), law("table[0.01: 4, 0.3: 3]")()
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("{}", {}),
+        ("{} + viscous", {"viscous_coefficient": 0.0}),
+        ("dahl({})", {"bristle_stiffness": 1e5}),
+        ("lugre({})", {"bristle_stiffness": 1e5, "bristle_damping": 0.0}),
+    ],
+)  # fmt: skip
+def test_points_at_velocities_below_0_are_those_of_the_other_direction(text, values):
+    one = law(text.format(TWO_WAYS))(**values)
+    v = np.geomspace(0.001, 1.0, 50)
+    assert one.directional
+    assert law(str(one.composition)) is type(one)
+    np.testing.assert_array_equal(one.steady(v, 3.0), AHEAD.force(v, 3.0))
+    np.testing.assert_array_equal(one.steady(-v, 3.0), BACK.force(-v, 3.0))
+    assert [one.steady(float(u), 3.0) for u in v] == pytest.approx(AHEAD.force(v, 3.0), rel=1e-15)
+    assert [one.towards(side).break_away(2.0) for side in (1, -1)] == [4.0, 8.0]
+    assert one.break_away(2.0) == 4.0  # the lower one
+
+
+def test_a_body_slows_in_each_direction_as_the_points_of_that_direction_say():
+    both = law("table[-1: 4, -0.1: 4, 0.1: 1, 1: 1]")()
+    for speed, level in ((0.9, 1.0), (-0.9, 4.0)):
+        run = simulate(Axis(inertia=2.0), both, t_end=3.0, y0={"v": speed})
+        (stop,) = run.events
+        # the time in which a constant force of the level takes the momentum
+        assert stop.t == pytest.approx(2.0 * 0.9 / level, rel=1e-10)
+        assert run.certificate.certified
+
+
 WRONG = {
     "missing": (None, "cannot be read: No such file"),
     "picture": (b"\x89PNG\r\n\x1a\n\xff\xfe", "cannot be read: it is no text"),
@@ -78,8 +113,19 @@ WRONG = {
     "words": (b"v,f\n0,1\n0.1,x1\n", "row 2, '0.1,x1', must be a speed and a level"),
     "unsorted": (b"0,2\n0.1,1\n0.05,1\n", r"the speed 0.05 of point 3 is not above 0.1 before"),
     "a speed twice": (b"0,2\n0.1,1\n0.1,1.1\n", "not above 0.1 before it"),
-    "backwards": (b"-0.1,2\n0.1,1\n", "speed -0.1 and the level 2; the speed must be at least 0"),
-    "a negative level": (b"0,2\n0.1,-1\n", "the level -1; the speed must be at least 0"),
+    "one point back": (
+        b"-0.1,2\n0,2\n0.1,1\n",
+        "1 point at velocities below 0: .* 2 to 32 in each",
+    ),
+    "only back": (b"-0.2,2\n-0.1,1\n", "0 points at velocities from 0 on: .* in each direction"),
+    "a signed level": (
+        b"-0.2,-2\n-0.1,-1\n0,1\n0.1,1\n",
+        "level -2; .* above 0 in either direction",
+    ),
+    "a negative level": (
+        b"0,2\n0.1,-1\n",
+        "the level -1; both must be finite, and the level above 0",
+    ),
     "infinite": (b"0,2\n1e999,1\n", "speed inf"),
     "no level at rest": (b"0,0\n0.1,1\n", "and the level above 0"),
     "a wrong unit": (b"position [mm],f [N]\n0,2\n1,1\n", r"a column in \[mm\] is no speed"),

@@ -63,7 +63,7 @@ FLOATS = {
 """Equations that have a text of their own for floats, with their arguments."""
 
 
-def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, Any]:
+def equations_of(c: Composition, one_way: Callable[[int], type[Any]]) -> dict[str, Any]:
     """Return the methods of the class of a composition, by name."""
     more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
@@ -73,19 +73,21 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
-def one_way(term: notation.Term) -> notation.Term:
-    """Return the term of one direction."""
+def one_way(term: notation.Term, side: int) -> notation.Term:
+    """Return the term of one direction, 1 or -1."""
     match term:
         case notation.Around(head=notation.Name(name="both_ways"), inner=inner):
-            return inner
+            return one_way(inner, side)
         case notation.Sum(items=items):
             return notation.summed(
-                tuple(part for item in items for part in notation.terms_of(one_way(item)))
+                tuple(part for item in items for part in notation.terms_of(one_way(item, side)))
             )
         case notation.Around(head=head, inner=inner):
-            return notation.Around(head, one_way(inner))
+            return notation.Around(head, one_way(inner, side))
         case notation.Product(first=first, factors=factors):
-            return notation.Product(one_way(first), factors)
+            return notation.Product(one_way(first, side), factors)
+        case notation.Name(part=part) if part.directional:
+            return term[part.one_way(side)]
         case _:
             return term
 
@@ -270,11 +272,12 @@ def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
     return limits
 
 
-def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:
+def _towards(c: Composition, one_way: Callable[[int], type[Any]]) -> Callable[[Any, int], Any]:
     """Return the method that gives the law of one direction."""
 
     def towards(self: Any, direction: int) -> Any:
-        kind, prefix = one_way(), SIDES[1 if direction > 0 else -1][0]
+        side = 1 if direction > 0 else -1
+        kind, prefix = one_way(side), SIDES[side][0]
         values: dict[str, Any] = {}
         for name, field in kind.made_of.fields.items():
             own = next((key for key in (prefix + name, name) if key in c.fields), None)
@@ -572,7 +575,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[laws.Fric
         if parameter.default is not dataclasses.MISSING and parameter.name not in space:
             setattr(kind, parameter.name, parameter.default)
     kind.__annotations__ = {entry.name: entry.hint for entry in fields}
-    equations = equations_of(c, lambda: class_of(one_way(c.term)))
+    equations = equations_of(c, lambda side: class_of(one_way(c.term, side)))
     for key, equation in equations.items():
         if key not in space:
             setattr(kind, key, equation)

@@ -69,6 +69,8 @@ class Leaf:
         """Return the parameters of a law as the part calls them, and what it asks for."""
         if self.inputs:
             slip = dataclasses.replace(slip, inputs=tuple(map(law.contact, self.inputs)))
+        if self.part.directional:
+            slip = dataclasses.replace(slip, choose=choose)
         if not (self.names or self.modulated):
             return law, slip
         return _Values(law, self, choose), slip
@@ -417,7 +419,7 @@ class Composition:
     @property
     def directional(self) -> bool:
         """Whether the directions have parameters of their own."""
-        return any(name.name == BOTH_WAYS for name in self.term.parts())
+        return any(name.name == BOTH_WAYS or name.part.directional for name in self.term.parts())
 
 
 def _scoped(leaves: list[Leaf]) -> list[Leaf]:

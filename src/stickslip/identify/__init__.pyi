@@ -25,6 +25,7 @@ from stickslip.identify.kinds import TravelFit as TravelFit
 from stickslip.identify.kinds import TravelVerdict as TravelVerdict
 from stickslip.identify.laws import CurvePoint as CurvePoint
 from stickslip.identify.laws import MeasuredCurve as MeasuredCurve
+from stickslip.identify.laws import MeasuredCurves as MeasuredCurves
 from stickslip.identify.laws import TITLES as TITLES
 from stickslip.identify.page import opening_section as opening_section
 from stickslip.identify.page import parameters_section as parameters_section

@@ -261,7 +261,7 @@ def select_joints(
         findings = (x for x in checks.findings if x.kind != "volts" or x.sentence == volts)
         joints[contact] = record_verdict(
             judged,
-            refined(Judgement.of(judged)),
+            replace(refined(Judgement.of(judged)), offset=True),  # joints have no constant force
             _alone(rig, name, records.inertias[name]),
             joint_record(mechanism, measurement, name),
             checks=replace(checks, findings=tuple(findings)),

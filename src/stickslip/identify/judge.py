@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.friction import FrictionLaw
 from stickslip.identify.comparison import Comparison, compare, family_members
 from stickslip.identify.ensemble import (
     Draw,
@@ -25,7 +26,7 @@ from stickslip.identify.ensemble import (
     band_of,
 )
 from stickslip.identify.explorer import Explorer, Pattern
-from stickslip.identify.laws import Composition
+from stickslip.identify.laws import Composition, Sliding
 from stickslip.identify.problem import Array, Column, Family, Problem, Structure
 from stickslip.identify.regression import BlockRegression, noise_at, noise_weights, same_span
 from stickslip.identify.search import Search
@@ -84,6 +85,8 @@ class Judgement:
     regression: BlockRegression
     comparison: Comparison
     ensemble: Ensemble
+    offset: bool = False
+    """Whether the levels of laws hold a constant offset, as no mechanism does."""
 
     @classmethod
     def of(cls, problem: Problem) -> "Judgement":
@@ -110,7 +113,28 @@ class Judgement:
     def composition(self) -> Composition:
         """The named law with its estimates."""
         fit = self.ensemble.fit(self.estimated)
-        return self.problem.composition(self.estimated, fit.coefficients[None])
+        return self._composed(self.estimated, fit.coefficients[None])
+
+    def _composed(self, structure: Structure, coefficients: Array) -> Composition:
+        return self.problem.composition(structure, coefficients, offset=self.offset)
+
+    def handed_over(
+        self, structure: Structure, coefficients: Array
+    ) -> tuple[Composition, Sliding, FrictionLaw | None]:
+        """Return what a structure with coefficients (p,) is, how it slides, and its law.
+
+        The law slides as the structure says in both directions, beside the offset if no level holds
+        it. It is None where no law of `stickslip.friction` does.
+        """
+        composed = self._composed(structure, coefficients[None])
+        sliding = self.problem.sliding(structure, coefficients, offset=self.offset)
+        law = composed.law()
+        return composed, sliding, law if law is not None and sliding.is_of(law, composed) else None
+
+    def acting(self, rows: Any) -> Array:
+        """Return friction of the named law and its constant offset (n,) at rows."""
+        fit = self.ensemble.fit(self.estimated)
+        return self.problem.acting(self.estimated, fit.coefficients, rows)
 
     def named_draws(self, count: int = THRESHOLDS.ensemble) -> list[Draw]:
         """Return draws of the named family: shapes by their shares, coefficients by covariance."""
@@ -130,7 +154,7 @@ class Judgement:
         """Return parameters of draws (d,) by path, of those that have them as the law does."""
         found: dict[str, list[Array]] = {}
         for draw in draws:
-            composed = self.problem.composition(draw.structure, draw.coefficients)
+            composed = self._composed(draw.structure, draw.coefficients)
             for path, x in composed.paths().items():
                 if composed.flow == self.composition.flow or not path.endswith(FLOW):
                     found.setdefault(path, []).append(x)

@@ -6,16 +6,17 @@ a law through measured levels (``table[...]``).
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw, SetValuedLaw, curve_through, monotone_slopes
+from stickslip.friction import FrictionLaw, SetValuedLaw, bound, curve_through, monotone_slopes
 from stickslip.friction import law as law_class
-from stickslip.maths import Scalar
+from stickslip.maths import Scalar, where
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 Array: TypeAlias = NDArray[np.float64]
@@ -23,6 +24,46 @@ Shape: TypeAlias = tuple[float, ...]
 
 POINTS = 24
 """Points of a law through measured levels."""
+
+
+LINEAR, FALLS, FALLING = "viscous_coefficient", "polynomial[1]", "speed_coefficient_1"
+"""The coefficient of a viscous part, and that of a part in which it may be below 0."""
+AGREES = 1e-9
+"""What a law may be off the friction that it is to have, over the largest: rounding of sums."""
+BEYOND = 10.0
+"""Multiple of the fastest velocity up to which a law that is handed over must brake."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sliding:
+    """Friction of a structure in steady sliding in both directions, without its rig."""
+
+    velocity: Array
+    """Velocities (n,), from the fastest backwards to the fastest forwards [m/s] or [rad/s]."""
+    friction: Array
+    """Friction (n,) [N] or [N m]."""
+
+    def levels(self, load: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Return rising speeds (n,) and levels above 0 (n,) over a load, forwards and backwards."""
+        level = np.sign(self.velocity) * self.friction / load
+        level = np.maximum(level, 1e-9 * max(float(np.max(np.abs(level))), 1e-300))
+        ahead, back = self.velocity > 0.0, self.velocity < 0.0
+        return (self.velocity[ahead], level[ahead]), (
+            -self.velocity[back][::-1],
+            level[back][::-1],
+        )
+
+    def off(self, law: FrictionLaw, composed: "Composition") -> float:
+        """Return how far the friction of a law is off at most [N] or [N m]."""
+        force = bound(law, composed.inputs).steady(self.velocity, composed.normal())
+        return float(np.max(np.abs(force - self.friction)))
+
+    def is_of(self, law: FrictionLaw, composed: "Composition") -> bool:
+        """Return whether it is that of a law, which brakes beyond these velocities, too."""
+        far = BEYOND * self.velocity
+        force = bound(law, composed.inputs).steady(far, composed.normal())
+        size = float(np.max(np.abs(self.friction)))
+        return bool(np.all(force * far >= 0.0)) and self.off(law, composed) <= AGREES * size
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,17 +80,39 @@ class Composition:
     """Names in `values` that were not fitted."""
     flow: str = ""
     """Part that has the viscous coefficient: of other parts, it is another quantity."""
+    instead: str = ""
+    """Notation of a law that slides as the terms do where `text` is none of them all: one whose
+    linear part may fall, or that lacks what steady sliding does not show."""
+    load: Array | float = 1.0
+    """Normal force (d,) over which its levels are [N]."""
+    inputs: Mapping[str, float] = field(default_factory=dict)
+    """Means of the inputs that its terms depend on."""
+    memory: str = ""
+    """Notation of the memory around its levels; empty without any."""
+    lacks: tuple[str, ...] = ()
+    """Terms that no law has, and steady sliding does not show."""
+
+    def normal(self) -> float:
+        """Return the normal force of the first draw [N]."""
+        return float(np.ravel(self.load)[0])
 
     def law(self, draw: int = 0) -> FrictionLaw | None:
         """Return the law of one draw; None if there is none."""
-        if not self.text:
-            return None
-        values = {name: float(x[draw]) for name, x in self.values.items()}
-        try:
-            found: FrictionLaw = law_class(self.text)(**values)
-        except InputError:  # such as friction at rest below that of sliding, in one direction
-            return None
-        return found
+        for text in filter(None, (self.text, self.instead)):
+            names = law_class(text).__dataclass_fields__
+            own = {name: float(x[draw]) for name, x in self.values.items()}
+            if not own.keys() <= names.keys():
+                own = {name.replace(LINEAR, FALLING): x for name, x in own.items()}
+            with suppress(InputError):  # such as friction at rest below that of sliding
+                found: FrictionLaw = law_class(text)(**own)
+                return found
+        return None
+
+    def through(self, sliding: Sliding) -> FrictionLaw:
+        """Return the law through levels in steady sliding, with the memory of this one."""
+        kind = curve_law(sliding, self.normal(), f"{self.memory}({{}})" if self.memory else "{}")
+        names = kind.__dataclass_fields__
+        return kind(**{name: float(x[0]) for name, x in self.values.items() if name in names})
 
     def paths(self) -> dict[str, Array]:
         """Return what was fitted (d,) by path."""
@@ -115,32 +178,45 @@ def compose(
 ) -> Composition:
     """Return the law that terms are together.
 
+    Their coefficients are those of the parts of laws, levels over the load; what changes with an
+    input is 0 at its mean.
+
     Examples
     --------
     >>> terms = {"level": ((), np.array([[2.0]])), "viscous": ((), np.array([[0.5]]))}
     >>> compose(terms, {}, 1).law().force(0.1, 1.0)
     2.05
+    >>> terms = {"level": ((), np.array([[2.0]])), "viscous_direction": ((), np.array([[0.5]]))}
+    >>> compose(terms, {}, 1).law().force(-0.1, 1.0)
+    -1.95
     """
     made = _Composer(terms, means, count)
-    made.level(memory, memory_values or {})
-    made.fixed |= {*memory_fixed}
+    made.level()
     made.flows()
-    made.inputs()
-    return made.composition()
+    found = made.composition(memory)
+    values = {**found.values, **(memory_values or {})} if found.memory else found.values
+    return replace(found, values=values, fixed=found.fixed | {*memory_fixed})
 
 
 class _Composer:
-    """A composition in the making: parts, levels, slopes and other values."""
+    """A composition in the making: parts, and the values that they have in a direction."""
 
     def __init__(
         self, terms: Mapping[str, tuple[Shape, Array]], means: Mapping[str, float], count: int
     ) -> None:
         self.terms, self.means, self.count = terms, means, count
-        self.parts: list[str] = []
-        self.levels: dict[str, Array] = {}
-        self.slopes: dict[str, Array] = {}
+        self.levels: list[str] = []
+        self.beside: list[str] = []
         self.values: dict[str, Array] = {}
+        """Values of the law that holds in both directions."""
+        self.change: dict[str, Array] = {}
+        """What levels and slopes are more forwards, and less backwards."""
+        self.inputs: dict[str, tuple[str, Array, float]] = {}
+        """By factor, what it multiplies, by how much that changes, and the mean of the input."""
         self.fixed: set[str] = set()
+        self.used: dict[str, float] = {}
+        """Means of the inputs that parts depend on."""
+        self.smooth = "tanh" in terms
 
     def first(self, name: str, column: int = 0) -> Array:
         """Return a coefficient of a term (d,); 0 without it."""
@@ -151,109 +227,137 @@ class _Composer:
         for name, value in zip(names, self.terms[term][0], strict=False):
             self.values[name] = np.full(self.count, value)
 
-    def linear(self, part: str) -> tuple[str, Array]:
-        """Return a part with its changes with inputs, and what they take off where these are 0."""
-        text, off = part, np.zeros(self.count)
+    def linear(self, part: str, parameter: str) -> str:
+        """Return a part with its changes with inputs."""
         for name, mean in self.means.items():
             if f"{part}*{name}" in self.terms:
-                text, off = f"{text} * linear[{name}]", off + mean * self.first(f"{part}*{name}")
-        return text, off
+                change = self.first(f"{part}*{name}")
+                self.inputs[f"{part}_{name}_slope"] = parameter, change, mean
+                self.used[name] = mean
+        factors = [name for name in self.means if f"{part}*{name}" in self.terms]
+        return " * ".join([part, *(f"linear[{name}]" for name in factors)])
 
-    def level(self, memory: str, memory_values: Mapping[str, Array]) -> None:
-        """Compose the level: its surplus, its sign, and the bristles around it."""
-        smooth = "tanh" in self.terms
-        text, off = self.linear("level")
-        kinetic = self.first("tanh" if smooth else "level") - off
-        self.levels["kinetic_coefficient"] = kinetic
-        parts = [text] if smooth or "level" in self.terms else []
-        if not parts:
-            self.fixed.add("kinetic_coefficient")
+    def level(self) -> None:
+        """Compose the levels."""
+        text = self.linear("level", "kinetic_coefficient")
         surplus = next((name for name in SURPLUSES if name in self.terms), "")
+        if surplus or {"level", "level_direction", "tanh"} & self.terms.keys():
+            self.levels = [text]
+            self.values["kinetic_coefficient"] = self.first("tanh" if self.smooth else "level")
+            self.change["kinetic_coefficient"] = self.first("level_direction")
+        if not (self.smooth or "level" in self.terms):
+            self.fixed.add("kinetic_coefficient")
         if surplus:
-            parts = [text, "step" if surplus == "step" else "stribeck"]
-            self.levels["static_coefficient"] = kinetic + self.first(surplus)
+            self.levels.append("step" if surplus == "step" else "stribeck")
+            self.values["static_coefficient"] = self.first(surplus)  # on top of the kinetic one
+            if surplus == "stribeck_sides":
+                self.change["static_coefficient"] = self.first(surplus, 1)
             self.shape(surplus, "stribeck_velocity", "fading_exponent")
             self.fixed.add("fading_exponent")
         if "logarithmic" in self.terms:
-            parts.append("logarithmic")
+            self.levels.append("logarithmic")
             self.values["logarithmic_coefficient"] = self.first("logarithmic")
             self.shape("logarithmic", "reference_velocity")
         if "gear" in self.terms:
-            parts.append("weight[transmitted]")
+            self.levels.append("weight[transmitted]")
+            self.used["transmitted"] = self.means["transmitted"]
             self.values["transmitted_coefficient"] = self.first("gear")
-        text = " + ".join(parts)
-        if smooth:
-            text = f"tanh({text})"
+        if self.smooth:
             self.shape("tanh", "smoothing_velocity")
-        if memory and text:
-            text = f"{memory}({text})"
-            self.values |= memory_values
-        self.parts = [text] if text else []
 
     def flows(self) -> None:
-        """Compose what stands beside the level."""
+        """Compose what stands beside the levels."""
         for name, (parameter, shapes) in FLOWS.items():
             if name in self.terms:
-                text, off = self.linear(name)
-                self.parts.append(text)
-                into = self.slopes if parameter == "viscous_coefficient" else self.values
-                into[parameter] = self.first(name) - off
+                self.beside.append(self.linear(name, parameter))
+                self.values[parameter] = self.first(name)
                 self.shape(name, *shapes)
+        if "viscous_direction" in self.terms:
+            # beside other flows than a viscous one it is a part of its own
+            own = LINEAR if "viscous" in self.terms else FALLING
+            self.values.setdefault(own, np.zeros(self.count))
+            self.change[own] = self.first("viscous_direction")
 
-    def inputs(self) -> None:
-        """Give changes with inputs as shares of what changes."""
-        owners = {
-            "level": self.levels["kinetic_coefficient"],
-            "viscous": self.slopes.get("viscous_coefficient", np.ones(self.count)),
-        }
-        for name in self.means:
-            for part, own in owners.items():
-                if f"{part}*{name}" in self.terms:
-                    change = self.first(f"{part}*{name}") / np.where(own, own, 1.0)
-                    self.values[f"{part}_{name}_slope"] = change
-
-    def directions(self, text: str) -> str:
-        """Give levels and slopes of both directions; return the text."""
-        difference = {
-            "kinetic_coefficient": self.first("level_direction"),
-            "static_coefficient": self.first("level_direction"),
-            "viscous_coefficient": self.first("viscous_direction"),
-        }
-        if "stribeck_sides" in self.terms:
-            own = difference["static_coefficient"] + self.first("stribeck_sides", 1)
-            difference["static_coefficient"] = own
-        for name, x in {**self.levels, **self.slopes}.items():
-            self.values[f"forward_{name}"] = x + difference[name]
-            self.values[f"backward_{name}"] = x - difference[name]
-        text = f"both_ways[levels]({text})"
-        if not _is_law(text):  # bristles stand around directions, not within
-            return ""
-        doubled = law_class(text).__dataclass_fields__
-        for name in [one for one in self.values if one not in doubled]:
-            x = self.values.pop(name)
-            if f"forward_{name}" in doubled:
-                self.values |= {f"forward_{name}": x, f"backward_{name}": x}
-        return text
-
-    def composition(self) -> Composition:
+    def composition(self, memory: str) -> Composition:
         """Return the law; without a text if it has none of these values."""
-        text = " + ".join(self.parts) or "level"
-        if any(name in self.terms for name in DIRECTIONS):
-            text = self.directions(text)
-        else:
-            levels = self.levels if "level" in text else {}
-            self.values |= {**levels, **self.slopes}
+        if not (self.levels or self.beside or self.change):  # no friction
+            self.levels, self.values["kinetic_coefficient"] = ["level"], np.zeros(self.count)
+        memory = memory if self.levels else ""
+        text = self.text(memory, falls=FALLING in self.values)
+        values, instead = self.by_direction(text), ""
         lacks = any(
-            bool(np.any(self.values[name] < self.values[name.replace("static", "kinetic")]))
-            for name in self.values
+            bool(np.any(x < values[name.replace("static", "kinetic")]))
+            for name, x in values.items()
             if name.endswith("static_coefficient")
         )
-        positive = [x for name, x in self.values.items() if name.endswith("_coefficient")]
-        if lacks or any(np.any(x < 0.0) for x in positive):
-            text = ""
-        text = text if text and _is_law(text) else ""
+        below = {n for n, x in values.items() if n.endswith("_coefficient") and np.any(x < 0.0)}
+        if FALLING in self.values:
+            text, instead = "", text
+        elif "viscous" in self.beside and all(name.endswith(LINEAR) for name in below):
+            instead = self.text(memory, falls=True) if below else ""
         flow = next((name for name in ("power", "saturating", "viscous") if name in self.terms), "")
-        return Composition(text=text, values=self.values, fixed=frozenset(self.fixed), flow=flow)
+        return Composition(
+            text="" if lacks or below else text,
+            instead="" if lacks else instead,
+            values=values,
+            fixed=frozenset(self.fixed),
+            flow=flow,
+            inputs=self.used,
+            memory=memory,
+        )
+
+    def text(self, memory: str, *, falls: bool) -> str:
+        """Return the notation, with a linear part that may fall or not; empty if it is none."""
+        sides = {name for name in DIRECTIONS if name in self.terms}
+        alone = sides == {"viscous_direction"} and FALLING in self.values
+        # slopes with inputs are shares of what differs
+        both = "both_ways({})" if self.inputs else "both_ways[levels]({})"
+        around = both if sides and not alone else "{}"
+        levels = " + ".join(
+            [f"tanh({one})" if one == "level" and self.smooth else one for one in self.levels]
+        )
+        beside = [one for one in self.beside if not (falls and one == "viscous")]
+        if memory:
+            parts = [f"{memory}({around.format(levels)})"]
+            rest = " + ".join(beside)
+        else:
+            parts = []
+            rest = " + ".join(filter(None, (levels, *beside)))
+        parts += [around.format(rest)] if rest else []
+        parts += [f"both_ways({FALLS})" if sides else FALLS] if falls else []
+        text = " + ".join(parts)
+        # a level that differs by direction does so at once, one that is smooth does not
+        return text if _is_law(text) and not (self.smooth and "level_direction" in sides) else ""
+
+    def by_direction(self, text: str) -> dict[str, Array]:
+        """Return values of a law (d,) by name, of those that it has twice both.
+
+        A level that changes with inputs has at their means what the terms say, and their slopes
+        there: of several inputs the law has a product, and the terms a sum.
+        """
+
+        def along(side: float) -> dict[str, Array]:
+            found = {name: x + side * self.change.get(name, 0.0) for name, x in self.values.items()}
+            middle = dict(found)
+            for name, (of, x, mean) in self.inputs.items():
+                share = x / np.where(middle[of], middle[of], 1.0)
+                found[of] = found[of] * (1.0 - share * mean)  # where the input is 0
+                found[name] = share / np.where(share * mean == 1.0, 1.0, 1.0 - share * mean)
+            if "static_coefficient" in found:
+                found["static_coefficient"] += found["kinetic_coefficient"]
+            return found
+
+        names = law_class(text).__dataclass_fields__ if text else {}
+        ahead, back = along(1.0), along(-1.0)
+        return {
+            key: x
+            for name, middle in along(0.0).items()
+            for key, x in (
+                {f"forward_{name}": ahead[name], f"backward_{name}": back[name]}
+                if f"forward_{name}" in names
+                else {name: middle}
+            ).items()
+        }
 
 
 def _is_law(text: str) -> bool:
@@ -318,39 +422,73 @@ class MeasuredCurve(SetValuedLaw):
         return self.curve_factor * self.points[0].level * load
 
 
-def drawn_curve(speed: Array, force: Array, load: float) -> FrictionLaw:
-    """Return the law of `curve_law` with its points as parameters, if it has none at rest.
+@dataclass(frozen=True, kw_only=True)
+class MeasuredCurves(FrictionLaw):
+    """A measured curve for each direction, with its points as parameters.
 
     Examples
     --------
-    >>> law = drawn_curve(np.array([0.1, 1.0]), np.array([2.0, 3.0]), 1.0)
+    >>> curve = MeasuredCurve.through(np.array([0.1, 1.0]), np.array([2.0, 3.0]))
+    >>> law = MeasuredCurves(forward=curve, backward=replace(curve, curve_factor=2.0))
+    >>> law.force(1.0, 1.0), law.force(-1.0, 1.0), law.break_away(1.0)
+    (3.0, -6.0, 2.0)
+    """
+
+    name: ClassVar[str] = "measured-curves"
+    title: ClassVar[str] = "Measured curve by direction"
+    formula: ClassVar[str] = r"F = c_\pm\, \mu_\pm(|v|)\, N"
+    sources: ClassVar[tuple[str, ...]] = ()
+    directional: ClassVar[bool] = True
+
+    forward: MeasuredCurve
+    """That of slip forwards."""
+    backward: MeasuredCurve
+    """That of slip backwards."""
+
+    def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        ahead, back = (one.force(velocity, load) for one in (self.forward, self.backward))
+        return where(velocity < 0.0, back, ahead)
+
+    def break_away(self, load: Scalar) -> Scalar:
+        ahead, back = (one.break_away(load) for one in (self.forward, self.backward))
+        return where(ahead < back, ahead, back)
+
+    def towards(self, direction: int) -> MeasuredCurve:
+        return self.forward if direction > 0 else self.backward
+
+
+def drawn_curve(sliding: Sliding, load: float) -> MeasuredCurve | MeasuredCurves:
+    """Return the law of `curve_law` with its points as parameters.
+
+    Examples
+    --------
+    >>> v = np.array([-1.0, -0.1, 0.1, 1.0])
+    >>> law = drawn_curve(Sliding(velocity=v, friction=2.0 * v + np.sign(v)), 1.0)
     >>> law.name, float(law.force(1.0, 1.0))
     ('measured-curve', 3.0)
     """
-    if np.min(speed) <= 0.0:
-        return curve_law(speed, force, load)
-    return MeasuredCurve.through(np.asarray(speed), _levels(force, load))
+    ahead, back = (MeasuredCurve.through(*one) for one in sliding.levels(load))
+    return ahead if ahead == back else MeasuredCurves(forward=ahead, backward=back)
 
 
-def _levels(force: Array, load: float) -> Array:
-    """Return levels over the load that are above 0."""
-    level = np.asarray(force, dtype=float) / load
-    return np.maximum(level, 1e-9 * max(float(np.max(np.abs(level))), 1e-300))
-
-
-def curve_law(speed: Array, force: Array, load: float) -> FrictionLaw:
-    """Return the law through levels at speeds (n,), constant beyond them.
+def curve_law(sliding: Sliding, load: float, memory: str = "{}") -> type[FrictionLaw]:
+    """Return the type of laws through levels in each direction, constant beyond them.
 
     Examples
     --------
-    >>> law = curve_law(np.array([0.1, 1.0]), np.array([2.0, 3.0]), 1.0)
-    >>> float(law.force(1.0, 1.0))
-    3.0
+    >>> v = np.array([-1.0, -0.1, 0.1, 1.0])
+    >>> kind = curve_law(Sliding(velocity=v, friction=np.array([-5.0, -4.0, 2.0, 3.0])), 1.0)
+    >>> kind.name
+    'table[-1: 5, -1e-1: 4, 1e-1: 2, 1: 3]'
+    >>> float(kind().force(-1.0, 1.0))
+    -5.0
     """
-    level = _levels(force, load)
-    points = ", ".join(f"{u:.6g}: {f:.6g}" for u, f in zip(speed, level, strict=True))
-    found: FrictionLaw = law_class(f"table[{points}]")()
-    return found
+    texts = [
+        [f"{u:.6g}: {f:.6g}" for u, f in zip(*one, strict=True)] for one in sliding.levels(load)
+    ]
+    ahead, back = texts
+    points = ahead if ahead == back else [*(f"-{one}" for one in reversed(back)), *ahead]
+    return law_class(memory.format(f"table[{', '.join(points)}]"))
 
 
 RIG_QUANTITIES: Mapping[str, Quantity] = {

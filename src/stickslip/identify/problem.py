@@ -22,7 +22,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identify.laws import Composition
+from stickslip.identify.laws import Composition, Sliding
 from stickslip.identify.thresholds import THRESHOLDS
 
 Array: TypeAlias = NDArray[np.float64]
@@ -179,16 +179,52 @@ class Problem(ABC):
         """Return the rows, with their `velocity`, over which the band is stated."""
 
     @abstractmethod
-    def curve_rows(self) -> tuple[Array, Any, float]:
-        """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
+    def speeds_of_curve(self) -> Array:
+        """Return rising speeds (n,) through which a curve is drawn as a law."""
 
     @abstractmethod
     def points(self, structure: Structure, coefficients: Array) -> "Points":
         """Return what a figure shows of the measurement beside a structure with coefficients."""
 
     @abstractmethod
-    def composition(self, structure: Structure, coefficients: Array) -> Composition:
-        """Return the law that a structure with coefficients (d, p) is."""
+    def composition(
+        self, structure: Structure, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
+        """Return the law that a structure with coefficients (d, p) is.
+
+        With `offset` a constant offset is part of its levels, which differ by direction then.
+        """
+
+    def acting(self, structure: Structure, coefficients: Array, rows: Any) -> Array:
+        """Return friction and constant offset (n,) of a structure with coefficients (p,) at rows.
+
+        What drifts, ripples or differs between runs is 0 in the mean, and left out.
+        """
+        return self._summed(structure, coefficients, rows, offset=True)
+
+    def sliding(
+        self, structure: Structure, coefficients: Array, *, offset: bool = False
+    ) -> Sliding:
+        """Return how a structure with coefficients (p,) slides, with its offset or without."""
+        # with the digits that a law through its levels is written with
+        speeds = np.array([float(f"{u:.6g}") for u in self.speeds_of_curve()])
+        velocity = np.concatenate([-speeds[::-1], speeds])
+        rows = self.at(velocity)
+        friction = self._summed(structure, coefficients, rows, offset=offset)
+        return Sliding(velocity=velocity, friction=friction)
+
+    def _summed(
+        self, structure: Structure, coefficients: Array, rows: Any, *, offset: bool
+    ) -> Array:
+        """Return the sum (n,) of the terms of a law, and of a constant offset with it."""
+        columns, at = Columns(self, rows), 0
+        found = np.zeros(len(rows.velocity))
+        for column in structure:
+            x = columns.of(column)
+            if self.terms[column[0]].role in ("law", "curve") or (offset and column[0] == "offset"):
+                found += x @ coefficients[at : at + x.shape[1]]
+            at += x.shape[1]
+        return found
 
     def features(self, rows: Any) -> Mapping[str, Array]:
         """Return what rows may be told apart by: values (n,) or columns (n, d), by name.

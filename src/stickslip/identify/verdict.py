@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.data import Checks, LawEstimates, Measurement, levels_at, spread_of, tells_load
 from stickslip.friction import PARTS, FrictionLaw, laws
+from stickslip.friction import law as law_class
 from stickslip.identify.candidates import (
     NOT_DISTINGUISHED,
     UNMEASURED,
@@ -33,7 +34,7 @@ from stickslip.identify.fits import (
     typical_inputs,
 )
 from stickslip.identify.judge import Cause, Interval, Judgement, Proposal
-from stickslip.identify.laws import RIG_QUANTITIES, Composition, curve_law, drawn_curve
+from stickslip.identify.laws import RIG_QUANTITIES, Composition, drawn_curve
 from stickslip.identify.problem import Array, Family, Structure, family_of
 from stickslip.identify.regression import same_span
 from stickslip.identify.thresholds import THRESHOLDS
@@ -45,6 +46,7 @@ from stickslip.identify.wording import (
     cause_sentence,
     error_sentence,
     group_sentence,
+    lacking_sentences,
     law_sentence,
     load_sentence,
     no_law,
@@ -61,7 +63,7 @@ from stickslip.identify.wording import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
-from stickslip.show.formatting import Scale, joined
+from stickslip.show.formatting import Scale, joined, quantity
 
 if TYPE_CHECKING:
     from stickslip.identify.figures import BandDrawing
@@ -79,12 +81,17 @@ class LawFit(Fit[FrictionLaw]):
     """Largest speed that was measured [m/s] or [rad/s]."""
     correlation: Array
     """Correlation of the estimates (p, p)."""
+    lacking: tuple[str, ...] = ()
+    """What of its structure the law has otherwise, or not at all, in sentences."""
 
     def law_estimates(self) -> LawEstimates:
+        # a law through levels lacks what its structure has
+        known = {path for path, _, _ in parameters(self.law, "friction")}
+        kept = [k for k, one in enumerate(self.estimates) if one.path in known]
         return estimates_for(
             self.law,
-            self.estimates,
-            self.correlation,
+            [self.estimates[k] for k in kept],
+            self.correlation[np.ix_(kept, kept)],
             levels=levels_at(self.mechanism),
             largest_speed=self.largest_speed,
         )
@@ -210,9 +217,7 @@ class BandVerdict(Verdict[LawCandidate]):
             Friction [N] or [N m].
         """
         judgement = self.judgement
-        fit = judgement.ensemble.fit(judgement.estimated)
-        rows = judgement.problem.at(velocity, load, inputs)
-        return judgement.ensemble.predicted(judgement.estimated, fit.coefficients, rows)
+        return judgement.acting(judgement.problem.at(velocity, load, inputs))
 
     @property
     def closest(self) -> LawCandidate:
@@ -370,8 +375,8 @@ class BandVerdict(Verdict[LawCandidate]):
         order = np.random.default_rng(seed).permutation(len(rows))
         found = []
         for structure, row in (rows[k] for k in np.resize(order, count)):
-            law = judgement.problem.composition(structure, row[None]).law()
-            found.append(drawn_curve(*levels_of(judgement, structure, row)) if law is None else law)
+            composed, sliding, law = judgement.handed_over(structure, row)
+            found.append(drawn_curve(sliding, composed.normal()) if law is None else law)
         return found
 
     def _details(self) -> Mapping[str, Any]:
@@ -484,8 +489,7 @@ def drawing_of(
     points = problem.points(estimated, fit.coefficients)
 
     def at(load: float | None) -> Array:
-        rows = problem.at(speeds, load)
-        return judgement.ensemble.predicted(estimated, fit.coefficients, rows)
+        return judgement.acting(problem.at(speeds, load))
 
     loads = [one for one in loads_apart(points.load) if one]
     by_load = {
@@ -529,6 +533,8 @@ def verdict_on(
     remarks: Sequence[str] = (),
 ) -> BandVerdict:
     """Return the verdict of a judgement, in words."""
+    if "offset" not in mechanism.__dataclass_fields__:
+        judgement = replace(judgement, offset=True)
     comparison, family = judgement.comparison, judgement.problem.family
     together = set(comparison.set)
     # all that are counted as not told apart are shown
@@ -574,8 +580,8 @@ def verdict_on(
     if second is not None:
         doubts.append(second_sentence(inside, readings))
     if {"load_exponent", "adhesion"} & {one.path for one in own}:
-        doubts.append(load_sentence(abs(judgement.problem.curve_rows()[2])))
-    doubts += [*_at_usual_inputs(first.fit), *remarks, UNMEASURED]
+        doubts.append(load_sentence(judgement.composition.normal()))
+    doubts += [*_at_usual_inputs(first.fit), *first.fit.lacking, *remarks, UNMEASURED]
     advice = []
     loads = np.unique(measured_loads(measurement))
     loads = loads[np.diff(loads, prepend=-math.inf) > VARIES * loads]
@@ -585,7 +591,7 @@ def verdict_on(
         by_speed = np.argsort(places, kind="stable")
         advice.append(advice_sentence(proposal, [place_text[k] for k in by_speed]))
     return BandVerdict(
-        mechanism=mechanism,
+        mechanism=first.fit.mechanism,
         measurement=measurement,
         words=Wording(
             verdict=law_sentence(judgement, words) if told else untold_sentence(judgement, words),
@@ -619,7 +625,7 @@ def verdict_on(
 def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
     """Yield what levels and slopes are at usual inputs: in the law they stand at inputs of 0."""
     usual = typical_inputs(fit.law, fit.mechanism, fit.measurement)
-    if not usual:
+    if not usual:  # a table stands at the means of inputs
         return
     names = [one.path.rpartition(".")[2] for one in fit.estimates]
     spread = [spread_of(one.value, one.low, one.high) for one in fit.estimates]
@@ -630,8 +636,9 @@ def _at_usual_inputs(fit: LawFit) -> Iterator[str]:
             continue
         places = [names.index(one) for one in (name, *(f"{part}_{of}_slope" for of in sizes))]
         base, *slopes = (fit.estimates[k].value for k in places)
-        times = 1.0 + float(np.array(slopes) @ [*sizes.values()])
-        change = np.array([times, *(base * x for x in sizes.values())])
+        each = 1.0 + np.array(slopes) * [*sizes.values()]
+        times = float(np.prod(each))
+        change = np.array([times, *(base * times / each * [*sizes.values()])])
         half = 1.96 * math.sqrt(max(float(change @ covariance[np.ix_(places, places)] @ change), 0))
         at = inputs_text(sizes, turning=fit.measurement.turning)
         yield usual_sentence(fit.estimates[places[0]], base * times, half, at)
@@ -653,13 +660,13 @@ def _told_apart(
 def name_of(judgement: Judgement, structure: Structure) -> str:
     """Return the key of a structure: its law as `--law` takes it, then what it holds beside."""
     problem, fit = judgement.problem, judgement.ensemble.fit(structure)
-    law = problem.composition(structure, fit.coefficients[None]).law()
+    text = problem.composition(structure, fit.coefficients[None]).text
     parts, beside = list[str](), list[str]()
     for name in problem.family(structure):
         if name not in problem.always:
             of_law = name not in problem.terms or problem.terms[name].role == "law"
             (parts if of_law else beside).append(name)
-    named = [law.name] if law is not None and parts else parts
+    named = [law_class(text).name] if text and parts else parts
     return " + ".join([*named, *beside]) or "none"
 
 
@@ -694,21 +701,6 @@ def _outcome(structure: Structure, named: Structure, together: Set[Structure]) -
     return NOT_DISTINGUISHED if structure in together else ""
 
 
-def levels_of(
-    judgement: Judgement, structure: Structure, coefficients: Array
-) -> tuple[Array, Array, float]:
-    """Return measured speeds, the friction of a structure there without its rig, and the load."""
-    speeds, rows, load = judgement.problem.curve_rows()
-    at, force = 0, np.zeros(len(speeds))
-    for name, shape in structure:
-        term = judgement.problem.terms[name]
-        x = np.reshape(term.columns(rows, shape), (len(speeds), -1))
-        if term.role in ("law", "curve"):
-            force += x @ coefficients[at : at + x.shape[1]]
-        at += x.shape[1]
-    return speeds, force, load
-
-
 def fit_of(
     judgement: Judgement,
     structure: Structure,
@@ -720,29 +712,34 @@ def fit_of(
     if structure == judgement.named:
         structure = judgement.estimated
     fit = judgement.ensemble.fit(structure)
-    composed = judgement.problem.composition(structure, fit.coefficients[None])
-    law = composed.law() or curve_law(*levels_of(judgement, structure, fit.coefficients))
+    composed, sliding, own = judgement.handed_over(structure, fit.coefficients)
+    law = composed.through(sliding) if own is None else own
     estimates: tuple[Estimate, ...] = ()
     correlation = np.zeros((0, 0))
-    rig, remarks = _rig_of(composed, law, mechanism, measurement)
+    rig, remarks = _rig_of(composed, law, mechanism, measurement, offset=not judgement.offset)
     if structure == judgement.estimated:
         estimates = estimates_of(judgement, law, mechanism, measurement, any_law=False)
         correlation = judgement.correlation
-    if {"load_exponent", "adhesion"} & composed.rig.keys():
-        load = abs(judgement.problem.curve_rows()[2])
-        remarks.append(load_sentence(load))
-        if "load" in rig.__dataclass_fields__:
-            rig = vary(rig, "mechanism", {"load": load})
-    if composed.law() is None:
-        remarks.append(
-            f"The law goes through levels of {title_of(judgement, structure)}, which is no"
-            " composition of stickslip.friction."
-        )
+    if of_load := {"load_exponent", "adhesion", "hersey"} & {*family_of(structure), *composed.rig}:
+        remarks.append(load_sentence(composed.normal()))
+    if (own is None or of_load) and "load" in rig.__dataclass_fields__:
+        rig = vary(rig, "mechanism", {"load": composed.normal()})
+    drives = bool(np.any(sliding.friction * sliding.velocity < 0.0))
+    lacking = lacking_sentences(
+        title_of(judgement, structure),
+        [judgement.problem.terms[name].title for name in composed.lacks],
+        off=quantity(sliding.off(law, composed), measurement.unit("friction"), 2) if drives else "",
+        table=own is None,
+        at=inputs_text(composed.inputs, turning=measurement.turning),
+        several="] * linear[" in str(law.composition),
+        offset=judgement.offset and "offset" in composed.rig,
+    )
     return LawFit(
         law=law,
         mechanism=rig,
         estimates=estimates,
-        remarks=tuple(remarks),
+        remarks=(*remarks, *lacking),
+        lacking=lacking,
         judgement=judgement,
         measurement=measurement,
         structure=structure,
@@ -752,12 +749,20 @@ def fit_of(
 
 
 def _rig_of(
-    composed: Composition, law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+    composed: Composition,
+    law: FrictionLaw,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    offset: bool,
 ) -> tuple[Mechanism, list[str]]:
-    """Return a mechanism under what was measured and fitted beside a law, and what to say of it."""
+    """Return a mechanism under what was measured and fitted beside a law, and what to say of it.
+
+    A constant offset is set with `offset`.
+    """
     found = {path: float(x[0]) for path, x in composed.rig.items()}
     own = {path: x for path, x in found.items() if path.startswith("mechanism.")}
-    if "offset" in found and "offset" in mechanism.__dataclass_fields__:
+    if offset and "offset" in found:
         own["mechanism.offset"] = found["offset"]
     mechanism = vary(mechanism, "mechanism", own) if own else mechanism
     mechanism, said = as_loaded(mechanism, measurement)

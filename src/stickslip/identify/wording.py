@@ -396,6 +396,36 @@ def load_sentence(load: float) -> str:
     )
 
 
+def lacking_sentences(
+    title: str,
+    lacks: Sequence[str],
+    *,
+    table: bool,
+    off: str,
+    offset: bool,
+    at: str,
+    several: bool,
+) -> tuple[str, ...]:
+    """Return what a law that is handed over has otherwise than a title says, or not at all.
+
+    It may be a `table`, be `off` by a force where friction would drive, or hold the `offset`. `at`
+    are the means of inputs, of which there may be `several`.
+    """
+    there = f" at {at}" if at else ""
+    driven = f", from which it is off by up to {off} where friction would drive" if off else ""
+    each = (
+        f"No law of stickslip.friction can carry {in_sentence(title)}: what is handed over is a"
+        f" table of its levels{there} in both directions, constant beyond them{driven}." * table,
+        f"What changes with several inputs is a product in the law, not a sum: both are the same"
+        f"{there}." * several,
+        f"The law slides as the record says, but lacks {joined([*map(in_sentence, lacks)])}, which"
+        " no law of stickslip.friction has." * (bool(lacks) and not table),
+        "The mechanism has no constant force: the offset is in the levels of the law, which differ"
+        " by direction. If it is the zero of the sensor, subtract it from the readings." * offset,
+    )
+    return tuple(filter(None, each))
+
+
 def start_sentence(places: Sequence[str]) -> str:
     """Return where records without positions are taken to begin."""
     named = joined(

@@ -3,7 +3,7 @@
 import functools
 import typing
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any, ClassVar, TypeAlias
 
@@ -27,6 +27,8 @@ class Slip:
     """The contact inputs that the part asks for."""
     rest: Scalar = None
     """Level at rest, over the load, of the curve that a memory is around, at inputs of 0."""
+    choose: Callable[[Any, Any], Any] | None = None
+    """Chooses between what holds forwards and backwards; None where both are alike."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +94,12 @@ class Part(ABC):
     """Whether its force, whatever its values, is against the slip at any speed."""
     compared: ClassVar[bool] = True
     """Whether its formula was compared with its source, or with a public program of it."""
+    directional: ClassVar[bool] = False
+    """Whether it differs by direction by itself, without ``both_ways`` around it."""
+
+    def one_way(self, side: int) -> str:  # for those that are directional
+        """Return what stands in its brackets where it is that of one direction, 1 or -1."""
+        return ""
 
     def of(self, argument: str) -> "Part":  # for those that it shapes
         """Return the part with what stands in its brackets."""

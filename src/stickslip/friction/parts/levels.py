@@ -5,6 +5,7 @@ import itertools
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Annotated
@@ -319,7 +320,7 @@ class BengisuAkay(SmoothLevel):
 # A level that was measured at several speeds: a curve through its points.
 
 MOST_POINTS = 32
-"""More points are noise, and every one is a place that a run steps onto."""
+"""More points of a direction are noise, and every one is a place that a run steps onto."""
 LARGEST_FILE = 100_000
 """Bytes of a file with a curve."""
 POINT = r"\s*([-+.\deE]+)\s*:\s*([-+.\deE]+)\s*"
@@ -328,12 +329,14 @@ SPEEDS, LEVELS = ("m/s", "rad/s"), ("1", "N", "N m")
 
 
 class Table(Extra):
-    """A curve through measured levels: cubics between them without overshoot, constant beyond."""
+    """A curve through measured levels: cubics between them without overshoot, constant beyond.
+
+    Points at velocities below 0 are those of the other direction; without any, both are alike.
+    """
 
     name = "table"
     title = "measured levels"
     argument = "curve"
-    tex = r"c\, \mu_{\text{table}}(|v|)"
     vanishes = {"curve_factor": 0.0}
     curve_factor: Annotated[
         float,
@@ -342,7 +345,22 @@ class Table(Extra):
     ] = 1.0
 
     def __init__(self, points: Sequence[tuple[float, float]] = ((0.0, 1.0), (1.0, 1.0))) -> None:
-        self.points = tuple(points)
+        self.ahead = tuple(point for point in points if point[0] >= 0.0)
+        self.back = tuple((-v, level) for v, level in reversed(points) if v < 0.0)
+
+    @property
+    @override
+    def tex(self) -> str:  # type: ignore[override]  # of its points
+        return rf"c\, \mu_{{\text{{table}}}}({'v' if self.back else '|v|'})"
+
+    @property
+    @override
+    def directional(self) -> bool:  # type: ignore[override]  # of its points
+        return bool(self.back)
+
+    @override
+    def one_way(self, side: int) -> str:
+        return _text(self.back if self.back and side < 0 else self.ahead)
 
     @override
     def of(self, argument: str) -> Part:
@@ -350,11 +368,15 @@ class Table(Extra):
 
     @override
     def at_rest(self, p: Values, s: Slip) -> Scalar:
-        return p.curve_factor * self.points[0][1]
+        return self.sliding(p, replace(s, speed=0.0))
 
     @override
     def sliding(self, p: Values, s: Slip) -> Scalar:
-        return p.curve_factor * curve_through(self.points, monotone_slopes(self.points), s.speed)
+        both = [
+            curve_through(points, monotone_slopes(points), s.speed)
+            for points in filter(None, (self.ahead, self.back))
+        ]
+        return p.curve_factor * (both[0] if s.choose is None else s.choose(both[0], both[-1]))
 
 
 def curve_through(
@@ -460,6 +482,10 @@ def curve_text(argument: str) -> str:
         points: Sequence[tuple[float, float]] = _points(argument)
     else:
         points = _read(argument.strip("\"' "))
+    return _text(points)
+
+
+def _text(points: Sequence[tuple[float, float]]) -> str:
     return ", ".join(f"{_written(x)}: {_written(y)}" for x, y in points)
 
 
@@ -475,15 +501,20 @@ def _points(argument: str) -> tuple[tuple[float, float], ...]:
 
 def _checked(points: list[tuple[float, float]], said: str) -> list[tuple[float, float]]:
     """Return points, or say what is wrong with them."""
-    if not 2 <= len(points) <= MOST_POINTS:
-        count = "1 point" if len(points) == 1 else f"{len(points)} points"
-        finer = "; average a finer one" if len(points) > MOST_POINTS else ""
-        raise InputError(f"{said} has {count}: a curve needs 2 to {MOST_POINTS}{finer}.")
-    for i, (x, y) in enumerate(points, 1):
-        if not (math.isfinite(x) and math.isfinite(y) and x >= 0.0 and y > 0.0):
+    back = sum(x < 0.0 for x, _ in points)
+    for size, side in ((len(points) - back, "from 0 on"), (back, "below 0")):
+        if (size or side == "from 0 on") and not 2 <= size <= MOST_POINTS:
+            count = "1 point" if size == 1 else f"{size} points"
+            of, each = (f" at velocities {side}", " in each direction") if back else ("", "")
+            finer = "; average a finer one" if size > MOST_POINTS else ""
             raise InputError(
-                f"{said}: point {i} has the speed {x:g} and the level {y:g}; the speed must be at"
-                " least 0 and the level above 0, the sizes of velocity and friction."
+                f"{said} has {count}{of}: a curve needs 2 to {MOST_POINTS}{each}{finer}."
+            )
+    for i, (x, y) in enumerate(points, 1):
+        if not (math.isfinite(x) and math.isfinite(y) and y > 0.0):
+            raise InputError(
+                f"{said}: point {i} has the speed {x:g} and the level {y:g}; both must be finite,"
+                " and the level above 0 in either direction, the size of friction."
             )
         if i > 1 and x <= points[i - 2][0]:
             raise InputError(
@@ -546,9 +577,9 @@ def _scales(header: str, said: str) -> tuple[float, float]:
 
 def _written(x: float) -> str:
     """Return a number without a decimal point."""
-    _, digits, exponent = Decimal(repr(x)).normalize().as_tuple()
+    minus, digits, exponent = Decimal(repr(x)).normalize().as_tuple()
     assert isinstance(exponent, int)  # it is finite
-    whole = "".join(map(str, digits))
+    whole = "-" * minus + "".join(map(str, digits))
     return f"{whole}{'0' * exponent}" if 0 <= exponent < 4 else f"{whole}e{exponent}"
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, law_type, laws
-from stickslip.identify import BandVerdict, CurvePoint, MeasuredCurve
+from stickslip.identify import BandVerdict, CurvePoint, MeasuredCurve, MeasuredCurves
 from stickslip.identify.candidates import Verdict
 from stickslip.identify.kinds.registry import kind_of_route
 from stickslip.identify.kinds.travels.verdict import TravelVerdict
@@ -194,7 +194,9 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
     drawn = verdict.sample(DRAWS)
     known = laws()
     if any(
-        not isinstance(one, MeasuredCurve) and one.composition is None and one.name not in known
+        not isinstance(one, MeasuredCurve | MeasuredCurves)
+        and one.composition is None
+        and one.name not in known
         for one in drawn
     ):
         return None  # of a class of somebody, which no file names
@@ -207,18 +209,22 @@ def _draws(verdict: Verdict, law: str) -> dict[str, Any] | None:
 
 
 def _row(law: FrictionLaw) -> dict[str, Any]:
-    if isinstance(law, MeasuredCurve):
-        return {"law": law.name, "points": [astuple(one) for one in law.points]}
+    if isinstance(law, MeasuredCurve | MeasuredCurves):
+        both = [law] if isinstance(law, MeasuredCurve) else [law.forward, law.backward]
+        return {"law": law.name, "points": [[astuple(x) for x in one.points] for one in both]}
     name = law.name if law.name in laws() else str(law.composition)
     return {"law": name} | {one.name: getattr(law, one.name) for one in fields(law)}
 
 
 def _law(row: dict[str, Any]) -> FrictionLaw:
     name, values = row["law"], {key: value for key, value in row.items() if key != "law"}
-    if name == MeasuredCurve.name:
+    if name in (MeasuredCurve.name, MeasuredCurves.name):
         keys = [one.name for one in fields(CurvePoint)]
-        points = [CurvePoint(**dict(zip(keys, x, strict=True))) for x in values["points"]]
-        return MeasuredCurve(points=tuple(points))
+        ahead, *back = (
+            MeasuredCurve(points=tuple(CurvePoint(**dict(zip(keys, x, strict=True))) for x in one))
+            for one in values["points"]
+        )
+        return MeasuredCurves(forward=ahead, backward=back[0]) if back else ahead
     found: FrictionLaw = law_type(name)(**values)
     return found
 

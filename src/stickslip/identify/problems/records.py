@@ -121,12 +121,15 @@ DRAWN = 600
 PATHS = (
     "offset", "drift", "viscous_drift", "offset_drift", "spring", "bow", "ripple", "mechanism",
     "lag", "inertia_error", "force_gain", "position_scale", "hose", "inertia", "gear_direction",
+    "adhesion",
 )  # fmt: skip
 """Terms of the rig and faults whose coefficient is their size; of two, their root mean square."""
-UNLIKE = (
-    "stribeck_direction", "curve", "second", "place", "level_ripple", "adhesion", "gear_direction",
-)  # fmt: skip
-"""Terms that no law of `stickslip.friction` has."""
+UNLIKE = ("stribeck_direction", "curve")
+"""Terms that no law of `stickslip.friction` has in steady sliding ..."""
+UNSEEN = ("place", "level_ripple", "gear_direction")
+"""... those that do not show there ..."""
+LEVELS = {"level": "level", "second": "level", "adhesion": "level"}
+"""... and those that are a part of the level there, or of another term."""
 DEALS = 199
 """Times that stretches are dealt to records at random."""
 HOLD = "hold"
@@ -381,10 +384,9 @@ class RecordsProblem(Problem):
         speed = np.abs(rows.seen(rows.velocity))
         return np.asarray(np.maximum(speed, 1e-3 * self.frame.low))
 
-    def curve_rows(self) -> tuple[Array, Any, float]:
-        """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
-        speeds = np.geomspace(self.frame.low, self.frame.top, POINTS)
-        return speeds, self.at(speeds), self.normal
+    def speeds_of_curve(self) -> Array:
+        """Return rising speeds (n,) through which a curve is drawn as a law."""
+        return np.geomspace(self.frame.low, self.frame.top, POINTS)
 
     def points(self, structure: Structure, coefficients: Array) -> Points:
         """Return the response less what a structure says of the rig, thinned out."""
@@ -427,31 +429,33 @@ class RecordsProblem(Problem):
                 grids.append(side * np.geomspace(self.frame.low, top, ASKED))
         return self.at(np.sort(np.concatenate(grids)))
 
-    def composition(self, structure: Structure, coefficients: Array) -> Composition:
+    def composition(
+        self, structure: Structure, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
         """Return the law that a structure with coefficients (d, p) is, at the usual load."""
-        at, rig = 0, dict[str, Array]()
+        rig, memory = dict[str, Array](), (0.0, 0.0)
         terms: dict[str, tuple[Shape, Array]] = {}
-        memory: Shape = (0.0, 0.0)
-        unlike = False
+        names = {name for name, _ in structure}
         doubts = {path for path, one in self.records[0].unknown.items() if one.doubt}
+        parts = {**LEVELS, "offset": "level_direction"} if offset else LEVELS
+        at = 0
         for name, shape in structure:
-            term = self.terms[name]
             size = self.width(name, shape)
             own, at = coefficients[:, at : at + size], at + size
-            memory = shape[:2] if term.shared and shape[0] and name == "level" else memory
-            unlike = unlike or name in UNLIKE
-            if (of_rig := self._of_rig(name, shape, own)) is not None:
-                rig |= of_rig
-            elif term.role == "law" and name not in UNLIKE:
-                entries = shape[term.shared :]
-                if name == "level" and entries:
-                    rig["load_exponent"] = np.full(len(own), entries[0])
-                terms[name] = (() if name == "level" else entries), own
+            rig |= self._of_rig(name, shape, own)
+            entries = shape[self.terms[name].shared :]
+            if name == "level":
+                memory = shape[:2] if shape[0] else memory
+                rig |= {"load_exponent": np.full(len(own), entries[0])} if entries else {}
+            part = parts.get(name, name if self.terms[name].role == "law" else "")
+            if part and name not in (*UNLIKE, *UNSEEN):
+                shown = () if part in parts.values() else entries
+                terms[part] = shown, own + terms.get(part, ((), 0.0))[1]
         normal = self._normals(rig, len(coefficients))
         # what is stated is no estimate
         rig = {path: x for path, x in rig.items() if path not in doubts}
         for name, (entries, own) in terms.items():
-            if name not in FLOWS and name != "gear" and "viscous" not in name:
+            if name not in FLOWS and "viscous" not in name:
                 terms[name] = entries, own / normal[:, None]
         values = {}
         if memory[0]:
@@ -472,10 +476,16 @@ class RecordsProblem(Problem):
             memory_values=values,
             memory_fixed=("yield_exponent", "bristle_damping"),
         )
-        return replace(found, rig=rig, text="" if unlike else found.text)
+        text, instead = found.text, found.instead
+        lacks = tuple(name for name in (*UNSEEN, "second") if name in names)
+        if lacks:  # titles are those of the terms
+            text, instead = "", text or instead
+        if names & {*UNLIKE}:
+            text = instead = ""
+        return replace(found, rig=rig, text=text, instead=instead, load=normal, lacks=lacks)
 
-    def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array] | None:
-        """Return the property of rig or record (d,) that a term is, by path; None of others."""
+    def _of_rig(self, name: str, shape: Shape, own: Array) -> dict[str, Array]:
+        """Return the property of rig or record (d,) that a term is, by path; none of others."""
         unknown = self.records[0].unknown
         if name in DELAYS:
             return {name: shape[0] * own[:, 0]}
@@ -489,7 +499,7 @@ class RecordsProblem(Problem):
             if name in RATIOS:  # known forces stand on the side of the response
                 size = 1.0 - size if name == "mechanism" else 1.0 + size
             return {path: size + self.records[0].constant if name == "offset" else size}
-        return None
+        return {}
 
     def _normals(self, rig: Mapping[str, Array], count: int) -> Array:
         """Return the normal forces (d,) of draws, which parameters that were found may change."""

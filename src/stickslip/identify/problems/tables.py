@@ -314,14 +314,13 @@ class TableProblem(Problem):
         """Return rows of another table as this one sees them: of any of its runs, at any time."""
         return self.at(rows.velocity, rows.load, rows.inputs)
 
-    def curve_rows(self) -> tuple[Array, Rows, float]:
-        """Return speeds (n,) through which a curve is drawn as a law, their rows, and the load."""
-        frame = self.frame
-        side = 1.0 if (self.rows.velocity > 0.0).any() else -1.0
-        speeds = np.geomspace(frame.slowest, frame.fastest, POINTS)
-        return speeds, self.at(side * speeds), side * frame.load
+    def speeds_of_curve(self) -> Array:
+        """Return rising speeds (n,) through which a curve is drawn as a law."""
+        return np.geomspace(self.frame.slowest, self.frame.fastest, POINTS)
 
-    def composition(self, structure: Structure, coefficients: Array) -> Composition:
+    def composition(
+        self, structure: Structure, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
         """Return the law that a structure with coefficients (d, p) is.
 
         Where friction is not in proportion to the load, it is the law at the mean load.
@@ -337,19 +336,23 @@ class TableProblem(Problem):
                 rig["load_exponent"] = np.full(len(own), shape[entries])
             if name == "offset":
                 rig[name] = own[:, 0]
+                if offset:
+                    differs = own / load + terms.get("level_direction", ((), 0.0))[1]
+                    terms["level_direction"] = (), differs
             elif name in ("adhesion", "drift"):  # columns are over the load
                 rig[name] = load * own[:, 0]
-            elif name == "curve":
-                return Composition(text="", values={}, rig=rig)
             elif name == "hersey":  # the law at the mean load
                 terms["stribeck"] = shape, own
             elif name != "run":
-                terms[name] = shape[:entries], own * (load if name in FLOWS else 1.0)
+                beside = name in FLOWS or name.startswith("viscous")
+                terms[name] = shape[:entries], own * (load if beside else 1.0)
         if "adhesion" in rig:  # part of the level at the mean load
             shape, own = terms["level"]
             terms["level"] = shape, own + rig["adhesion"][:, None] / load
+        if "curve" in terms:
+            return Composition(text="", values={}, rig=rig, load=load)
         found = compose(terms, self.frame.means, len(coefficients))
-        return replace(found, rig=rig)
+        return replace(found, rig=rig, load=load)
 
     def size(self, name: str, shape: Shape) -> int:
         """Return the number of coefficients of a term."""
