@@ -290,6 +290,13 @@ class Shot:
     run: BareRun
     """The run."""
 
+    @cached_property
+    def strobes(self) -> Array:
+        """Free states once a cycle, those at the start first (m, n)."""
+        map_ = self.derivatives.map
+        times = np.arange(1, map_.cycles) * (self.period / map_.cycles)
+        return np.vstack([self.y, *(self.run.at(times)[:, list(map_.free)] if len(times) else ())])
+
     @property
     def monodromy(self) -> Array:
         """M (n, n)."""
