@@ -51,7 +51,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.solver import path_units
-from stickslip.errors import InputError, SimulationError
+from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -70,6 +70,7 @@ from stickslip.study.sweep.orbits import (
 from stickslip.study.sweep.parameter_grid import (
     Array,
     axis_of,
+    check_path,
     counted,
     unit_of,
 )
@@ -235,21 +236,20 @@ class Branch(OnAxes, Tabular):
         return found
 
     def mean_velocity(self, coordinate: str | None = None) -> Array:
-        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, the first if not given.
+        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, 0 if it comes back.
+
+        If none is given, of the first that advances from cycle to cycle, or else of the first.
 
         Raises
         ------
         InputError
-            If no coordinate advances, or not the one that was asked for.
+            If the mechanism has no such coordinate.
         """
-        name = next(iter(self.advances), "") if coordinate is None else coordinate
-        if name not in self.advances:
-            known = ", ".join(self.advances) or "none"
-            raise InputError(
-                f"Branch.mean_velocity: coordinate {name!r} does not advance from cycle to cycle;"
-                f" those that do: {known}."
-            )
-        return self.advances[name] / self.periods
+        known = (*self.advances, *self.map.mechanism.coordinates)
+        name = known[0] if coordinate is None else coordinate
+        if name not in known:
+            raise UnknownNameError("coordinate", name, self.map.mechanism.coordinates)
+        return self.advances.get(name, np.zeros_like(self.periods)) / self.periods
 
     def orbit(self, index: int) -> Orbit:
         """Return the orbit of a point, solved for more exactly than the walk did."""
@@ -361,6 +361,7 @@ def continue_orbit(
     low, high = between_of("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
     check_step("continue_orbit", step, LEAST_STEP)
+    check_path("continue_orbit", path)
     mechanism, law = orbit.mechanism, orbit.law
     full, _ = axis_of(mechanism, law, path, [low, high])
     if full.startswith("initial."):

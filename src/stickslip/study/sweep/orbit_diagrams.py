@@ -20,7 +20,7 @@ from time import process_time
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.engine.simulation import (
     GivenFriction,
@@ -41,6 +41,7 @@ from stickslip.study.sweep.parameter_grid import (
     Progress,
     Tally,
     axis_of,
+    check_path,
     compiled,
     counted,
     early_ends,
@@ -201,7 +202,7 @@ def orbit_diagram(
     between: tuple[float, float],
     *,
     cycles: int = 4,
-    values: int = 61,
+    values: int | ArrayLike = 61,
     starts: int = 6,
     settle: int = 200,
     step: float = MOST_STEP,
@@ -230,9 +231,11 @@ def orbit_diagram(
         Least and largest value.
     cycles : int
         Largest period that is sought, in cycles of the drives.
-    values, starts : int
-        Values with settled runs, evenly spaced, and runs for each of them: the first from where the
-        mechanism begins, others from random states at values between it and the next.
+    values : int or array_like (n,)
+        Values with settled runs in this range, or their number if they are evenly spaced.
+    starts : int
+        Runs for each of them: the first from where the mechanism begins, others from random states
+        at values between it and the next.
     settle : int
         Cycles before a run counts as settled; one that closes well after a quarter or half of them
         has settled.
@@ -270,18 +273,27 @@ def orbit_diagram(
     [(1, True)]
     """
     owner = "orbit_diagram"
+    check_path(owner, path)
     low, high = between_of(owner, between)
     check_step(owner, step, DIAGRAM_STEP)
     laws = event_driven_law(mechanism, law)
-    for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
+    for name, count, least in (("cycles", cycles, 1), ("starts", starts, 1), ("settle", settle, 0)):
         counted(owner, name, count, least)
-    counted(owner, "settle", settle, 0)
+    if np.ndim(values) == 0:
+        values = np.linspace(low, high, counted(owner, "values", values, 2))
     mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
-    full, grid = axis_of(mechanism, laws, path, np.linspace(low, high, int(values)))
+    full, grid = axis_of(mechanism, laws, path, values)
+    grid = np.unique(grid)
     if full.startswith("initial."):
         raise InputError(
             f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
             " the law."
+        )
+    if not low <= grid[0] <= grid[-1] <= high:
+        unit = unit_of(mechanism, laws, full)
+        raise InputError(
+            f"{owner}: values of {full} must lie in {span(low, high, unit, 6)}, the range given by"
+            f" between, got {span(float(grid[0]), float(grid[-1]), unit, 6)}."
         )
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
@@ -297,19 +309,18 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
-        float(grid[1] - grid[0]) / FINER,
+        (high - low) / (max(len(grid), 2) - 1) / FINER,
     )
     tally = Tally(len(grid), progress)
-    between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
-    for done, value in enumerate(grid.tolist(), 1):
+    shares, widths = np.arange(1, int(starts)) / int(starts), np.diff(grid, append=high)
+    for done, (value, width) in enumerate(zip(grid.tolist(), widths.tolist(), strict=True), 1):
         search.settle_at(value, search.starts(value, 1, from_beginning=True))
-        for other in (value + between_values).tolist():
-            if other < high:
-                search.settle_at(other, search.starts(other, 1))
+        for other in (value + shares * width).tolist() if width > 0.0 else ():
+            search.settle_at(other, search.starts(other, 1))
         tally.tell(done)
         if not tally.going:
             break
-    for _ in range(int(values) * int(starts)):  # as many again at most: chaos has no last branch
+    for _ in range(len(grid) * int(starts)):  # as many again at most: chaos has no last branch
         if not tally.going or (found := search.place()) is None:
             break
         search.settle_at(*found)

@@ -128,8 +128,9 @@ class Orbit(metaclass=Described):
 
     @property
     def mean_velocity(self) -> Mapping[str, float]:
-        """Advance over period [m/s] or [rad/s] of each coordinate on which nothing depends."""
-        return {name: value / self.period for name, value in self.advance.items()}
+        """Advance over period [m/s] or [rad/s] of each coordinate: 0 of those that come back."""
+        names = self.mechanism.coordinates
+        return {name: self.advance.get(name, 0.0) / self.period for name in names}
 
     @property
     def sticking(self) -> Mapping[str, float]:
