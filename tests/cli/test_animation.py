@@ -94,6 +94,14 @@ def test_sweep_prints_one_document(run):
     assert len(told["velocity"]) == 2
 
 
+def test_sweep_takes_a_list_of_values(run):
+    grids = ("--vary", "frequency=[2.0, 1, 1.7]", "--vary", "amplitude = [30,20]")
+    code, out, _ = run(*SWEEP, *grids, "--json")
+    assert code == 0
+    axes = {"mechanism.drive.frequency": [1.0, 1.7, 2.0], "mechanism.drive.amplitude": [20.0, 30.0]}
+    assert json.loads(out)["axes"] == axes
+
+
 @pytest.mark.parametrize(
     "arguments",
     [(), ("--vary", "frequency"), ("--vary", "frequency=1:2"), ("--vary", "frequency=1:2:0")],

@@ -74,11 +74,19 @@ def test_orbits_as_json_have_branches_with_events(called):
     assert content["branch_cycles"] < content["brute_cycles"] * 100
 
 
+def test_a_list_gives_the_range_and_the_values_at_which_runs_settle(called):
+    code, shown, _ = called("axis.toml", "--vary", "drive.frequency=[0.9, 0.8]", *QUICK, "--json")
+    assert code == 0
+    values = [value for branch in json.loads(shown)["branches"] for value in branch["values"]]
+    assert (min(values), max(values)) == pytest.approx((0.8, 0.9))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("axis.toml", "--vary", "drive.frequency=3:2"), "lower value first"),
-        (("axis.toml", "--vary", "drive.frequency=3"), "PATH=LOW:HIGH in SI units"),
+        (("axis.toml", "--vary", "drive.frequency=3"), "PATH=LOW:HIGH, the lower"),
+        (("axis.toml", "--vary", "drive.frequency=[3]"), "PATH=[VALUE, ...], two or more"),
         (("axis.toml", "--vary", "frequenzy=2:3"), "frequency"),
         (("axis.toml", "--vary", "drive.frequency=0:3"), "above 0 Hz, got 0"),
         (("axis.toml", "--vary", "initial.x=0:1"), "not a parameter"),

@@ -4,6 +4,7 @@ import math
 import pickle
 from collections import Counter
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,8 +25,9 @@ from stickslip import (
 from stickslip.errors import InputError, SimulationError
 from stickslip.mechanisms import Prescribed, SoftStop, Torque
 from stickslip.mechanisms.drives import Sine, Square, ThreePhase
-from stickslip.study.sweep import continue_orbit, orbit_diagram, periodic_orbit
+from stickslip.study.sweep import bifurcation, continue_orbit, orbit_diagram, periodic_orbit
 from stickslip.study.sweep.attractors import period_of
+from stickslip.study.sweep.continuation import DIAGRAM_STEP, HALVED, Curve, _halves_meet
 from stickslip.study.sweep.orbits import return_map
 
 FREQUENCY = "mechanism.drive.drive.frequency"
@@ -494,6 +496,97 @@ def test_what_a_branch_keeps_is_that_of_its_orbits(diagram):
             np.testing.assert_allclose(kept, sizes, rtol=rtol, atol=1e-6)
 
 
+# -- a motion of period two
+
+UNEVEN = Capsule(
+    capsule_mass=0.06,
+    inner_mass=0.045,
+    stiffness=120.0,
+    damping=0.1,
+    upper_soft_stop=SoftStop(place=1.2e-3, stiffness=2500.0, damping=0.4),
+    lower_soft_stop=SoftStop(place=-3e-3, stiffness=800.0, damping=0.1),
+    drive=Torque(drive=Sine(amplitude=0.45, frequency=15.5)),
+)
+WEAKENING = Stribeck(
+    kinetic_coefficient=0.12,
+    static_coefficient=0.17,
+    stribeck_velocity=0.03,
+    viscous_coefficient=0.15,
+)
+
+
+@pytest.fixture(scope="module")
+def twice():
+    between, few = (13.0, 17.0), {"values": 2, "starts": 2, "settle": 100}
+    return orbit_diagram(UNEVEN, WEAKENING, "drive.frequency", between, cycles=2, **few)
+
+
+def test_stable_stretches_end_at_the_doublings_and_each_motion_has_one(twice):
+    """Random starts reach both motions at 14.5 Hz, and one, of period two, at 15.5 Hz."""
+    found = [
+        (branch.cycles, *sorted([*branch.values[[begin, end - 1]], *ends])[::3])
+        for branch in twice.branches
+        for begin, end, *ends in branch.stretches
+    ]
+    doublings = [event.value for _, event in twice.events if event.kind == "period doubling"]
+    assert doublings == pytest.approx([15.053, 16.036], abs=1e-3)  # another such search
+    expected = [(1, 13.0, doublings[0]), (1, doublings[1], 17.0), (2, 13.7785, 16.068)]
+    # the last begins in a corner and ends in a fold, of which five digits were given
+    assert sorted(found)[:2] == expected[:2]
+    several = "several side by side over 33 %, most widely from 13.78 to 15.05 Hz and 16.04 to"
+    assert several in str(twice)
+    (branch,) = (branch for branch in twice.branches if branch.cycles == 2)
+    assert (branch.values.min(), branch.values.max()) == pytest.approx(expected[2][1:], rel=1e-4)
+    assert all("in a doubling of period 1" in end for end in branch.ends)
+
+
+def test_an_orbit_begun_a_cycle_later_lies_on_the_same_branch(twice):
+    (branch,) = (branch for branch in twice.branches if branch.cycles == 2)
+    orbit, map_ = branch.orbit(len(branch.values) // 2), branch.map
+    curve = Curve(map_, 13.0, 17.0, "Hz", 0.02, 100, DIAGRAM_STEP)
+    trail = np.column_stack([branch.starts, branch.values])
+    curve.known = trail, np.full(len(trail), 7)
+    value = float(branch.values[len(branch.values) // 2])
+    later = orbit.run(1).at([orbit.period / 2.0])
+    for start in (orbit.start, {name: float(later[name][0]) for name in orbit.free}):
+        shot = map_.shoot(np.array([start[name] for name in orbit.free]), value)
+        assert curve.met(curve.point(shot)) == 7
+    single = periodic_orbit(orbit.mechanism, WEAKENING)
+    shot = map_.shoot(np.array([single.start[name] for name in orbit.free]), value)
+    assert curve.met(curve.point(shot)) is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "meet"),
+    [
+        (2e-3, -1e-3, True),  # across the doubling
+        (1.5e-3, 4.5e-6, True),  # right before it, where the next step cannot tell the halves
+        (2e-3, 1.5e-3, False),  # there is a step to go
+        (1e-8, -1e-8, False),  # both are alike all the time, to what is solved for
+    ],
+)
+def test_a_step_that_lands_at_a_doubling_ends_there(before, after, meet):
+    assert 4.5e-6 < HALVED < 1.5e-3
+    here, there = (
+        SimpleNamespace(
+            half=np.array([half, 0.5 * half]),
+            scale=np.ones(3),
+            shot=SimpleNamespace(off=np.zeros(3)),
+        )
+        for half in (before, after)
+    )
+    assert _halves_meet(here, there) == meet
+
+
+def test_settled_runs_are_made_at_values_that_are_given():
+    axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
+    law, few = Coulomb(kinetic_coefficient=0.5), {"cycles": 1, "starts": 1, "settle": 50}
+    found = orbit_diagram(axis, law, "frequency", (1.9, 2.4), values=[2.2, 1.95], **few)
+    assert found.values.tolist()[:2] == [1.95, 2.2]
+    with pytest.raises(InputError, match=r"must lie in 1\.9 to 2\.4 Hz.*got 1\.8 to 2 Hz"):
+        orbit_diagram(axis, law, "frequency", (1.9, 2.4), values=[1.8, 2.0], **few)
+
+
 # -- elastic stops
 
 
@@ -536,6 +629,20 @@ def test_branches_are_those_of_the_least_period():
             assert abs(first - second) > 1e-6
 
 
+def test_a_branch_over_folds_has_a_mean_velocity_at_each_point_whatever_advances():
+    orbit = periodic_orbit(elastic(2.6), ROUGH, settle=200)
+    branch = continue_orbit(orbit, "frequency", (2.4, 2.9))
+    assert any(event.kind == "fold" for event in branch.events)
+    np.testing.assert_array_equal(branch.mean_velocity(), branch.advances["x"] / branch.periods)
+    np.testing.assert_array_equal(branch.mean_velocity("xi"), 0.0 * branch.values)  # it comes back
+    held = periodic_orbit(oscillator(), Coulomb(kinetic_coefficient=0.2))
+    assert held.mean_velocity == {"x": 0.0}
+    still = continue_orbit(held, "frequency", (0.12, 0.13))
+    np.testing.assert_array_equal(still.mean_velocity(), 0.0 * still.values)
+    with pytest.raises(InputError, match=r"unknown coordinate 'y'\. Known: x"):
+        still.mean_velocity("y")
+
+
 # -- what cannot be
 
 
@@ -550,6 +657,11 @@ def test_branches_are_those_of_the_least_period():
         (lambda: orbit_diagram(CAPSULE, ROUGH, "frequenzy", (1.0, 2.0)), "frequency"),
         (lambda: orbit_diagram(CAPSULE, ROUGH, "initial.xi", (0.0, 1e-3)), "not a parameter"),
         (lambda: orbit_diagram(CAPSULE, ROUGH, "restitution", (0.5, 1.5)), "at most 1"),
+        (
+            lambda: orbit_diagram(CAPSULE, ROUGH, ["frequency"], (1.0, 2.0)),
+            "orbit_diagram: path mu",
+        ),
+        (lambda: bifurcation(CAPSULE, ROUGH, ("gap", "x"), [1.0], state="x"), "name one parameter"),
     ],
 )
 def test_what_cannot_be_used_is_refused_by_its_name(call, message):
@@ -563,6 +675,9 @@ def test_an_orbit_is_continued_within_a_range_around_it_and_doubled_at_minus_one
         continue_orbit(orbit, "frequency", (14.0, 20.0))
     with pytest.raises(InputError, match="needs an orbit with a multiplier at -1"):
         continue_orbit(orbit, "frequency", (12.0, 20.0), doubled=True)
+    paths = ["drive.frequency", "drive.amplitude"]
+    with pytest.raises(InputError, match=r"path must name one parameter.*got \['drive.frequency'"):
+        continue_orbit(orbit, paths, (12.0, 20.0))
     with pytest.raises(InputError, match="step must be above"):
         continue_orbit(orbit, "frequency", (12.0, 20.0), step=2.0)
 

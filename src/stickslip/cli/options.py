@@ -483,7 +483,8 @@ class SweepOptions(LawOptions, DrawOptions, DrawSeedOption, WorkerOptions, Write
     """Options of `stickslip sweep`."""
 
     vary: Annotated[Sequence[str], typer.Option(metavar="PATH=LOW:HIGH:N")] = ()
-    """Grid of a parameter, e.g. mechanism.drive.drive.frequency=1:6:50; one or two grids."""
+    """Values of a parameter in SI units, e.g. mechanism.drive.drive.frequency=1:6:50 or
+    "drive.frequency=[5.1, 7.3]"; once or twice."""
     cycles: int = 20
     """Number of drive cycles in the mean; even."""
     settle: int = 100
@@ -502,11 +503,12 @@ class OrbitOptions(LawOptions, WriteOptions):
     """Options of `stickslip orbits`."""
 
     vary: Annotated[str, typer.Option(metavar="PATH=LOW:HIGH")]
-    """Range of a parameter in SI units, e.g. drive.frequency=2:20."""
+    """Range of a parameter in SI units, e.g. drive.frequency=2:20, or values at which runs settle,
+    e.g. "drive.frequency=[2, 5.1, 20]"."""
     cycles: Annotated[int, typer.Option("--period")] = 4
     """Largest period that is sought, in drive cycles."""
     values: int = 61
-    """Number of values at which settled runs are made."""
+    """Number of values in a range at which settled runs are made."""
     settle: int = 200
     """Number of drive cycles before a run counts as settled."""
     output: Annotated[Path, typer.Option("-o")] = Path("stickslip-orbits.csv")

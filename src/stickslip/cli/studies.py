@@ -202,27 +202,36 @@ def _show_map(found: VelocityMap, turns: Sequence[float]) -> None:
 
 
 def _axes(vary: Sequence[str]) -> dict[str, Array]:
-    """Read ``path=low:high:n``, once or twice."""
+    """Read ``path=low:high:n`` or ``path=[values]``, once or twice."""
     if not 1 <= len(vary) <= MOST_AXES:
         raise InputError(f"--vary is given once or twice, got {len(vary)}.")
     found = {}
     for text in vary:
-        path, _, span = text.partition("=")
-        try:
-            low, high, count = span.split(":")
+        path, numbers, listed = _numbers(text)
+        values = np.unique(numbers) if listed else np.empty(0)
+        if not listed and len(numbers) == 3 and numbers[2].is_integer():
+            low, high, count = numbers
             check_size(f"--vary {path}", int(count), "give fewer values")
-            values = np.linspace(float(low), float(high), int(count))
-        except InputError:
-            raise
-        except ValueError:
-            values = np.empty(0)
-        if not path.strip() or not values.size:
+            values = np.linspace(low, high, max(int(count), 0))
+        if not path or not values.size:
             raise InputError(
-                "--vary takes PATH=LOW:HIGH:N in SI units such as"
-                f" mechanism.drive.drive.frequency=1:6:50, got {text!r}."
+                "--vary takes PATH=LOW:HIGH:N or PATH=[VALUE, ...] in SI units, such as"
+                " mechanism.drive.drive.frequency=1:6:50 or drive.frequency=[5.1, 7.3], got"
+                f" {text!r}."
             )
-        found[path.strip()] = values
+        found[path] = values
     return found
+
+
+def _numbers(text: str) -> tuple[str, list[float], bool]:
+    """Read ``path=number:number`` or ``path=[numbers]``; return whether it is a list."""
+    path, _, told = (part.strip() for part in text.partition("="))
+    listed = told.startswith("[") and told.endswith("]")
+    parts = told[1:-1].split(",") if listed else told.split(":")
+    try:
+        return path, [float(part) for part in parts], listed
+    except ValueError:
+        return path, [], listed
 
 
 # ``stickslip orbits``.
@@ -236,7 +245,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
 
     output = options.output
     figure = _figure_beside(output, force=options.force)
-    name, between = _range(options.vary)
+    name, between, values = _range(options.vary)
     rig, chosen = inputs.rig_and_friction(options)
     terminal.refuse_inputs(output, rig.files)
     law = inputs.friction_of(chosen)
@@ -247,7 +256,7 @@ def run_orbits(options: option_groups.OrbitOptions) -> None:
             name,
             between,
             cycles=options.cycles,
-            values=options.values,
+            values=options.values if values is None else values,
             settle=options.settle,
             y0=rig.start(law),
             progress=progress,
@@ -276,7 +285,8 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
                 "values": branch.values.tolist(),
                 "stable": branch.stable.tolist(),
                 "mean_velocity": {
-                    name: branch.mean_velocity(name).tolist() for name in branch.advances
+                    name: branch.mean_velocity(name).tolist()
+                    for name in branch.map.mechanism.coordinates
                 },
                 "events": [
                     {"kind": event.kind, "value": event.value, "sentence": event.sentence}
@@ -292,19 +302,17 @@ def _diagram_content(found: OrbitDiagram) -> dict[str, Any]:
     }
 
 
-def _range(text: str) -> tuple[str, tuple[float, float]]:
-    """Read ``path=low:high``."""
-    path, _, span = text.partition("=")
-    try:
-        low, high = map(float, span.split(":"))
-    except ValueError:
-        low, high = 0.0, 0.0
-    if not path.strip() or not low < high:
+def _range(text: str) -> tuple[str, tuple[float, float], Array | None]:
+    """Read ``path=low:high``, or ``path=[values]``, which says where runs settle, too."""
+    path, numbers, listed = _numbers(text)
+    low, high = (min(numbers), max(numbers)) if listed and numbers else (*numbers, 0.0, 0.0)[:2]
+    if not path or not low < high or not (listed or len(numbers) == 2):
         raise InputError(
-            "--vary takes PATH=LOW:HIGH in SI units, the lower value first, such as"
-            f" drive.frequency=2:20, got {text!r}."
+            "--vary takes PATH=LOW:HIGH, the lower value first, or PATH=[VALUE, ...], two or more,"
+            " in SI units, such as drive.frequency=2:20 or drive.frequency=[5.1, 7.3], got"
+            f" {text!r}."
         )
-    return path.strip(), (low, high)
+    return path, (low, high), np.array(numbers) if listed else None
 
 
 # ``stickslip profile optimise``.

@@ -35,6 +35,7 @@ from stickslip.study.sweep.parameter_grid import (
     Progress,
     Tally,
     axis_of,
+    check_path,
     compiled,
     counted,
     cycles_of,
@@ -371,6 +372,7 @@ def bifurcation(
     check_executor(executor)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
+    check_path("bifurcation", path)
     mechanism, found = simulation.beginning_pair(mechanism, found, {path: values})
     full, array = axis_of(mechanism, found, path, values)
     if full.startswith("initial."):

@@ -51,7 +51,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.engine.solver import path_units
-from stickslip.errors import InputError, SimulationError
+from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -70,6 +70,7 @@ from stickslip.study.sweep.orbits import (
 from stickslip.study.sweep.parameter_grid import (
     Array,
     axis_of,
+    check_path,
     counted,
     unit_of,
 )
@@ -132,9 +133,9 @@ ORDER, AHEAD, APART = 3, 0.5, 0.2
 far apart they are at least, over the last step: of points too near each other it shows errors."""
 BEND = 0.8
 """Share of the angle of `TURN` by which the tangent is meant to turn in a step."""
-BESIDE, ALIKE = 0.05, 1e-3
-"""Distance, over the chord of two neighbours, within which a point may be between them, and within
-which it is."""
+BESIDE, ALIKE, SAME = 0.05, 1e-3, 1e-6
+"""Distance, over the chord of two neighbours, within which a point may be between them, within
+which it is, and the same over the sizes of the states."""
 WALKED = 1e-9
 """What a point of a walk may be off."""
 TRUSTED = 1e-5
@@ -149,6 +150,11 @@ OVER: Final = (1e-6, 4e-6, 1e-4, 1e-3, 4e-3)
 """Steps by which what stops the corrector is stepped over."""
 OFF: Final = (0.01, 0.003, 0.03, 0.001, 3e-4, 1e-4, 3e-5)
 """Distances from a period doubling at which the doubled branch is sought."""
+
+
+def runs_of(chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return where runs of what is chosen begin and end (n, 2)."""
+    return np.flatnonzero(np.diff(chosen, prepend=False, append=False)).reshape(-1, 2)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -215,22 +221,35 @@ class Branch(OnAxes, Tabular):
         """Whether the orbit of each point is stable (n,)."""
         return np.asarray(np.abs(self.multipliers).max(axis=1, initial=0.0) < 1.0)
 
+    @property
+    def stretches(self) -> list[tuple[int, int, float, float]]:
+        """Where orbits are stable: points from and up to, and values at which it begins and ends.
+
+        Where an event is known at which stability changes, that is there, else at the last point.
+        """
+        found = []
+        for begin, end in runs_of(self.stable).tolist():
+            before = [event.value for event in self.events if event.index == begin - 1]
+            after = [event.value for event in self.events if event.index == end - 1]
+            first = before[-1] if before else float(self.values[begin])
+            found.append((begin, end, first, after[0] if after else float(self.values[end - 1])))
+        return found
+
     def mean_velocity(self, coordinate: str | None = None) -> Array:
-        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, the first if not given.
+        """Return advance over period (n,) [m/s] or [rad/s] of a coordinate, 0 if it comes back.
+
+        If none is given, of the first that advances from cycle to cycle, or else of the first.
 
         Raises
         ------
         InputError
-            If no coordinate advances, or not the one that was asked for.
+            If the mechanism has no such coordinate.
         """
-        name = next(iter(self.advances), "") if coordinate is None else coordinate
-        if name not in self.advances:
-            known = ", ".join(self.advances) or "none"
-            raise InputError(
-                f"Branch.mean_velocity: coordinate {name!r} does not advance from cycle to cycle;"
-                f" those that do: {known}."
-            )
-        return self.advances[name] / self.periods
+        known = (*self.advances, *self.map.mechanism.coordinates)
+        name = known[0] if coordinate is None else coordinate
+        if name not in known:
+            raise UnknownNameError("coordinate", name, self.map.mechanism.coordinates)
+        return self.advances.get(name, np.zeros_like(self.periods)) / self.periods
 
     def orbit(self, index: int) -> Orbit:
         """Return the orbit of a point, solved for more exactly than the walk did."""
@@ -339,24 +358,10 @@ def continue_orbit(
     >>> bool(branch.stable.all()), branch.ends
     (True, ('It reaches 1.9 Hz.', 'It reaches 2.4 Hz.'))
     """
-    curve, first = begun(orbit, path, between, doubled, step, points, period)
-    return curve.branch(first)
-
-
-def begun(
-    orbit: Orbit,
-    path: str,
-    between: tuple[float, float],
-    doubled: bool,
-    step: float,
-    points: int,
-    period: float | None,
-    least: float = LEAST_STEP,
-) -> tuple["_Curve", "_Point"]:
-    """Return a branch that is to be followed, and its first point."""
     low, high = between_of("continue_orbit", between)
     counted("continue_orbit", "points", points, 1)
-    check_step("continue_orbit", step, least)
+    check_step("continue_orbit", step, LEAST_STEP)
+    check_path("continue_orbit", path)
     mechanism, law = orbit.mechanism, orbit.law
     full, _ = axis_of(mechanism, law, path, [low, high])
     if full.startswith("initial."):
@@ -383,9 +388,10 @@ def begun(
     map_ = within(map_, (low, high))
     y = np.array([orbit.start[name] for name in orbit.free])
     unit = unit_of(mechanism, law, full)
-    curve = _Curve(map_, low, high, unit, step, int(points), least)
-    first = curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
-    return curve, first
+    curve = Curve(map_, low, high, unit, step, int(points), LEAST_STEP)
+    return curve.branch(
+        curve.doubled(orbit, y, value) if doubled else curve.point(solved(map_, y, value))
+    )
 
 
 def check_step(owner: str, step: float, least: float) -> None:
@@ -424,7 +430,7 @@ def _value(mechanism: Mechanism, law: FrictionLaw | Laws, full: str) -> float:
 
 
 @dataclass(frozen=True)
-class _Point:
+class Point:
     """An orbit on the branch; of what needs derivatives nothing is worked out before it is used."""
 
     shot: Shot
@@ -481,7 +487,7 @@ class _Predictor:
     It is a function of the part along the last tangent, in Newton's form.
     """
 
-    here: _Point
+    here: Point
     """The last point."""
     places: Array
     """Where its terms vanish: each point twice, the last one first (k,)."""
@@ -491,7 +497,7 @@ class _Predictor:
     """Arc up to which it is used; farther on, the tangent is."""
 
     @classmethod
-    def of(cls, points: Sequence[_Point]) -> Self:
+    def of(cls, points: Sequence[Point]) -> Self:
         """Take the last points in which the same happens."""
         here = points[-1]
         along, u0 = here.tangent, here.unknowns
@@ -536,9 +542,9 @@ class _Part:
     """Arc at which it begins."""
     high: float
     """Arc at which it ends."""
-    a: _Point
+    a: Point
     """The orbit at its beginning."""
-    b: _Point
+    b: Point
     """The orbit at its end."""
 
 
@@ -546,7 +552,7 @@ class _Part:
 class _Step:
     """A step of a walk."""
 
-    there: _Point
+    there: Point
     """Where it leads."""
     length: float
     """Its arc."""
@@ -556,7 +562,7 @@ class _Step:
     """Arc behind it in which something stops a step."""
 
 
-class _Curve:
+class Curve:
     """One branch: scales, corrector, events."""
 
     def __init__(
@@ -576,14 +582,14 @@ class _Curve:
         self.scale = np.ones(1)
         self.runs = 0
         self.backward = False
-        self.met: Callable[[Shot], int | None] = lambda _: None
+        self.known = np.empty((0, 0)), np.empty(0, int)
         self.trails: list[Array] = []
         self.halved: list[Shot] = []
         self.beyond: list[Shot] = []
 
     # -- unknowns
 
-    def point(self, shot: Shot, along: Array | None = None) -> _Point:
+    def point(self, shot: Shot, along: Array | None = None) -> Point:
         """Return a point with its tangent, which goes on in a direction; up in p if none is given.
 
         The first point sets the scales; they follow as in `fit`.
@@ -591,9 +597,9 @@ class _Curve:
         if self.scale.size == 1:
             self.scale = np.append(shot.scale, self.high - self.low)
             self.widest = self.scale
-        return _Point(shot, along, self.scale)
+        return Point(shot, along, self.scale)
 
-    def fit(self, *points: _Point) -> tuple[_Point, ...]:
+    def fit(self, *points: Point) -> tuple[Point, ...]:
         """Return points in the scales of the last one, which are taken where its states outgrow."""
         size = np.append(points[-1].shot.scale, self.high - self.low)
         ratio, old = size / self.scale, self.scale
@@ -624,7 +630,7 @@ class _Curve:
         distance: float,
         start: Array | None = None,
         reach: float = np.inf,
-        known: tuple[_Point, ...] = (),
+        known: tuple[Point, ...] = (),
         shot: Shot | None = None,
     ) -> tuple[Shot, int] | None:
         """Return the orbit with normal (u - u0) = distance near there, and the steps it took.
@@ -645,7 +651,7 @@ class _Curve:
         distance: float,
         u: Array,
         reach: float,
-        known: tuple[_Point, ...],
+        known: tuple[Point, ...],
         first: Shot | None,
     ) -> tuple[Shot, int] | None:
         """Return the orbit near a start, and how many steps that took.
@@ -705,7 +711,7 @@ class _Curve:
 
     # -- the walk
 
-    def branch(self, first: _Point) -> Branch:
+    def branch(self, first: Point) -> Branch:
         """Follow a branch to both sides of a point."""
         self.backward = True  # events are told in the order of the points
         turned = replace(first, along=-first.tangent)
@@ -740,7 +746,7 @@ class _Curve:
             map=self.map,
         )  # fmt: skip
 
-    def walk(self, first: _Point) -> tuple[list[_Point], str, list[Event]]:
+    def walk(self, first: Point) -> tuple[list[Point], str, list[Event]]:
         """Follow a branch in the direction of a point's tangent; return why it ends, and events."""
         (first,) = self.fit(first)
         points, events, ds, held = [first], list[Event](), min(FIRST_STEP, self.step), False
@@ -790,13 +796,13 @@ class _Curve:
             first, *points[-2:] = self.fit(first, *points[-2:])
         return points, f"It was followed for {self.most} points; give more to go on.", events
 
-    def look_behind(self, here: _Point) -> None:
+    def look_behind(self, here: Point) -> None:
         """Note orbits behind a change, perhaps of other branches, if a search asks for them."""
         for far in BEHIND if self.searching else ():
             found = self.correct(here.unknowns, here.tangent, far, reach=far)
             self.beyond += [] if found is None else [found[0]]
 
-    def stalled(self, points: list[_Point]) -> str:
+    def stalled(self, points: list[Point]) -> str:
         """Return why a walk goes on no more, where it comes no farther in many steps; else nothing.
 
         So it is where the body comes to rest, and its states become 0, or where what happens
@@ -814,7 +820,7 @@ class _Curve:
         arcs = (_length((self.unscaled(b.shot) - self.unscaled(a.shot)) / scale) for a, b in pairs)
         return f"It ends at {at}: the steps become too short." if sum(arcs) < CREPT else ""
 
-    def stepped(self, points: list[_Point], u0: Array, ds: float) -> _Step | float:
+    def stepped(self, points: list[Point], u0: Array, ds: float) -> _Step | float:
         """Return a step in which nothing changes of what happens, or how long one may be.
 
         What changes, and where, is seen by runs along the predictor, without derivatives.
@@ -831,7 +837,7 @@ class _Curve:
             return min(0.5 * ds, self.short_of_pole(points))
         return _Step(there, ds, found[1], free)
 
-    def alike(self, here: _Point, start: Array) -> Shot | None:
+    def alike(self, here: Point, start: Array) -> Shot | None:
         """Return the run from a start, if the same happens in it as at a point."""
         with suppress(SimulationError, InputError):
             shot = self.shoot(start)
@@ -839,13 +845,13 @@ class _Curve:
                 return shot
         return None
 
-    def is_alike(self, here: _Point, start: Array) -> bool:
+    def is_alike(self, here: Point, start: Array) -> bool:
         """Whether the same happens in the run from a start, of which nothing else is asked."""
         with suppress(SimulationError, InputError):
             return self.map.happens(*self.start_of(start)) == here.signature
         return False
 
-    def clear(self, here: _Point, ahead: _Predictor, ds: float) -> tuple[float, float]:
+    def clear(self, here: Point, ahead: _Predictor, ds: float) -> tuple[float, float]:
         """Return up to where on the predictor the same happens still, and the arc to where not.
 
         A long predictor is off the branch by more than a short arc.
@@ -857,7 +863,7 @@ class _Curve:
             low, high = (middle, high) if same else (low, middle)
         return low, high - low
 
-    def short_of_pole(self, points: list[_Point]) -> float:
+    def short_of_pole(self, points: list[Point]) -> float:
         """Return a step that ends in front of where the derivative grows without bound, if it does.
 
         Behind a grazing contact it grows like the inverse of the arc from there.
@@ -869,18 +875,24 @@ class _Curve:
         length = _length(here.unknowns - before.unknowns)
         return POLE * length * ratio / (1.0 - ratio) if ratio < 1.0 else np.inf
 
-    def ended(self, first: _Point, points: list[_Point]) -> str:
+    def ended(self, first: Point, points: list[Point]) -> str:
         """Return why a branch need not be followed beyond its last point; else nothing."""
         here, there = points[-2:]
-        known = self.met(there.shot)
+        known = self.met(there)
         if known is None and len(points) > 3 and self.closes(first, here, there):
             return "It closes."
-        if known is None and not self.returns(there):
+        if known is None and all(self.chord(there, trail) is None for trail in self.trails):
             return ""
         what = "returns to itself" if known is None else f"meets branch {known}"
         return f"It {what} at {quantity(there.shot.value, self.unit, 6)}."
 
-    def is_next(self, here: _Point, there: _Point, u0: Array, ds: float) -> bool:
+    def met(self, there: Point) -> int | None:
+        """Return the number of the branch that is known on which a point lies, if any."""
+        trail, numbers = self.known
+        at = self.chord(there, trail)
+        return None if at is None else int(numbers[at])
+
+    def is_next(self, here: Point, there: Point, u0: Array, ds: float) -> bool:
         """Whether a corrected point lies on the same branch, near enough."""
         off = there.unknowns - u0 - ds * here.tangent
         if _length(off) > ON_CURVE * ds or here.signature != there.signature:
@@ -888,8 +900,8 @@ class _Curve:
         return float(there.tangent @ here.tangent) > TURN or ds < FIRST_STEP**2
 
     def halves(
-        self, points: list[_Point], there: _Point, u0: Array, ds: float, events: list[Event]
-    ) -> tuple[list[_Point], str, list[Event]]:
+        self, points: list[Point], there: Point, u0: Array, ds: float, events: list[Event]
+    ) -> tuple[list[Point], str, list[Event]]:
         """End a branch in the period doubling from which it came, right before it.
 
         Both halves of the orbit become the same there; behind are the same orbits, begun half a
@@ -917,15 +929,15 @@ class _Curve:
         value = quantity(last.shot.value, self.unit, 5)
         return points, f"It ends at {value} in a doubling of period {self.map.cycles // 2}.", events
 
-    def limit(self, here: _Point, there: _Point) -> float | None:
+    def limit(self, here: Point, there: Point) -> float | None:
         """Return the end of the range that a step leaves behind, from within or from it."""
         if there.shot.value < self.low <= here.shot.value:
             return self.low
         return self.high if there.shot.value > self.high >= here.shot.value else None
 
     def cut(
-        self, points: list[_Point], there: _Point, edge: float, events: list[Event]
-    ) -> tuple[list[_Point], str, list[Event]]:
+        self, points: list[Point], there: Point, edge: float, events: list[Event]
+    ) -> tuple[list[Point], str, list[Event]]:
         """End a branch right at the end of the range."""
         here = points[-1]
         share = (edge - here.shot.value) / (there.shot.value - here.shot.value)
@@ -936,7 +948,7 @@ class _Curve:
         inside = [e for e in events if self.low <= e.value <= self.high]
         return points, f"It reaches {quantity(edge, self.unit, 6)}.", inside
 
-    def closes(self, first: _Point, here: _Point, there: _Point) -> bool:
+    def closes(self, first: Point, here: Point, there: Point) -> bool:
         """Whether a step passes the first point: the branch is a closed curve."""
         a, b = here.unknowns, there.unknowns
         start, chord = first.unknowns, b - a
@@ -945,36 +957,39 @@ class _Curve:
         along = float(first.tangent @ there.tangent) > TURN
         return along and 0.0 < share <= 1.0 and gap < BESIDE * _length(chord)
 
-    def returns(self, there: _Point) -> bool:
-        """Whether a point lies between two earlier ones of this branch, in either direction.
+    def chord(self, there: Point, trail: Array) -> int | None:
+        """Return between which of neighbours on a trail a point lies, in either direction, if any.
 
-        So it does where a branch that was stepped over at grazing comes back on another way. What
-        is near is solved for in the plane of the point: another part of the branch differs there.
+        Begun at any of its cycles: half a period later an orbit of two is the same. So it lies
+        where a branch that was stepped over at grazing comes back on another way. What is near is
+        solved for in the plane across the chord: another part of the branch differs there.
         """
-        u, value = there.unknowns, there.shot.value
-        for trail in self.trails:
-            # by far the most chords lie at other values of the parameter
-            ends = trail[:, -1]
-            low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
-            wide = BESIDE * (high - low + MOST_STEP * (self.high - self.low))
-            at = np.flatnonzero((low - wide <= value) & (value <= high + wide))
-            if not len(at):
-                continue
-            begins = trail[at] / self.scale
-            chords = trail[at + 1] / self.scale - begins
-            sizes = np.linalg.norm(chords, axis=1)
-            shares = ((u - begins) * chords).sum(axis=1) / np.maximum(sizes, LEAST_STEP**2) ** 2
-            places = begins + shares[:, None] * chords
+        value = there.shot.value
+        # by far the most chords lie at other values of the parameter
+        ends = trail[:, -1:].ravel()
+        low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
+        wide = BESIDE * (high - low + MOST_STEP * (self.high - self.low))
+        at = np.flatnonzero((low - wide <= value) & (value <= high + wide))
+        if not len(at):
+            return None
+        begins = trail[at] / self.scale
+        chords = trail[at + 1] / self.scale - begins
+        sizes = np.maximum(np.linalg.norm(chords, axis=1), LEAST_STEP**2)
+        chords /= sizes[:, None]
+        for start in there.shot.strobes:
+            u = np.append(start, value) / self.scale
+            along = ((u - begins) * chords).sum(axis=1)
+            places = begins + along[:, None] * chords
             near = np.linalg.norm(u - places, axis=1) < BESIDE * sizes
-            near &= (shares > 0.0) & (shares <= 1.0)
-            near &= np.abs(chords @ there.tangent) > TURN * sizes
-            for i in np.flatnonzero(near):
-                found = self.correct(u, there.tangent, 0.0, places[i])
-                if found is not None:
-                    off = _length(self.point(found[0]).unknowns - u)
-                    if off <= ALIKE * sizes[i]:
-                        return True
-        return False
+            for i in np.flatnonzero(near & (along > 0.0) & (along <= sizes)):
+                found = self.correct(u, chords[i], 0.0, places[i])
+                point = found and self.point(found[0])
+                if not point or _length(point.unknowns - u) > max(ALIKE * sizes[i], SAME):
+                    continue
+                # along another direction it crosses, but where a body rests in any of many places
+                if abs(float(point.tangent @ chords[i])) > TURN or abs(point.crossing) < NEARBY:
+                    return int(at[i])
+        return None
 
     def amid(self, part: _Part, share: float) -> Array:
         """Return what is at a share of a part, by a cubic."""
@@ -984,7 +999,7 @@ class _Curve:
         found: Array = a + share * (b - a) + share * rest * bends
         return found
 
-    def straight(self, points: list[_Point]) -> float:
+    def straight(self, points: list[Point]) -> float:
         """Return the step in which the tangent turns as far as it is meant to, as in the last."""
         before, here = points[-2:]
         if before.signature != here.signature:
@@ -993,14 +1008,14 @@ class _Curve:
         length = _length(here.unknowns - before.unknowns)
         return BEND * float(np.arccos(TURN)) / max(angle, LEAST_STEP) * length
 
-    def over(self, here: _Point) -> _Point | None:
+    def over(self, here: Point) -> Point | None:
         """Return a point behind what stops the corrector, on whichever side the branch goes on.
 
         In the plane across the null vector behind it, which need not be near the tangent before.
         """
         return next(filter(None, (self.across(here, ds) for ds in self.behind)), None)
 
-    def across(self, here: _Point, ds: float) -> _Point | None:
+    def across(self, here: Point, ds: float) -> Point | None:
         """Return a point at which something else happens, from a start behind the last one.
 
         Or the same again: where an event passes the beginning of the cycle, it comes twice in a run
@@ -1025,7 +1040,7 @@ class _Curve:
                     return point
         return None
 
-    def turned(self, here: _Point, there: _Point, index: int) -> Event:
+    def turned(self, here: Point, there: Point, index: int) -> Event:
         """Return the event across which the branch was stepped over."""
         kind, sentence = self.change(here, there)
         back = here.tangent[-1] * there.tangent[-1] < 0.0
@@ -1033,7 +1048,7 @@ class _Curve:
         more = TURNS_BACK if back else "; stepped over" if wide else ""
         return self.event(kind, here, index, sentence + more + self.jump(here, there))
 
-    def reason(self, here: _Point) -> tuple[str, str]:
+    def reason(self, here: Point) -> tuple[str, str]:
         """Return why a branch cannot be followed any farther: the kind of event, if any, in words.
 
         What happens in a run right behind the last point is what stops it.
@@ -1063,7 +1078,7 @@ class _Curve:
 
     # -- events
 
-    def event(self, kind: str, point: _Point, index: int, sentence: str) -> Event:
+    def event(self, kind: str, point: Point, index: int, sentence: str) -> Event:
         shot = point.shot
         if shot.off.any():
             with suppress(SimulationError, InputError):  # beside a border the run may be another
@@ -1075,7 +1090,7 @@ class _Curve:
             kind=kind, value=shot.value, index=index, sentence=sentence, orbit=self.map.orbit(shot)
         )
 
-    def jump(self, here: _Point, there: _Point) -> str:
+    def jump(self, here: Point, there: Point) -> str:
         """Return what a change does to stability, in words."""
         pair = (there, here) if self.backward else (here, there)
         before, after = (bool(np.all(np.abs(p.multipliers) < 1.0)) for p in pair)
@@ -1083,12 +1098,12 @@ class _Curve:
             return ""
         return f"; {'unstable' if before else 'stable'} from there on"
 
-    def change(self, here: _Point, there: _Point) -> tuple[str, str]:
+    def change(self, here: Point, there: Point) -> tuple[str, str]:
         """Return the kind of a change of what happens, and the sentence in the order of points."""
         pair = (there, here) if self.backward else (here, there)
         return _change(pair[0].signature, pair[1].signature)
 
-    def between(self, here: _Point, there: _Point, u0: Array, ds: float, index: int) -> list[Event]:
+    def between(self, here: Point, there: Point, u0: Array, ds: float, index: int) -> list[Event]:
         """Return the events in a step in which the same happens, each located."""
         found: list[tuple[float, Event]] = []
         step = _Part(0.0, ds, here, there)
@@ -1107,7 +1122,7 @@ class _Curve:
             found.append((s, self.event("torus", a, index, "a complex pair passes the circle")))
         return [event for _, event in sorted(found, key=lambda pair: pair[0])]
 
-    def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, _Point] | None:
+    def torus(self, part: _Part, u0: Array, normal: Array) -> tuple[float, Point] | None:
         """Return where a complex pair of multipliers passes the unit circle, if it does."""
         before, after = _pair_outside(part.a), _pair_outside(part.b)
         if before is None or after is None or before == after:
@@ -1123,9 +1138,9 @@ class _Curve:
         part: _Part,
         u0: Array,
         normal: Array,
-        test: Callable[[_Point], float],
+        test: Callable[[Point], float],
         least: float | None = None,
-    ) -> tuple[float, _Point]:
+    ) -> tuple[float, Point]:
         """Return where a test function changes its sign: the arc, and the orbit right before.
 
         One that is smooth, and for which a least value counts as 0, by the rule of false position,
@@ -1156,7 +1171,7 @@ class _Curve:
 
     # -- doubled branches
 
-    def doubled(self, orbit: Orbit, y: Array, value: float) -> _Point:
+    def doubled(self, orbit: Orbit, y: Array, value: float) -> Point:
         """Return a point of the branch that leaves at a period doubling."""
         values, vectors = np.linalg.eig(orbit.monodromy)
         nearest = int(np.argmin(np.abs(values + 1.0)))
@@ -1196,24 +1211,25 @@ def units_of(map_: ReturnMap) -> dict[str, str]:
     return {name: known.get(f"initial.{name}", "1") for name in map_.states}
 
 
-def _halves_meet(here: _Point, there: _Point) -> bool:
+def _halves_meet(here: Point, there: Point) -> bool:
     """Whether the two halves of an orbit become alike in a step, as they do in a doubling."""
     far = _length(here.half)
     missed = max(_length(point.shot.off[:-1] / point.scale[:-1]) for point in (here, there))
-    if far <= max(NEARBY, STRAYED * missed) or far > 2.0 * _length(there.half - here.half):
+    if far <= max(NEARBY, STRAYED * missed):
         return False
-    return float(here.half @ there.half) < ALIKE * far * far
+    # one step may end right before the doubling, and the next one be too near to tell
+    return float(here.half @ there.half) / far < min(HALVED, 0.5 * far)
 
 
 def _length(x: Array) -> float:
     return math.sqrt(x.dot(x))  # as np.linalg.norm, in a third of its time
 
 
-def _det_plus(point: _Point) -> float:
+def _det_plus(point: Point) -> float:
     return float(np.prod(1.0 + point.multipliers).real)
 
 
-TESTS: Final[tuple[tuple[str, str, Callable[[_Point], float]], ...]] = (
+TESTS: Final[tuple[tuple[str, str, Callable[[Point], float]], ...]] = (
     ("fold", "the branch turns back", lambda point: float(point.tangent[-1])),
     ("period doubling", "a multiplier passes -1", _det_plus),
     ("branch point", "another branch crosses", lambda point: point.crossing),
@@ -1221,7 +1237,7 @@ TESTS: Final[tuple[tuple[str, str, Callable[[_Point], float]], ...]] = (
 """Smooth test functions, with what a change of their sign means."""
 
 
-def _pair_outside(point: _Point) -> bool | None:
+def _pair_outside(point: Point) -> bool | None:
     """Whether the largest complex pair lies outside the unit circle; None if all are real."""
     pairs = [abs(x) for x in point.multipliers if abs(x.imag) > 1e-9 * max(abs(x), 1e-9)]
     return max(pairs) > 1.0 if pairs else None

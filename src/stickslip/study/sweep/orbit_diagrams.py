@@ -13,15 +13,14 @@
    there something else is, be it of a longer period or of none.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from time import process_time
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.engine.simulation import (
     GivenFriction,
@@ -35,19 +34,14 @@ from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.show.display import MOST_ROWS, OnAxes, Summary, Tabular
 from stickslip.show.formatting import joined, number, percent, span
 from stickslip.study.sweep.attractors import CLOSED, period_of
-from stickslip.study.sweep.orbits import (
-    Orbit,
-    ReturnMap,
-    Shot,
-    return_map,
-    solved,
-)
+from stickslip.study.sweep.orbits import ReturnMap, Shot, return_map, solved
 from stickslip.study.sweep.parameter_grid import (
     PERIOD,
     Array,
     Progress,
     Tally,
     axis_of,
+    check_path,
     compiled,
     counted,
     early_ends,
@@ -64,9 +58,11 @@ from stickslip.study.sweep.continuation import (
     MOST_STEP,
     Branch,
     BranchEvent,
-    begun,
+    Curve,
+    Point,
     between_of,
     check_step,
+    runs_of,
     units_of,
     within,
 )
@@ -92,16 +88,8 @@ better."""
 SAME = 2e-3
 """Distance, over the size of the states, within which points are of the same orbit: what is left
 of a transient, of which `cycles.CLOSED` is allowed."""
-SOLVED = 1e-6
-"""The same of orbits that were solved for: near a doubling branches lie closer than transients."""
 SETTLED = 1e-7
-"""The same of points of one orbit."""
-CHORD = 0.05
-"""Distance of an arc from its chord, over the latter, at most; neighbours' tangents differ by less
-than in `continuation.TURN`, of which an eighth of the angle is the sag."""
-NEAR_SAMPLES = 0.05
-"""Distance within which a sample of a settled run may lie on a branch that is known: then it is
-compared after both were solved for at the same value."""
+"""The same of points of an orbit that was solved for."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -169,17 +157,17 @@ class OrbitDiagram(OnAxes, Tabular):
         stretches = list[tuple[float, float, tuple[object, ...]]]()
         for i, branch in enumerate(self.branches):
             ways = {name: branch.mean_velocity(name) for name in self.velocities}
-            for begin, end in _runs(branch.stable):
-                at = branch.values[begin:end]
+            for begin, end, *ends in branch.stretches:
+                at = [*branch.values[begin:end].tolist(), *ends]
                 kept = [np.where(abs(ways[n]) > still[n], ways[n], 0.0)[begin:end] for n in ways]
                 shown = [span(way.min(), way.max(), u) for way, u in zip(kept, units, strict=True)]
-                stretches.append((at.min(), at.max(), (branch.cycles, *shown, i)))
+                stretches.append((min(at), max(at), (branch.cycles, *shown, i)))
         widest = sorted(stretches, key=lambda stretch: stretch[0] - stretch[1])[:MOST_ROWS]
         spans = np.array([stretch[:2] for stretch in stretches]).reshape(-1, 2)
         edges, whole = np.unique(spans), self.between[1] - self.between[0]
         middles = 0.5 * (edges[1:] + edges[:-1])[:, None]
         beside = ((spans[:, 0] < middles) & (middles < spans[:, 1])).sum(axis=1)
-        known, several = (edges[_runs(beside > others)] for others in (0, 1))
+        known, several = (edges[runs_of(beside > others)] for others in (0, 1))
         several = several[np.argsort(-np.ptp(several, axis=1))]
         shares = [percent(np.ptp(parts, axis=1).sum() / whole) for parts in (known, several)]
         sentence = f"Stable orbits are known over {shares[0]} of the range"
@@ -207,11 +195,6 @@ class OrbitDiagram(OnAxes, Tabular):
         )
 
 
-def _runs(chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return where runs of what is chosen begin and end (n, 2)."""
-    return np.flatnonzero(np.diff(chosen, prepend=False, append=False)).reshape(-1, 2)
-
-
 def orbit_diagram(
     mechanism: Mechanism,
     law: GivenFriction,
@@ -219,7 +202,7 @@ def orbit_diagram(
     between: tuple[float, float],
     *,
     cycles: int = 4,
-    values: int = 61,
+    values: int | ArrayLike = 61,
     starts: int = 6,
     settle: int = 200,
     step: float = MOST_STEP,
@@ -248,9 +231,11 @@ def orbit_diagram(
         Least and largest value.
     cycles : int
         Largest period that is sought, in cycles of the drives.
-    values, starts : int
-        Values with settled runs, evenly spaced, and runs for each of them: the first from where the
-        mechanism begins, others from random states at values between it and the next.
+    values : int or array_like (n,)
+        Values with settled runs in this range, or their number if they are evenly spaced.
+    starts : int
+        Runs for each of them: the first from where the mechanism begins, others from random states
+        at values between it and the next.
     settle : int
         Cycles before a run counts as settled; one that closes well after a quarter or half of them
         has settled.
@@ -288,18 +273,27 @@ def orbit_diagram(
     [(1, True)]
     """
     owner = "orbit_diagram"
+    check_path(owner, path)
     low, high = between_of(owner, between)
     check_step(owner, step, DIAGRAM_STEP)
     laws = event_driven_law(mechanism, law)
-    for name, count, least in (("cycles", cycles, 1), ("values", values, 2), ("starts", starts, 1)):
+    for name, count, least in (("cycles", cycles, 1), ("starts", starts, 1), ("settle", settle, 0)):
         counted(owner, name, count, least)
-    counted(owner, "settle", settle, 0)
+    if np.ndim(values) == 0:
+        values = np.linspace(low, high, counted(owner, "values", values, 2))
     mechanism, laws = beginning_pair(mechanism, laws, {path: [low, high]})
-    full, grid = axis_of(mechanism, laws, path, np.linspace(low, high, int(values)))
+    full, grid = axis_of(mechanism, laws, path, values)
+    grid = np.unique(grid)
     if full.startswith("initial."):
         raise InputError(
             f"{owner}: {full} is not a parameter of the equations; give one of the mechanism or of"
             " the law."
+        )
+    if not low <= grid[0] <= grid[-1] <= high:
+        unit = unit_of(mechanism, laws, full)
+        raise InputError(
+            f"{owner}: values of {full} must lie in {span(low, high, unit, 6)}, the range given by"
+            f" between, got {span(float(grid[0]), float(grid[-1]), unit, 6)}."
         )
     if period is None:
         whole_run(owner, mechanism, settle + 2 * cycles)
@@ -315,62 +309,23 @@ def orbit_diagram(
         step,
         np.random.default_rng(seed),
         dict(y0 or {}),
-        float(grid[1] - grid[0]) / FINER,
+        (high - low) / (max(len(grid), 2) - 1) / FINER,
     )
     tally = Tally(len(grid), progress)
-    between_values = np.arange(1, int(starts)) / int(starts) * (grid[1] - grid[0])
-    for done, value in enumerate(grid.tolist(), 1):
+    shares, widths = np.arange(1, int(starts)) / int(starts), np.diff(grid, append=high)
+    for done, (value, width) in enumerate(zip(grid.tolist(), widths.tolist(), strict=True), 1):
         search.settle_at(value, search.starts(value, 1, from_beginning=True))
-        for other in (value + between_values).tolist():
-            if other < high:
-                search.settle_at(other, search.starts(other, 1))
+        for other in (value + shares * width).tolist() if width > 0.0 else ():
+            search.settle_at(other, search.starts(other, 1))
         tally.tell(done)
         if not tally.going:
             break
-    for _ in range(int(values) * int(starts)):  # as many again at most: chaos has no last branch
+    for _ in range(len(grid) * int(starts)):  # as many again at most: chaos has no last branch
         if not tally.going or (found := search.place()) is None:
             break
         search.settle_at(*found)
         tally.tell(len(grid))
     return search.diagram()
-
-
-@dataclass(frozen=True)
-class _Chords:
-    """The chords between neighbours on all branches of a period, one after the other."""
-
-    branches: NDArray[np.int64]
-    """Number of the branch of each (n,)."""
-    begins: Array
-    """Free states at its first point, and the parameter (n, k + 1)."""
-    steps: Array
-    """From there to its second (n, k + 1)."""
-
-    @classmethod
-    def of(cls, branches: Sequence[Branch], cycles: int, size: int) -> "_Chords":
-        """Return the chords of branches of a period."""
-        numbers, begins, steps = [np.empty(0, int)], [np.empty((0, size))], [np.empty((0, size))]
-        for i, branch in enumerate(branches):
-            if branch.cycles == cycles:
-                places = np.column_stack([branch.starts, branch.values])
-                numbers.append(np.full(len(places) - 1, i))
-                begins.append(places[:-1])
-                steps.append(np.diff(places, axis=0))
-        return cls(np.concatenate(numbers), np.concatenate(begins), np.concatenate(steps))
-
-    def across(self, value: float) -> tuple[NDArray[np.int64], Array, Array]:
-        """Return branches (m,), free states (m, k) and steps of the chords that cross a value."""
-        low, high = self.ends
-        at = np.flatnonzero((low <= value) & (value <= high))
-        begins, steps = self.begins[at], self.steps[at]
-        share = (value - begins[:, -1]) / np.where(steps[:, -1] == 0.0, 1.0, steps[:, -1])
-        return self.branches[at], begins[:, :-1] + share[:, None] * steps[:, :-1], steps
-
-    @cached_property
-    def ends(self) -> tuple[Array, Array]:
-        """Return the least and the largest parameter of each."""
-        first, last = self.begins[:, -1], self.begins[:, -1] + self.steps[:, -1]
-        return np.minimum(first, last), np.maximum(first, last)
 
 
 class _Search:
@@ -390,8 +345,8 @@ class _Search:
         self.finest = finest
         self.map, self.between, self.cycles, self.settle = first, between, cycles, settle
         self.step, self.random, self.y0 = step, random, y0
+        self.unit = unit_of(first.mechanism, first.law, str(first.path))
         self.branches: list[Branch] = []
-        self.drawn: dict[tuple[int, int], _Chords] = {}
         self.values: list[float] = []
         self.samples: list[Array] = []
         self.velocities: list[Array] = []
@@ -413,8 +368,10 @@ class _Search:
         self.seconds["brute"] += process_time() - begun
         begun = process_time()
         for closed, points in zip(self.closed[first:], self.samples[first:], strict=True):
-            if closed and not self.is_known(closed, value, points[:closed]):
-                self.follow(closed, value, points[-1])
+            if closed and not self.is_near(closed, value, points[:closed]):
+                # it fails at a grazing contact, say: settled runs at other values lead there
+                with suppress(SimulationError, InputError):
+                    self.follow(solved(replace(self.map, cycles=closed), points[-1], value))
         self.seconds["branches"] += process_time() - begun
 
     def place(self) -> tuple[float, Mapping[str, Array]] | None:
@@ -454,20 +411,17 @@ class _Search:
         """
         low, high = self.between
         found: list[tuple[float, Mapping[str, Array]]] = []
-        values, stable = branch.values, branch.stable
-        steps = [(i, i + way) for i in np.flatnonzero(stable).tolist() for way in (-1, 1)]
-        for i, after in steps:
-            if 0 <= after < len(stable) and stable[after]:
-                continue
-            before = min(max(2 * i - after, 0), len(values) - 1)
-            way = float(np.sign(values[i] - values[before]))
-            columns = {
-                f"initial.{name}": branch.starts[i : i + 1, k]
-                for k, name in enumerate(branch.states)
-            }
-            beyond = float(values[i]) + way * RIGHT_BEHIND * (high - low)
-            if way and low < beyond < high:
-                found.append((beyond, columns))
+        values = branch.values
+        for begin, end, *ends in branch.stretches:
+            inside = values[min(begin + 1, end - 1)], values[max(end - 2, begin)]
+            for i, before, edge in zip((begin, end - 1), inside, ends, strict=True):
+                columns = {
+                    f"initial.{name}": branch.starts[i : i + 1, k]
+                    for k, name in enumerate(branch.states)
+                }
+                beyond = edge + float(np.sign(edge - before)) * RIGHT_BEHIND * (high - low)
+                if beyond != edge and low < beyond < high:
+                    found.append((beyond, columns))
         return found
 
     def is_new(self, value: float, reach: float) -> bool:
@@ -481,9 +435,9 @@ class _Search:
         """Return the parts of the range in which no stable orbit is known, from below."""
         low, high = self.between
         for branch in self.branches[len(self.stable) :]:
-            both = branch.stable[:-1] & branch.stable[1:]
-            ends = np.column_stack([branch.values[:-1], branch.values[1:]])[both]
-            self.stable.append(np.sort(ends, axis=1))
+            for begin, end, *ends in branch.stretches:
+                at = [*branch.values[begin:end].tolist(), *ends]
+                self.stable.append(np.array([[min(at), max(at)]]))
         parts = np.concatenate([np.full((1, 2), high), *self.stable])
         begins, until = parts[np.argsort(parts[:, 0], kind="stable")].T
         reached = np.maximum.accumulate(np.append(low, until[:-1]))
@@ -583,130 +537,74 @@ class _Search:
             found[f"initial.{name}"] = column
         return found
 
-    def is_known(self, closed: int, value: float, points: Array, same: float = SAME) -> bool:
-        """Whether an orbit, by its points once a cycle, lies on a branch that was followed."""
-        return self.known(closed, value, points, same) is not None
-
-    def known(
-        self, closed: int, value: float, points: Array, same: float, *, walking: bool = False
-    ) -> int | None:
-        """Return the number of the branch on which an orbit lies, to within a distance.
-
-        What lies near the polygon of a branch is compared with the orbit of the branch at the same
-        value, unless the distance allowed is one of settled runs.
-        """
-        numbers, guesses, steps = self.chords(closed).across(value)
-        if not len(numbers):
-            return None
+    def is_near(self, closed: int, value: float, points: Array) -> bool:
+        """Whether a settled motion, by its points once a cycle, lies on a branch that is known."""
         scale = np.where(self.sizes > 0.0, self.sizes, 1.0)
-        gaps = np.abs((guesses[:, None] - points) / scale).max(axis=2).min(axis=1)
-        near = np.full(len(gaps), NEAR_SAMPLES)
-        if walking:  # as far as the arc may be from its chord; a step later another chord tells
-            steps = steps / np.append(scale, self.between[1] - self.between[0])
-            sizes = np.linalg.norm(steps, axis=1)
-            ahead = np.maximum(np.abs(steps[:, -1]), np.finfo(float).tiny)
-            near = np.minimum(near, same + CHORD * sizes * sizes / ahead)
-        for i in sorted(np.flatnonzero(gaps <= near), key=gaps.__getitem__):
-            branch = int(numbers[i])
-            if gaps[i] <= same:
-                return branch
-            try:
-                shot = solved(self.branches[branch].map, guesses[i], value)
-            except (SimulationError, InputError):
-                continue
-            if np.abs((shot.y - points) / scale).max(axis=1).min() <= same:
-                return branch
-        return None
+        near = (b.crossings(value)[:, None] for b in self.branches if b.cycles == closed)
+        return any((np.abs((x - points) / scale).max(axis=2) <= SAME).any() for x in near)
 
-    def chords(self, cycles: int) -> _Chords:
-        """Return the chords of all branches of a period."""
-        key = cycles, len(self.branches)
-        if key not in self.drawn:
-            self.drawn = {k: known for k, known in self.drawn.items() if k[1] == key[1]}
-            self.drawn[key] = _Chords.of(self.branches, cycles, len(self.map.free) + 1)
-        return self.drawn[key]
+    def curve(self, cycles: int) -> Curve:
+        """Return a branch that is about to be followed, and knows all others of its period."""
+        map_ = replace(self.map, cycles=cycles)
+        curve = Curve(map_, *self.between, self.unit, self.step, MOST_POINTS, DIAGRAM_STEP)
+        curve.searching = True
+        trails, numbers = [np.empty((0, len(map_.free) + 1))], [np.empty(0, dtype=int)]
+        for i, branch in enumerate(self.branches):
+            if branch.cycles == cycles:
+                trail = np.column_stack([branch.starts, branch.values])
+                trails += [trail, np.full_like(trail[:1], np.nan)]  # neighbours of one branch only
+                numbers.append(np.full(len(trail) + 1, i))
+        curve.known = np.concatenate(trails), np.concatenate(numbers)
+        return curve
 
-    def met(self, shot: Shot) -> int | None:
-        """Return the number of the branch on which an orbit lies."""
-        cycles = round(shot.period / self.map.duration(shot.mechanism, shot.value))
-        return self.known(cycles, shot.value, shot.y[None], SOLVED, walking=True)
-
-    def follow(self, closed: int, value: float, point: Array) -> None:
-        """Follow the branch of a settled motion, and those that leave it by doubling."""
-        map_ = replace(self.map, cycles=closed)
-        try:
-            shot = solved(map_, point, value)
-        except (SimulationError, InputError):
-            return  # at a grazing contact, say: settled runs at other values lead there
-        self.follow_shot(shot, closed)
-
-    def follow_shot(self, shot: Shot, cycles: int) -> None:
-        """Follow the branch of an orbit that is on none yet, after the least cycles it closes in.
+    def follow(self, shot: Shot) -> None:
+        """Follow the branch of an orbit, after the least cycles in which it closes.
 
         A run that comes to rest from either side in turn seems to close after twice as many.
         """
-        strobes = self.strobes(shot, cycles)
+        cycles = len(shot.strobes)
         # Distance from the start after each cycle: the first that closes is the period.
-        off = np.abs(strobes - shot.y) / shot.scale
+        off = np.abs(shot.strobes - shot.y) / shot.scale
         least = next(
             (m for m in range(1, cycles) if cycles % m == 0 and off[m].max() <= SETTLED), cycles
         )
         if least < cycles:
-            try:
-                shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
-            except (SimulationError, InputError):
-                return
-        if not self.is_known(least, shot.value, strobes[:least], SOLVED):
-            self.followed(replace(self.map, cycles=least).orbit(shot), doubled=False)
+            shot = solved(replace(self.map, cycles=least), shot.y, shot.value)
+        curve = self.curve(least)
+        self.followed(curve, curve.point(shot))
 
-    def followed(self, orbit: Orbit, *, doubled: bool) -> None:
-        try:
-            curve, first = begun(
-                orbit, str(self.map.path), self.between, doubled, self.step, MOST_POINTS,
-                self.map.period, DIAGRAM_STEP,
-            )  # fmt: skip
-            curve.met, curve.searching = self.met, True
-            branch = curve.branch(first)
-        except (SimulationError, InputError):
-            return  # nothing leaves there, as where a multiplier jumps across -1
-        # A doubled branch may be one that is known, met from its other end.
-        if doubled:
-            middle = len(branch.values) // 2
-            value = float(branch.values[middle])
-            shot = branch.map.shoot(branch.starts[middle], value)
-            if self.is_known(branch.cycles, value, self.strobes(shot, branch.cycles), SOLVED):
-                return
+    def followed(self, curve: Curve, first: Point) -> None:
+        """Follow a branch from an orbit that is on none yet, and those that it leads to."""
+        if curve.met(first) is not None:
+            return
+        branch = curve.branch(first)
         self.branches.append(branch)
         self.lost += self.losses(branch)
         for event in branch.events:
             if event.kind == "period doubling" and 2 * branch.cycles <= self.cycles:
-                self.followed(event.orbit, doubled=True)
+                y = np.array([event.orbit.start[name] for name in branch.states])
+                # nothing leaves where a multiplier jumps across -1
+                with suppress(SimulationError, InputError):
+                    doubled = self.curve(2 * branch.cycles)
+                    self.followed(doubled, doubled.doubled(event.orbit, y, event.value))
         for shot in curve.halved:
             half = replace(self.map, cycles=branch.cycles // 2)
             with suppress(SimulationError, InputError):
-                self.follow_shot(solved(half, shot.y, shot.value), half.cycles)
+                self.follow(solved(half, shot.y, shot.value))
         if self.depth >= DEEPEST:
             return
         self.depth += 1
         for shot in curve.beyond[:MOST_BEYOND]:
-            if self.met(shot) is not None:
-                continue
             with suppress(SimulationError, InputError):
-                self.follow_shot(solved(branch.map, shot.y, shot.value), branch.cycles)
+                self.follow(solved(branch.map, shot.y, shot.value))
         self.depth -= 1
 
-    def strobes(self, shot: Shot, cycles: int) -> Array:
-        """Return the free states of an orbit once a cycle."""
-        times = np.arange(cycles, dtype=np.float64) * (shot.period / cycles)
-        return shot.run.at(times)[:, list(self.map.free)]
-
     def diagram(self) -> OrbitDiagram:
-        mechanism, law = self.map.mechanism, self.map.law
         velocities = np.array(self.velocities).reshape(len(self.values), -1)
         return OrbitDiagram(
             path=str(self.map.path),
             between=self.between,
-            unit=unit_of(mechanism, law, str(self.map.path)),
+            unit=self.unit,
             states=self.map.names,
             units=units_of(self.map),
             branches=tuple(self.branches),

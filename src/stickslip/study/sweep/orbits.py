@@ -128,8 +128,9 @@ class Orbit(metaclass=Described):
 
     @property
     def mean_velocity(self) -> Mapping[str, float]:
-        """Advance over period [m/s] or [rad/s] of each coordinate on which nothing depends."""
-        return {name: value / self.period for name, value in self.advance.items()}
+        """Advance over period [m/s] or [rad/s] of each coordinate: 0 of those that come back."""
+        names = self.mechanism.coordinates
+        return {name: self.advance.get(name, 0.0) / self.period for name in names}
 
     @property
     def sticking(self) -> Mapping[str, float]:
@@ -289,6 +290,13 @@ class Shot:
     """Derivatives of the run, taken when they are asked for."""
     run: BareRun
     """The run."""
+
+    @cached_property
+    def strobes(self) -> Array:
+        """Free states once a cycle, those at the start first (m, n)."""
+        map_ = self.derivatives.map
+        times = np.arange(1, map_.cycles) * (self.period / map_.cycles)
+        return np.vstack([self.y, *(self.run.at(times)[:, list(map_.free)] if len(times) else ())])
 
     @property
     def monodromy(self) -> Array:

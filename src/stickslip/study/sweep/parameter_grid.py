@@ -60,6 +60,20 @@ def axis_of(
     return full, array
 
 
+def check_path(owner: str, path: object) -> None:
+    """Refuse what does not name one parameter.
+
+    Examples
+    --------
+    >>> check_path("bifurcation", "mechanism.stiffness")
+    """
+    if not isinstance(path, str):
+        raise InputError(
+            f"{owner}: path must name one parameter, as 'friction.static_coefficient' does, got"
+            f" {path!r}: vary one at a time."
+        )
+
+
 def unit_of(mechanism: Mechanism, law: FrictionLaw | Laws, path: str) -> str:
     """Return the SI unit of a full path.
 
