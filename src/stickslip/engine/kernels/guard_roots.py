@@ -128,13 +128,6 @@ def direction_from_rest(i: int, w: Vector, whole: Wholes) -> int:
     return mode if abs(mode) == 1 and rate == 0.0 else 0
 
 
-def directions(whole: Wholes) -> int:
-    """Return the number of directions along which anything may slip."""
-    return (
-        whole[layout.N_DIRECTIONS] if whole[layout.N_CONTACTS] > 0 else whole[layout.N_COORDINATES]
-    )
-
-
 def note_spare(w: Vector, whole: Wholes) -> None:
     """Write how much of the acceleration of what slips from rest may be rounding.
 
@@ -142,7 +135,9 @@ def note_spare(w: Vector, whole: Wholes) -> None:
     left of the balance is the rounding of forces and of the time.
     """
     w[layout.SPARE] = 0.0
-    for i in range(directions(whole) if whole[layout.STEPPER] != layout.EXACT else 0):
+    if whole[layout.STEPPER] == layout.EXACT:
+        return
+    for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
         if direction_from_rest(i, w, whole) != 0:
             w[layout.SPARE] = max(w[layout.SPARE], UNMOVED * size_of_slip(i, w, whole))
 
@@ -188,11 +183,10 @@ def guard_values(t: float, ahead: float, w: Vector, whole: Wholes, at: int, to: 
     """
     guards(t, w, whole, at, to)
     if ahead * w[layout.SPARE] > 0.0:
-        for i in range(directions(whole)):
+        for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
             if direction_from_rest(i, w, whole) != 0:
-                w[to + (2 * i if whole[layout.N_CONTACTS] > 0 else layout.STOP)] += (
-                    ahead * w[layout.SPARE]
-                )
+                speed = 2 * i if whole[layout.N_CONTACTS] > 0 else layout.STOP
+                w[to + speed] += ahead * w[layout.SPARE]
     if not whole[layout.HAS_BRISTLES]:
         return
     if whole[layout.N_CONTACTS] > 0:
