@@ -103,7 +103,7 @@ def run_sweep(options: option_groups.SweepOptions) -> None:
 
     if isinstance(found, VelocityBand):
         drawing, ends = draw_velocity_band(found, measured), ("low", "median", "high")
-        units = {found.path: found.unit} | dict.fromkeys(ends, found.velocity_unit)
+        units = {found.path: found.unit, "laws": "1"} | dict.fromkeys(ends, found.velocity_unit)
     else:
         drawing = draw_velocity_map(found)
         units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
@@ -149,7 +149,7 @@ def _band_content(
         "error": found.error,
         "laws": dict(Counter(law.name for law in laws)),
         "measured": [list(pair) for pair in measured],
-        "early_ends": list(found.reasons),
+        "early_ends": list(found.early_ends()),
     }
 
 

@@ -102,7 +102,7 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
     before.
     """
     values, h = whole[layout.VALUES], w[layout.LENGTH]
-    guard_roots.guard_values(w[layout.TIME], w, whole, whole[layout.Y], values)
+    guard_roots.guard_values(w[layout.TIME], 0.0, w, whole, whole[layout.Y], values)
     for i in range(whole[layout.N_GUARDS]):
         value = w[values + i]
         if value < 0.0:  # what is left of forces that balance is their rounding
@@ -121,7 +121,7 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
                 )
                 value = min(0.0, max(value, guard_roots.guard_at(i, before, start, h, w, whole)))
                 guard_roots.guard_values(
-                    w[layout.TIME], w, whole, whole[layout.Y], values
+                    w[layout.TIME], 0.0, w, whole, whole[layout.Y], values
                 )  # `guard_at` has overwritten them
             at = layout.RESIDUAL if i == guard else layout.VIOLATION
             if size > 0.0:
@@ -139,6 +139,8 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     start = w[layout.TIME]
     end = start + share * h
     if guard == guard_roots.NO_GUARD:
+        if w[layout.SPARE] > 0.0:
+            guard_roots.forget_spare(w, whole)
         # The stepper's own result, which the dense output repeats only to rounding.
         for i in range(n):
             w[y + i] = w[y1 + i]
@@ -500,6 +502,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         slot = layout.STRIDE if slips else layout.HELD_STRIDE
     before = w[slot]
     doubted, sought = guard_roots.NO_GUARD, guard_roots.NO_GUARD
+    guard_roots.note_spare(w, whole)
     while True:
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:

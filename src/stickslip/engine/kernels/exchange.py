@@ -60,7 +60,7 @@ def take_over(at: int, w: Vector, whole: Wholes) -> None:
 
 def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the event indicators: the guards, above 0 a little longer than these."""
-    guard_roots.guard_values(t, w, whole, at, to)
+    guard_roots.guard_values(t, 0.0, w, whole, at, to)
     for guard in range(whole[layout.N_GUARDS]):
         size = guard_roots.guard_size(guard, w, whole)
         if guard == layout.STOP and whole[layout.N_CONTACTS] == 0:
@@ -115,7 +115,7 @@ def note_state(w: Vector, whole: Wholes) -> None:
         w[whole[layout.SCALE] + i] = max(w[whole[layout.SCALE] + i], abs(w[whole[layout.Y] + i]))
     if whole[layout.N_CONTACTS] > 0:
         equations.ask_here(equations.MOTION, w, whole)
-    guard_roots.guard_values(w[layout.TIME], w, whole, whole[layout.Y], sampled)
+    guard_roots.guard_values(w[layout.TIME], 0.0, w, whole, whole[layout.Y], sampled)
     # There is no step whose samples could be looked at: the one state stands for all of them.
     for s in range(1, layout.SAMPLES + 1):
         for guard in range(guards_of):

@@ -28,11 +28,14 @@ from stickslip.engine.kernels import state_layout as layout
 from stickslip.engine.kernels.backend import Vector, Wholes, rare
 from stickslip.engine.kernels.equations import (
     FIELD,
+    combined,
     evaluate,
     factor_of,
+    field,
     guard_slopes,
     guards,
     size_along,
+    slip_rate_along,
 )
 from stickslip.engine.kernels.mode_transitions import UNMOVED
 from stickslip.engine.kernels.numerics import FALLS_AT_ONCE, first_fall, interpolate
@@ -113,9 +116,77 @@ def itp_point(
     return min(max(x, low + 0.5 * epsilon), high - 0.5 * epsilon)
 
 
-def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Evaluate the guards, with the quiet zone of bristle laws."""
+def direction_from_rest(i: int, w: Vector, whole: Wholes) -> int:
+    """Return the direction in which what friction can hold slips from rest in a step, or 0."""
+    if whole[layout.N_CONTACTS] > 0:
+        mode = whole[whole[layout.MODES] + i] if whole[whole[layout.RIGID] + i] else 0
+        rate = slip_rate_along(i, whole[layout.Y], w, whole)
+    else:
+        own = whole[layout.N_COORDINATES] + i == whole[layout.SLIP]
+        mode = whole[layout.MODE] if own and not whole[layout.HAS_BRISTLES] else 0
+        rate = w[whole[layout.Y] + whole[layout.SLIP]]
+    return mode if abs(mode) == 1 and rate == 0.0 else 0
+
+
+def note_spare(w: Vector, whole: Wholes) -> None:
+    """Write how much of the acceleration of what slips from rest may be rounding.
+
+    As it breaks away forces balance, and it is their growth that tells that it goes on. What is
+    left of the balance is the rounding of forces and of the time.
+    """
+    w[layout.SPARE] = 0.0
+    if whole[layout.STEPPER] == layout.EXACT:
+        return
+    for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
+        if direction_from_rest(i, w, whole) != 0:
+            w[layout.SPARE] = max(w[layout.SPARE], UNMOVED * size_of_slip(i, w, whole))
+
+
+def size_of_slip(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the accelerations are that balance as something begins to slip.
+
+    Over the time that has passed its change counts, too: the time is rounded as forces are.
+    """
+    n, states, t = whole[layout.N_COORDINATES], whole[layout.N_STATES], w[layout.TIME]
+    y, point, now = whole[layout.Y], whole[layout.POINT], whole[layout.STAGES]
+    later, size = now + states, 0.0
+    field(t, w, whole, y, now)
+    if whole[layout.N_CONTACTS] > 0:
+        for j in range(n):
+            forces = abs(w[whole[layout.FORCE] + j]) + size_of_forces(j, w, whole)
+            size += abs(factor_of(i, j, w, whole)) * forces / w[whole[layout.MASS] + j * n + j]
+    else:  # fields of both directions differ by twice the friction
+        evaluate(FIELD, -whole[layout.MODE], whole[layout.FLAGS], t, w, y, later)
+        size = abs(w[now + n + i] - w[later + n + i])
+    tick = UNMOVED * t
+    for j in range(states):
+        w[point + j] = w[y + j] + tick * w[now + j]
+    field(t + tick, w, whole, point, later)
+    for j in range(states):
+        w[later + j] = (w[later + j] - w[now + j]) / UNMOVED
+    return size + abs(combined(i, later + n, w, whole))
+
+
+def forget_spare(w: Vector, whole: Wholes) -> None:
+    """Take for 0 what rounding leaves of a speed against the slip, at the end of a step in Y1."""
+    rates = whole[layout.Y1] + whole[layout.N_COORDINATES]
+    for i in range(whole[layout.N_COORDINATES]):
+        speed = direction_from_rest(i, w, whole) * w[rates + i]
+        if -w[layout.SPARE] * w[layout.LENGTH] <= speed < 0.0:
+            w[rates + i] = 0.0
+
+
+def guard_values(t: float, ahead: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Evaluate the guards a time ahead of the start of a step, with what rounding may decide.
+
+    That is the quiet zone of bristle laws, and the speed that what begins to slip has by rounding.
+    """
     guards(t, w, whole, at, to)
+    if ahead * w[layout.SPARE] > 0.0:
+        for i in range(max(whole[layout.N_DIRECTIONS], whole[layout.N_COORDINATES])):
+            if direction_from_rest(i, w, whole) != 0:
+                speed = 2 * i if whole[layout.N_CONTACTS] > 0 else layout.STOP
+                w[to + speed] += ahead * w[layout.SPARE]
     if not whole[layout.HAS_BRISTLES]:
         return
     if whole[layout.N_CONTACTS] > 0:
@@ -146,7 +217,7 @@ def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes)
     point = whole[layout.POINT]
     values = whole[layout.VALUES]
     interpolate(w, whole, x, point)
-    guard_values(t + x * h, w, whole, point, values)
+    guard_values(t + x * h, x * h, w, whole, point, values)
     return w[values + guard]
 
 
@@ -305,7 +376,8 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     n_guards = whole[layout.N_GUARDS]
     for s in range(layout.SAMPLES + 1):
         interpolate(w, whole, s / layout.SAMPLES, point)
-        guard_values(t + s / layout.SAMPLES * h, w, whole, point, sampled + s * n_guards)
+        ahead = s / layout.SAMPLES * h
+        guard_values(t + ahead, ahead, w, whole, point, sampled + s * n_guards)
     if whole[layout.STEPS] < EARLY and (
         whole[layout.N_CONTACTS] == 0 or whole[layout.N_VARIABLES] > 0
     ):
@@ -411,7 +483,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     """
     n_guards, sampled, values = whole[layout.N_GUARDS], whole[layout.SAMPLED], whole[layout.VALUES]
     interpolate(w, whole, GOLDEN, whole[layout.POINT])
-    guard_values(t + GOLDEN * h, w, whole, whole[layout.POINT], values)
+    guard_values(t + GOLDEN * h, GOLDEN * h, w, whole, whole[layout.POINT], values)
     worst = 0.0
     for guard in range(n_guards):
         at = sampled + guard

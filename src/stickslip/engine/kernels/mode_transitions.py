@@ -170,40 +170,46 @@ STALL_LIMIT = 100
 def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing: int) -> int:
     """Return the flags that the margins of the switches ask for, nested ones included.
 
-    A switch that stands at its threshold is off, unless it was left on there: the next step shows
-    to which side it goes.
+    Those in `standing` are at their thresholds and turn only where a margin has jumped beyond
+    rounding. Of others, one that is at its threshold is off: the next step shows to which side it
+    goes.
     """
-    switches = whole[layout.N_SWITCHES]
+    reached = whole[layout.REACHED] + whole[layout.FIRST_LIMIT] - whole[layout.N_SWITCHES]
     values = whole[layout.VALUES]
     # One may depend on another: as many sweeps as there are switches settle any chain of them.
-    for _ in range(switches):
+    for _ in range(whole[layout.N_SWITCHES]):
+        before = flags & standing
         equations.evaluate(equations.MARGINS, 0, flags, t, w, at, values)
         flags = 0
-        for j in range(switches):
-            margin = w[values + j]
-            if margin > 0.0 or (margin == 0.0 and standing & (1 << j)):
+        for j in range(whole[layout.N_SWITCHES]):
+            rounding = UNMOVED * w[reached + j] if standing & (1 << j) else 0.0
+            if w[values + j] > rounding or (before & (1 << j) and w[values + j] >= -rounding):
                 flags |= 1 << j
     return flags
 
 
-def standing_flags(w: Vector, whole: Wholes) -> int:
-    """Return the flags of switches that are on at their thresholds, whatever the slip velocity is.
+def at_thresholds(found: int, w: Vector, whole: Wholes) -> int:
+    """Return those of some switches that are at their thresholds but for rounding."""
+    reached = whole[layout.REACHED] + whole[layout.FIRST_LIMIT] - whole[layout.N_SWITCHES]
+    values, flags = whole[layout.VALUES], whole[layout.FLAGS]
+    equations.evaluate(equations.MARGINS, 0, flags, w[layout.TIME], w, whole[layout.Y], values)
+    for j in range(whole[layout.N_SWITCHES]):
+        if abs(w[values + j]) > UNMOVED * w[reached + j]:
+            found &= ~(1 << j)
+    return found
 
-    That of a velocity which is 0 now is off: what it asks for has ended.
+
+def standing_flags(w: Vector, whole: Wholes) -> int:
+    """Return the switches that are at their thresholds, whatever the slip velocity is.
+
+    That of a velocity which is 0 now is none: what it asks for has ended.
     """
-    values, rate = whole[layout.VALUES], whole[layout.Y] + whole[layout.SLIP]
-    found, now = whole[layout.FLAGS], w[rate]
-    if whole[layout.N_SWITCHES] == 0:
-        return found
+    rate = whole[layout.Y] + whole[layout.SLIP]
+    found, now = (1 << whole[layout.N_SWITCHES]) - 1, w[rate]
     # A switch that is at its threshold at both rates does not depend on the rate at all.
-    for trial in range(2):
+    for trial in range(2 if found != 0 else 0):
         w[rate] = now + equations.ANY_RATE if trial == 0 else now
-        equations.evaluate(
-            equations.MARGINS, 0, whole[layout.FLAGS], w[layout.TIME], w, whole[layout.Y], values
-        )
-        for j in range(whole[layout.N_SWITCHES]):
-            if w[values + j] != 0.0:
-                found &= ~(1 << j)
+        found = at_thresholds(found, w, whole)
     return found
 
 

@@ -123,9 +123,11 @@ FRICTIONLESS = 16
 
 HELD_STRIDE = 17
 """Length of the next series of one contact that is held; STRIDE is that of one that slips."""
+SPARE = 18
+"""Acceleration that is rounding, of what begins to slip from rest in a step; 0 if nothing does."""
 
 # A guard as a polynomial, its intervals.
-POLYNOMIAL = 18
+POLYNOMIAL = 19
 ROOM = POLYNOMIAL + SERIES + 1
 NUMBERS = ROOM + (DEEPEST + 2) * INTERVAL
 """Where the numbers begin that the equations read."""

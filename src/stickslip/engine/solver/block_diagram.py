@@ -548,8 +548,7 @@ class ContactDiagram(BlockDiagram):
         slips = {n + whole[first + c] for c in range(whole[layout.N_CONTACTS])}
         # Switches, and so the geometry, are those of the state at which the run begins.
         w[whole[layout.Y] : whole[layout.Y] + whole[layout.N_STATES]] = y0
-        for _ in range(whole[layout.N_SWITCHES]):
-            set_own_flags(0, w, whole)
+        set_own_flags(0, w, whole)
         prepare(0.0, w, whole)  # gives the change of coordinates, too
         walls = tuple(
             Wall(wall_coordinate(k, whole), wall_side(k, whole), *_numbers_of(k, w, whole))

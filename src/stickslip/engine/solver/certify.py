@@ -66,10 +66,13 @@ def energy_limit_at(tolerance: float) -> float:
     return max(ENERGY_LIMIT, 1e3 * tolerance)
 
 
-def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
+def passes(
+    evidence: NDArray[np.float64], status: NDArray[np.object_], tolerance: float
+) -> NDArray[np.bool_]:
     """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more)."""
     limits = np.array([energy_limit_at(tolerance), VIOLATION_LIMIT, RESIDUAL_LIMIT])
-    return np.asarray((evidence[:, :3] <= limits).all(axis=1))
+    complete = np.array([ending.complete for ending in status], dtype=np.bool_)
+    return np.asarray((evidence[:, :3] <= limits).all(axis=1) & complete)
 
 
 def certify(
@@ -82,6 +85,9 @@ def certify(
     drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
+    if whole[layout.STATUS] not in (layout.END_TIME, layout.AT_REST):
+        end = quantity(playback.span()[1], "s", 6)
+        problems.append(f"the run ended at {end}, before the end that was asked for")
     if not energy_error <= energy_limit:  # NaN is above every limit
         problems.append(
             f"energy balance violated: relative error {number(energy_error, 2)},"

@@ -308,15 +308,15 @@ class _Parts:
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
         # A status for each code of the kernels, limits behind all others.
         most = state_layout.LIMITED + len(self.model.limits)
-        table = np.array([status_of(code, self.model) for code in range(most)])
+        status = np.array([status_of(code, self.model) for code in range(most)])[self.codes]
         return Ensemble(
             outputs={
                 name: reducers.value_of(self.results, place, wanted[name])
                 for name, place in self.places.items()
             },
             parameters=columns,
-            status=table[self.codes],
-            certified=certify.passes(evidence, self.job.solver.tolerance_for(self.job.law)),
+            status=status,
+            certified=certify.passes(evidence, status, self.job.solver.tolerance_for(self.job.law)),
             energy_error=evidence[:, 0],
             guard_violation=evidence[:, 1],
             event_residual=evidence[:, 2],

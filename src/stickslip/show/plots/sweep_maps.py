@@ -174,6 +174,8 @@ def draw_velocity_band(
             ncols=1 if narrow else 3,
             fontsize="small",
         )
+        if not np.isfinite(result.velocities).all():
+            _mark_early_ends(axes, result.values, result.status.T)
 
     return draw
 

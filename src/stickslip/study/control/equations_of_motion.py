@@ -311,8 +311,7 @@ class DynamicsOfContacts:
         # Twice: first what turns states, then what depends on the turned state.
         prepare(t, w, whole)
         turn_states(first, 0, w, whole)
-        for _ in range(max(whole[at.N_SWITCHES], 1)):
-            set_own_flags(0, w, whole)
+        set_own_flags(0, w, whole)
         # All slip: friction is given, and nothing holds.
         for i in range(whole[at.N_DIRECTIONS]):
             whole[whole[at.MODES] + i] = FORWARD

@@ -273,8 +273,15 @@ class VelocityBand(OnAxes, Tabular):
     """Probability of the band, point by point."""
     error: float = 0.0
     """By how much predictions are off beside what the laws tell [m/s] or [rad/s]."""
-    reasons: tuple[str, ...] = ()
-    """Where runs ended early, and why."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each (m, n)."""
+
+    def early_ends(self) -> tuple[str, ...]:
+        """Return where laws have no velocity, and why: a sentence for each reason."""
+        noun, lacks = f"runs with {len(self.velocities)} laws", "The band leaves them out."
+        return early_ends(
+            self.status.T, lacks, {self.path: self.values}, {self.path: self.unit}, noun
+        )
 
     @property
     def low(self) -> Array:
@@ -296,12 +303,22 @@ class VelocityBand(OnAxes, Tabular):
         # quantiles instead of draws: a band has the same ends each time
         off = self.error * stdtrit(FREEDOM, (np.arange(ERRORS) + 0.5) / ERRORS)
         every = (self.velocities[:, None] + off[:, None]).reshape(-1, len(self.values))
-        return np.asarray(np.nanquantile(every, share, axis=0))
+        found = np.full(len(self.values), np.nan)
+        known = np.isfinite(every).any(axis=0)
+        found[known] = np.nanquantile(every[:, known], share, axis=0)
+        return found
 
     @property
     def fastest(self) -> float:
         """Value with which the body is fastest, either way, with the largest median."""
-        return float(self.values[int(np.nanargmax(np.abs(self.median)))])
+        return float(self.values[self._fastest])
+
+    @property
+    def _fastest(self) -> int:
+        size = np.abs(self.median)
+        if not np.isfinite(size).any():
+            raise InputError(f"no law has a velocity anywhere. {' '.join(self.early_ends())}")
+        return int(np.nanargmax(size))
 
     def _over(self) -> str:
         return self.path
@@ -311,23 +328,24 @@ class VelocityBand(OnAxes, Tabular):
         return {self.path: self.unit} | ends
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return a row for each value: lower end, median and upper end of the velocity."""
+        """Return a row for each value: the band, and how many laws have a velocity there."""
         import pandas as pd
 
-        ends = {"low": self.low, "median": self.median, "high": self.high}
-        return pd.DataFrame({self.path: self.values, **ends})
+        columns = {"low": self.low, "median": self.median, "high": self.high}
+        columns["laws"] = np.isfinite(self.velocities).sum(axis=0)
+        return pd.DataFrame({self.path: self.values, **columns})
 
     def _summary(self) -> Summary:
-        at = int(np.nanargmax(np.abs(self.median)))
-        ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
         over = span(float(self.values.min()), float(self.values.max()), self.unit, 4)
+        rows = [(self.path, f"{over}, {len(self.values)} values")]
+        if np.isfinite(self.velocities).any():
+            at = self._fastest
+            ends = span(float(self.low[at]), float(self.high[at]), self.velocity_unit, 4)
+            rows.append(("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"))
         return Summary(
             sentence=f"{percent(self.level)} band over {len(self.velocities)} laws.",
-            rows=[
-                (self.path, f"{over}, {len(self.values)} values"),
-                ("fastest", f"{ends} at {quantity(self.fastest, self.unit, 4)}"),
-            ],
-            notes=self.reasons,
+            rows=rows,
+            notes=self.early_ends(),
         )
 
 
@@ -416,7 +434,7 @@ def velocity_band(
         velocity_unit=maps[0].unit,
         level=level,
         error=error,
-        reasons=tuple(dict.fromkeys(text for part in maps for text in part.early_ends())),
+        status=np.array([velocity_map.status for velocity_map in maps]),
     )
 
 

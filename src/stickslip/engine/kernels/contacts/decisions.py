@@ -456,7 +456,8 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
 def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
     """Return the restitution of an impact, 0 where it is so slow that the coordinate stays.
 
-    Everything is worked out for the modes at hand, before and after.
+    Everything is worked out for the modes at hand, before and after. What is not pressed while
+    others are held may be while they slip: each impact lets these go, and the bounces end.
     """
     y, modes = whole[layout.Y], whole[layout.MODES]
     i, side = mode_transitions.wall_coordinate(wall, whole), mode_transitions.wall_side(wall, whole)
@@ -468,15 +469,41 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
         whole[layout.FIRST_WALL] + wall, w, whole
     ) > mode_transitions.resting_speed(w[layout.TIME], size, push, w[at], restitution):
         return restitution
-    mode = whole[modes + i]
-    whole[modes + i] = layout.HELD_FAST
-    assembly.refresh(w[layout.TIME], w, whole, y)
-    # Friction helps to hold it: to leave, the force off the stop must exceed the level that way.
-    level = assembly.finite(w[whole[layout.LEVELS] + 2 * i + (1 if side > 0 else 0)])
-    pressed = side * w[whole[layout.NEEDED] + i] + level > 0.0
-    whole[modes + i] = mode
+    for j in range(whole[layout.N_DIRECTIONS]):
+        whole[whole[layout.KEPT] + j] = whole[modes + j]
+    pressed = is_pressed(i, side, w, whole)
+    if not pressed:
+        let_others_go(i, side, w, whole)
+        pressed = is_pressed(i, side, w, whole)
+    for j in range(whole[layout.N_DIRECTIONS]):
+        whole[modes + j] = whole[whole[layout.KEPT] + j]
     assembly.refresh(w[layout.TIME], w, whole, y)
     return 0.0 if pressed else restitution
+
+
+def is_pressed(i: int, side: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a coordinate that is held at its stop would be pressed against it."""
+    whole[whole[layout.MODES] + i] = layout.HELD_FAST
+    assembly.refresh(w[layout.TIME], w, whole, whole[layout.Y])
+    # Friction helps to hold it: to leave, the force off the stop must exceed the level that way.
+    level = assembly.finite(w[whole[layout.LEVELS] + 2 * i + (1 if side > 0 else 0)])
+    return side * w[whole[layout.NEEDED] + i] + level > 0.0
+
+
+def let_others_go(i: int, side: int, w: Vector, whole: Wholes) -> None:
+    """Let what is held slip as the impact of a coordinate moves it, whose rate it reduces."""
+    n, modes, found = whole[layout.N_COORDINATES], whole[layout.MODES], whole[layout.ACCELERATION]
+    for j in range(n):
+        whole[modes + j] = layout.FREE if j != i else layout.HELD_FAST
+    if not whole[layout.DIAGONAL]:
+        assembly.factorise(w, whole)
+    for j in range(n):
+        w[found + j] = side * w[whole[layout.MASS] + j * n + i] if j != i else 0.0
+    assembly.solve_free(w, whole, found)
+    for j in range(n):
+        whole[modes + j] = whole[whole[layout.KEPT] + j]
+        if j != i and whole[modes + j] == layout.HELD_FAST and w[found + j] != 0.0:
+            whole[modes + j] = layout.FORWARD if w[found + j] > 0.0 else layout.BACKWARD
 
 
 def share_impulses(w: Vector, whole: Wholes) -> None:

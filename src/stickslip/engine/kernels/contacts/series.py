@@ -358,7 +358,8 @@ def first_switch(best: int, slack: float, w: Vector, whole: Wholes) -> int:
             power *= reach
             term = h * w[row + states] if k == 1 else 0.0
             for i in range(states):
-                term += w[row + i] * w[dense + k * states + i]
+                if value != 0.0 or k > 2 or not is_still(i, k, w, whole):
+                    term += w[row + i] * w[dense + k * states + i]
             w[layout.POLYNOMIAL + k] = sign * power * term
             total += abs(w[layout.POLYNOMIAL + k])
         if value > total:
@@ -371,6 +372,15 @@ def first_switch(best: int, slack: float, w: Vector, whole: Wholes) -> int:
             w[layout.FRACTION] = reach * x
             best = first + j
     return best
+
+
+def is_still(state: int, power: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a term of a place or a rate is rounding, as something begins that is balanced."""
+    n = whole[layout.N_COORDINATES]
+    i = state % n
+    if power > (2 if state < n else 1) or w[whole[layout.Y] + n + i] != 0.0:
+        return False
+    return is_balanced(i, w, whole)
 
 
 def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:

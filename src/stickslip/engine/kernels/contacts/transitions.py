@@ -24,7 +24,12 @@ from stickslip.engine.kernels.contacts import assembly, motion, series, slopes
 from stickslip.engine.kernels.contacts.decisions import STRIKES, decide, strike_stops
 from stickslip.engine.kernels.contacts.loops import close_loops, crossing
 from stickslip.engine.kernels.guard_roots import NO_GUARD, guard_size
-from stickslip.engine.kernels.mode_transitions import UNMOVED, wall_coordinate
+from stickslip.engine.kernels.mode_transitions import (
+    UNMOVED,
+    at_thresholds,
+    set_flags,
+    wall_coordinate,
+)
 from stickslip.engine.kernels.numerics import NEVER_FALLS
 
 # What changes at an event of a mechanism with several contacts: all that fires in one instant.
@@ -42,8 +47,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     if whole[layout.IS_TURNED]:
         assembly.prepare(w[layout.TIME], w, whole)
         equations.turn_states(whole[layout.Y], 0, w, whole)
-    for _ in range(whole[layout.N_SWITCHES]):
-        set_own_flags(0, w, whole)
+    set_own_flags(0, w, whole)
     whole[layout.CHANGED] = 0
     decide_start(w, whole)
 
@@ -108,20 +112,9 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
 
 def set_own_flags(standing: int, w: Vector, whole: Wholes) -> None:
-    """Set the flags of the mechanism's own switches.
-
-    One that stands at its threshold is off, unless it was left on there, as `standing` tells: the
-    next step shows to which side it goes.
-    """
-    values = whole[layout.VALUES]
-    equations.evaluate(
-        equations.MARGINS, 0, whole[layout.FLAGS], w[layout.TIME], w, whole[layout.Y], values
-    )
-    whole[layout.FLAGS] = 0
-    for j in range(whole[layout.N_SWITCHES]):
-        margin = w[values + j]
-        if margin > 0.0 or (margin == 0.0 and standing & (1 << j)):
-            whole[layout.FLAGS] |= 1 << j
+    """Set the flags of the mechanism's own switches."""
+    t, y, flags = w[layout.TIME], whole[layout.Y], whole[layout.FLAGS]
+    whole[layout.FLAGS] = set_flags(t, w, whole, y, flags, standing)
 
 
 def turn_own_switches(w: Vector, whole: Wholes) -> None:
@@ -146,27 +139,21 @@ def turn_own_switches(w: Vector, whole: Wholes) -> None:
 
 
 def standing_switches(w: Vector, whole: Wholes) -> int:
-    """Return the flags of switches that are on at their thresholds, whatever has just stopped.
+    """Return the switches that are at their thresholds, whatever has just stopped.
 
-    That of a rate which is 0 now is off: what it asks for has ended.
+    That of a rate which is 0 now is none: what it asks for has ended.
     """
-    values, rates, found = (
-        whole[layout.VALUES],
+    rates, found = (
         whole[layout.Y] + whole[layout.N_COORDINATES],
-        whole[layout.FLAGS],
+        (1 << whole[layout.N_SWITCHES]) - 1,
     )
-    for trial in range(2):
+    for trial in range(2 if found != 0 else 0):
         for i in range(whole[layout.N_COORDINATES]):
             # Only what stopped in this instant: rates of others are those that switches see.
             was = whole[whole[layout.BEFORE] + i] in (layout.FORWARD, layout.BACKWARD)
             if was and whole[whole[layout.MODES] + i] == layout.HELD_FAST:
                 w[rates + i] = equations.ANY_RATE if trial == 0 else 0.0
-        equations.evaluate(
-            equations.MARGINS, 0, whole[layout.FLAGS], w[layout.TIME], w, whole[layout.Y], values
-        )
-        for j in range(whole[layout.N_SWITCHES]):
-            if w[values + j] != 0.0:
-                found &= ~(1 << j)
+        found = at_thresholds(found, w, whole)
     return found
 
 
@@ -312,9 +299,8 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     elif guard >= motion.first_contact_guard(whole):
         lifted = switch_or_open(guard, w, whole)
     else:
-        standing = standing_switches(w, whole) if whole[layout.N_SWITCHES] > 0 else 0
-        for _ in range(whole[layout.N_SWITCHES]):
-            set_own_flags(standing, w, whole)  # a rate that was set to 0 may be what one asks for
+        # a rate that was set to 0 may be what one asks for
+        set_own_flags(standing_switches(w, whole), w, whole)
     if not whole[layout.CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
@@ -359,8 +345,7 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     strike_stops(guard, w, whole)
     for i in range(whole[layout.N_DIRECTIONS]):
         whole[whole[layout.MODES] + i] = mode_by_rate(i, w, whole)
-    for _ in range(whole[layout.N_SWITCHES]):
-        set_own_flags(0, w, whole)
+    set_own_flags(0, w, whole)
 
 
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
