@@ -23,15 +23,9 @@ Array: TypeAlias = NDArray[np.float64]
 Shape: TypeAlias = tuple[float, ...]
 
 POINTS = 24
-"""Points of a law through measured levels."""
-
-
+"""Points of a law through measured levels, of each direction."""
 LINEAR, FALLS, FALLING = "viscous_coefficient", "polynomial[1]", "speed_coefficient_1"
 """The coefficient of a viscous part, and that of a part in which it may be below 0."""
-AGREES = 1e-9
-"""What a law may be off the friction that it is to have, over the largest: rounding of sums."""
-BEYOND = 10.0
-"""Multiple of the fastest velocity up to which a law that is handed over must brake."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,19 +33,17 @@ class Sliding:
     """Friction of a structure in steady sliding in both directions, without its rig."""
 
     velocity: Array
-    """Velocities (n,), from the fastest backwards to the fastest forwards [m/s] or [rad/s]."""
+    """Rising velocities (n,), each in both directions [m/s] or [rad/s]."""
     friction: Array
     """Friction (n,) [N] or [N m]."""
 
     def levels(self, load: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Return rising speeds (n,) and levels above 0 (n,) over a load, forwards and backwards."""
+        """Return rising speeds (k,) and levels above 0 (k,) over a load, forwards and backwards."""
         level = np.sign(self.velocity) * self.friction / load
         level = np.maximum(level, 1e-9 * max(float(np.max(np.abs(level))), 1e-300))
-        ahead, back = self.velocity > 0.0, self.velocity < 0.0
-        return (self.velocity[ahead], level[ahead]), (
-            -self.velocity[back][::-1],
-            level[back][::-1],
-        )
+        half = len(level) // 2
+        speeds = self.velocity[half:]
+        return (speeds, level[half:]), (speeds, level[:half][::-1])
 
     def off(self, law: FrictionLaw, composed: "Composition") -> float:
         """Return how far the friction of a law is off at most [N] or [N m]."""
@@ -59,11 +51,11 @@ class Sliding:
         return float(np.max(np.abs(force - self.friction)))
 
     def is_of(self, law: FrictionLaw, composed: "Composition") -> bool:
-        """Return whether it is that of a law, which brakes beyond these velocities, too."""
-        far = BEYOND * self.velocity
-        force = bound(law, composed.inputs).steady(far, composed.normal())
+        """Return whether it is that of a law, which brakes far beyond these velocities, too."""
+        far = 10.0 * self.velocity  # where a run may go, and must not be driven
+        brakes = bound(law, composed.inputs).steady(far, composed.normal()) * far >= 0.0
         size = float(np.max(np.abs(self.friction)))
-        return bool(np.all(force * far >= 0.0)) and self.off(law, composed) <= AGREES * size
+        return bool(np.all(brakes)) and self.off(law, composed) <= 1e-9 * size  # sums are rounded
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,7 +102,8 @@ class Composition:
 
     def through(self, sliding: Sliding) -> FrictionLaw:
         """Return the law through levels in steady sliding, with the memory of this one."""
-        kind = curve_law(sliding, self.normal(), f"{self.memory}({{}})" if self.memory else "{}")
+        stiff = self.memory and self.values["bristle_stiffness"][0] > 0.0
+        kind = curve_law(sliding, self.normal(), f"{self.memory}({{}})" if stiff else "{}")
         names = kind.__dataclass_fields__
         return kind(**{name: float(x[0]) for name, x in self.values.items() if name in names})
 

@@ -351,6 +351,7 @@ class Table(Extra):
     @property
     @override
     def tex(self) -> str:  # type: ignore[override]  # of its points
+        """Its term of the formula."""
         return rf"c\, \mu_{{\text{{table}}}}({'v' if self.back else '|v|'})"
 
     @property

@@ -160,7 +160,10 @@ class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
-    """What was measured, as it was passed in; trials may have set it differently."""
+    """What was measured, as it was passed in; trials may have set it differently.
+
+    Of a `BandVerdict` with what was found of it, such as a constant offset.
+    """
     measurement: Measurement
     """The measurement."""
     words: Wording
