@@ -171,7 +171,7 @@ def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
     run = simulate(cart, LAW, t_end=5.0, y0=start, throw=False)
     assert run.status is Status.LIFT_OFF
     assert run.events[-1].reason == "lift-off"
-    assert run.certificate.certified
+    assert len(run.certificate.problems) == 1  # that it ended early
     assert abs(run["normal_force"][-1]) <= 1e-9 * 2 * 9.81  # located to rounding of the time
     with pytest.raises(SimulationError, match="Lift-off: the normal force"):
         simulate(cart, LAW, t_end=5.0, y0=start)
@@ -389,7 +389,7 @@ def test_a_prescribed_swing_that_needs_more_than_the_motor_gives_ends_there():
     assert run.events[-1].reason.startswith("motor limit")
     before, after = first_above(t, needed, 0.9 * most)
     assert before <= run.span[1] <= after
-    assert run.certificate.certified
+    assert len(run.certificate.problems) == 1  # that it ended early
 
 
 def test_a_cart_on_narrow_wheels_tips_where_the_ground_cannot_hold_its_moment():

@@ -135,7 +135,9 @@ def test_random_runs_end_with_a_status_that_is_true(share, count):
         cart, law, start = draw(random)
         run = simulate(cart, law, t_end=END, y0=start, throw=False)
         assert faults(cart, law, run) == [], (number, cart, law, start)
-        assert run.certificate.certified, (number, run.certificate.problems)
+        problems = run.certificate.problems
+        # that it ended early is all that may be wrong with it
+        assert len(problems) == (not run.status.complete), (number, problems)
         assert run.certificate.energy_error < 1e-9, number
         met[run.status] += 1
         assert ended_rightly(cart, law, run), (number, cart, law, start)

@@ -146,7 +146,8 @@ def outcome_of(
         return outcome("raised", type(error).__name__, (("raises nothing", words),))
     found += [("warns of nothing", str(w.message)) for w in caught[:1]]
     trust = run.certificate
-    reason = "; ".join(NUMBER.sub("#", problem).partition(":")[0] for problem in trust.problems)
+    problems = trust.problems[not run.status.complete :]  # the status tells the first by itself
+    reason = "; ".join(NUMBER.sub("#", problem).partition(":")[0] for problem in problems)
     return outcome(run.status.name, reason, tuple(found), steps=trust.steps, events=len(run.events))
 
 
