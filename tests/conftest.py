@@ -81,6 +81,15 @@ def no_figure_is_left() -> Iterator[None]:
     _close_figures()
 
 
+@pytest.fixture(autouse=True, scope="module")
+def what_a_module_keeps_ends_with_it(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Clear caches of functions of a test module: verdicts in them are of no use to the next."""
+    yield
+    for value in vars(request.module).values():
+        if hasattr(value, "cache_clear") and value.__module__ == request.module.__name__:
+            value.cache_clear()
+
+
 def _close_figures() -> None:
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")

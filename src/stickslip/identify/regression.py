@@ -39,7 +39,7 @@ parameters pass through half of nine rows.
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,9 @@ FEWER = (
 )
 
 
+_Parts: TypeAlias = tuple[tuple[Array, Array], tuple[Array, Array]]
+
+
 class BlockRegression:
     """Columns of a problem, their Gram matrices by block, and losses of structures."""
 
@@ -90,6 +93,7 @@ class BlockRegression:
         self._doubt = np.zeros(0)
         self._matrix = np.zeros((len(problem.response), 0))
         self._weighed = False
+        self._parts: _Parts | None = None
         self.counted = np.ones(len(problem.response))
         """Share (n,) of each row that counts: of outliers less than 1, if rows are independent."""
         self.believed: Array | None = None
@@ -158,9 +162,32 @@ class BlockRegression:
         self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
         self._weighted = np.zeros((len(y), 0))
         self._total, self._moment = np.zeros((0, 0)), np.zeros(0)
-        none = len(self.problem.blocks), 0
-        self._inside = self._near = (np.zeros((*none, 0)), np.zeros(none))
+        self._parts = self._empty()
         self._extend()
+
+    def forget(self) -> None:
+        """Let go of the Gram matrices by block, most of the memory; few structures make theirs."""
+        self._parts = None
+
+    def _empty(self) -> _Parts:
+        none = len(self.problem.blocks), 0
+        part = np.zeros((*none, 0)), np.zeros(none)
+        return part, part
+
+    def _grown(self, parts: _Parts, a: Array) -> _Parts:
+        """Return Gram matrices and moments in each block, and of what is left out with it."""
+        problem, y = self.problem, self.problem.response * self.weights
+        inside = _extended(parts[0], a, y, problem.blocks)
+        same = problem.excluded is problem.blocks
+        return inside, inside if same else _extended(parts[1], a, y, problem.excluded)
+
+    def _by_block(self, columns: NDArray[np.intp]) -> tuple[_Parts, NDArray[np.intp]]:
+        """Return these for columns of any shape, and where in them the columns are."""
+        if self._parts is not None:
+            return self._parts, columns
+        used, places = np.unique(columns, return_inverse=True)
+        parts = self._grown(self._empty(), self._weighted[:, used])
+        return parts, places.reshape(columns.shape)
 
     def _extend(self) -> None:
         """Make the parts of the Gram matrices that columns since the last time have."""
@@ -172,10 +199,8 @@ class BlockRegression:
         everything = [np.ones(len(y), dtype=bool)]
         total, moment = _extended((self._total[None], self._moment[None]), a, y, everything)
         self._total, self._moment = total[0], moment[0]
-        same = self.problem.excluded is self.problem.blocks
-        near = self._near
-        self._inside = _extended(self._inside, a, y, self.problem.blocks)
-        self._near = self._inside if same else _extended(near, a, y, self.problem.excluded)
+        if self._parts is not None:
+            self._parts = self._grown(self._parts, a)
 
     def index(self, structure: Structure) -> NDArray[np.intp]:
         """Return the columns of a structure."""
@@ -206,13 +231,14 @@ class BlockRegression:
             * (diagonal * RIDGE + self._penalty[columns] + NOTHING)[:, None, :]
         )
         full = np.linalg.solve(total + ridge, moment[..., None])[..., 0]
-        (gram, cross), (near, near_cross) = self._inside, self._near
+        ((gram, cross), (near, near_cross)), at = self._by_block(columns)
+        a, b = at[:, :, None], at[:, None, :]
         inside = gram[:, a, b]
         left = total[None] - (inside if near is gram else near[:, a, b]) + ridge[None]
-        right = moment[None] - near_cross[:, columns]
+        right = moment[None] - near_cross[:, at]
         c = np.linalg.solve(left, right[..., None])[..., 0]
         squares = np.einsum("bsk,bskl,bsl->bs", c, inside, c)
-        squares += self._squares[:, None] - 2.0 * np.einsum("bsk,bsk->bs", c, cross[:, columns])
+        squares += self._squares[:, None] - 2.0 * np.einsum("bsk,bsk->bs", c, cross[:, at])
         losses = np.maximum(squares, 0.0) / self._count[:, None]
         for i, structure in enumerate(group):
             physical = self.physical(structure, full[i] / self._size[columns[i]])
@@ -301,7 +327,8 @@ class BlockRegression:
         """
         y = self.problem.response if response is None else response
         residual, count = np.zeros(y.shape), np.zeros(len(y))
-        columns, near = self.index(structure), self._near[0]
+        columns = self.index(structure)
+        (_, (near, _)), at = self._by_block(columns)
         a = self._weighted[:, columns]
         weighted = (self.weights * y.T).T
         moment = a.T @ weighted
@@ -310,7 +337,7 @@ class BlockRegression:
             residual[rows] += y[rows]
             if len(columns):
                 grid = np.ix_(columns, columns)
-                left = self._total[grid] - near[b][grid]
+                left = self._total[grid] - near[b][np.ix_(at, at)]
                 left += np.diag(self._ridge(columns))
                 out = self.problem.excluded[b]
                 c = np.linalg.solve(left, moment - a[out].T @ weighted[out])

@@ -77,6 +77,7 @@ class Search:
             if not self.problem.independent:
                 self._exchange()
             best = self._likely()
+        regression.forget()
         return self
 
     def _likely(self) -> Structure:
