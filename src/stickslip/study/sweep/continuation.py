@@ -784,7 +784,10 @@ class Curve:
             if end is not None:
                 return self.cut(points, there, end, events)
             points.append(there)
-            ended = self.ended(first, points) or self.stalled(points)
+            ended = self.ended(first, points)
+            if ended:
+                return [*points[:-1], *self.before_known(here, there)], ended, events
+            ended = self.stalled(points)
             if ended:
                 return points, ended, events
             self.trails[-1] = np.append(self.trails[-1], self.unscaled(there.shot)[None], axis=0)
@@ -878,13 +881,30 @@ class Curve:
     def ended(self, first: Point, points: list[Point]) -> str:
         """Return why a branch need not be followed beyond its last point; else nothing."""
         here, there = points[-2:]
+        at = quantity(there.shot.value, self.unit, 6)
+        if self.closes_sooner(there):
+            self.beyond.append(there.shot)
+            return f"It ends at {at}: orbits close after fewer cycles there."
         known = self.met(there)
         if known is None and len(points) > 3 and self.closes(first, here, there):
             return "It closes."
-        if known is None and all(self.chord(there, trail) is None for trail in self.trails):
+        if self.is_new(there):
             return ""
         what = "returns to itself" if known is None else f"meets branch {known}"
-        return f"It {what} at {quantity(there.shot.value, self.unit, 6)}."
+        return f"It {what} at {at}."
+
+    def closes_sooner(self, there: Point) -> bool:
+        """Whether an orbit is the same at an earlier cycle: it is one of a branch of fewer."""
+        shot = there.shot
+        for _ in range(2 if len(shot.strobes) > 1 else 0):
+            off = np.abs(shot.strobes[1:] - shot.y) / shot.scale
+            if shot.off.any():  # later cycles are those of the run, which is another by that
+                if off.max(axis=1).min() > HALVED:
+                    return False
+                shot = self.map.shoot(shot.y, shot.value)
+            else:
+                return bool(off.max(axis=1).min() <= SAME)
+        return False
 
     def met(self, there: Point) -> int | None:
         """Return the number of the branch that is known on which a point lies, if any."""
@@ -956,6 +976,19 @@ class Curve:
         gap = _length(start - a - share * chord)
         along = float(first.tangent @ there.tangent) > TURN
         return along and 0.0 < share <= 1.0 and gap < BESIDE * _length(chord)
+
+    def is_new(self, there: Point) -> bool:
+        """Whether a point is on no branch that is known, nor on this one."""
+        return self.met(there) is None and all(self.chord(there, t) is None for t in self.trails)
+
+    def before_known(self, here: Point, there: Point) -> list[Point]:
+        """Return the last point of a step that is on no branch yet, if there is one behind here."""
+        u0, normal = here.unknowns, here.tangent
+        part = _Part(0.0, float(normal @ (there.unknowns - u0)), here, there)
+        _, last = self.located(
+            part, u0, normal, lambda p: 1.0 if p is here or self.is_new(p) else -1.0
+        )
+        return [] if last is here else [last]
 
     def chord(self, there: Point, trail: Array) -> int | None:
         """Return between which of neighbours on a trail a point lies, in either direction, if any.
