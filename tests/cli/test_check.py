@@ -270,3 +270,27 @@ def test_each_kind_of_finding_has_words_in_the_last_line():
                 kinds.add(ast.literal_eval(kind))  # a kind is written where it is found
     assert len(kinds) > 30
     assert kinds == set(LABELS)
+
+
+def test_hundreds_of_trials_take_a_screen(run, write):
+    rows = {"trial": np.repeat(np.arange(300), 41), "t": np.tile(6.0 * np.arange(41), 300)}
+    random = np.random.default_rng(1)
+    rows["v"] = np.abs(np.tile(np.linspace(-5.0, 5.0, 41), 300) + 0.2 * random.normal(size=12300))
+    rows["F"] = 70.0 + rows["v"] + random.normal(size=12300)
+    columns = ("time=t", "velocity=v", "friction=F")
+    code, out, _ = run(write(**rows), *(f"--columns={one}" for one in columns))
+    assert code == 0
+    lines = out.splitlines()
+    assert len(lines) < 40
+    assert max(map(len, lines)) < 400
+    assert "All findings of each trial: --json." in lines
+
+
+def test_memory_that_ends_is_a_sentence(run, write, monkeypatch):
+    def spent(*_, **__):
+        raise MemoryError("Unable to allocate 41.3 GiB for an array")
+
+    monkeypatch.setattr("stickslip.cli.check.check", spent)
+    code, _, err = run(write(**good()), "--columns=time=t", "--columns=position=q")
+    assert code == 2
+    assert "not enough memory (Unable to allocate 41.3 GiB" in err

@@ -1329,3 +1329,24 @@ def test_equal_positions_are_said_to_be_equal(tmp_path):
     said = " ".join(guess_data(path).doubts)
     assert "they are equal." in said
     assert "differ by" not in said
+
+
+@pytest.mark.parametrize(
+    ("header", "turns"),
+    [
+        ("time (s),Ia (A),Ib (A),encoder (counts)", True),
+        ("time (s),phase A current (A),phase B current (A),position (counts)", True),
+        ("t [s],iq [A],id [A],velocity", True),
+        ("time (s),current (A),other,position (counts)", True),
+        ("time (s),current (A),other,linear encoder (counts)", False),
+        ("time (s),force (N),other,position (counts)", False),
+    ],
+)
+def test_phase_currents_and_counts_of_a_motor_turn_about_an_axis(tmp_path, header, turns):
+    names = header.split(",")
+    t = np.arange(0.0, 10.0, 0.01)
+    columns = (t, np.cos(2.0 * t), np.sin(40.0 * t), np.round(900.0 * np.sin(2.0 * t)))
+    rows = [",".join(f"{x:.6g}" for x in row[: len(names)]) for row in zip(*columns, strict=True)]
+    path = tmp_path / "motor.csv"
+    path.write_text("\n".join([header, *rows]) + "\n")
+    assert guess_data(path).turning is turns

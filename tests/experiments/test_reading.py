@@ -552,3 +552,27 @@ def test_a_footer_of_parquet_that_contradicts_itself_is_refused(write):
     wrong = write(data[:place] + b"\x90\x00" + data[place + 2 :], "a.parquet")
     with pytest.raises(InputError, match="its footer announces"):
         load_measurement(wrong)
+
+
+@pytest.mark.parametrize("newer", [False, True], ids=["level 5", "HDF5"])
+def test_cells_of_matrices_are_trials_with_their_columns(tmp_path, newer):
+    times = [0.01 * np.arange(n) for n in (300, 250)]
+    parts = [np.stack([t, 0.1 * np.sin(t)], axis=1) for t in times]
+    path = tmp_path / "cells.mat"
+    if newer:
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(path, "w") as file:
+            cells = file.create_dataset("run", (2, 1), dtype=h5py.ref_dtype)
+            cells.attrs["MATLAB_class"] = np.bytes_("cell")
+            for i, part in enumerate(parts):
+                kept = file.create_dataset(f"#refs#/{i}", data=part.T)
+                kept.attrs["MATLAB_class"] = np.bytes_("double")
+                cells[i, 0] = kept.ref
+    else:
+        cell = np.empty((1, 2), dtype=object)
+        cell[0, :] = parts
+        savemat(path, {"run": cell, "rate": 100.0})
+    read = load_measurement(path, columns={"time": "run(1)", "position": "run(2)"})
+    assert [trial.time.size for trial in read.trials] == [300, 250]
+    for trial, part in zip(read.trials, parts, strict=True):
+        np.testing.assert_array_equal(trial.position, part[:, 1])

@@ -476,3 +476,31 @@ def test_bands_of_higher_levels_are_wider(verdict):
     bands = [verdict.band([0.3], level=level) for level in (0.5, 0.9, 0.95, 0.96, 0.99)]
     widths = [float(band.high[0] - band.low[0]) for band in bands]
     assert widths == sorted(widths)
+
+
+def sweeps(pause, order=None):
+    """Return 4 sweeps of 41 steady readings each, one every 6 s, with a pause after each."""
+    random = np.random.default_rng(3)
+    v = np.abs(np.tile(np.linspace(-5.0, 5.0, 41), 4) + 0.2 * random.normal(size=164)) * 1e-3
+    time = 6.0 * np.arange(164) + pause * (np.arange(164) // 41)
+    friction = 70.0 + 2000.0 * v + 0.5 * random.normal(size=164)
+    return {"time": time, "velocity": v, "friction": friction, "load": 1630.0}
+
+
+@pytest.mark.parametrize("pause", [0.0, 60.0])
+def test_steady_readings_with_times_are_the_table_that_they_are_without(pause):
+    given = sweeps(pause)
+    timed = select(AXIS, None, Measurement(**given))
+    plain = select(AXIS, None, Measurement(**{**given, "time": None}))
+    assert (timed.route, timed.best.name) == ("table", plain.best.name)
+    speeds = [0.5e-3, 2e-3, 4e-3]
+    np.testing.assert_array_equal(timed.band(speeds).low, plain.band(speeds).low)
+
+
+def test_a_table_that_needs_too_much_memory_is_refused_before_it_is_taken():
+    random, v = np.random.default_rng(1), np.tile(np.geomspace(1e-4, 1e-2, 40), 20)
+    load = 1630.0 * (1.0 + 0.002 * random.normal(size=800))  # if each is a block of its own
+    problem = TableProblem.of(AXIS, Measurement(velocity=v, friction=0.05 * load, load=load))
+    problem.blocks = problem.excluded = [np.arange(800) == k for k in range(800)]
+    with pytest.raises(InputError, match=r"in 800 blocks: .* GB of memory .*group the loads"):
+        Judgement.of(problem)
