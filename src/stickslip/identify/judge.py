@@ -129,7 +129,9 @@ class Judgement:
         composed = self._composed(structure, coefficients[None])
         sliding = self.problem.sliding(structure, coefficients, offset=self.offset)
         law = composed.law()
-        return composed, sliding, law if law is not None and sliding.is_of(law, composed) else None
+        if law is not None and not composed.text and not sliding.brakes(law, composed):
+            law = None
+        return composed, sliding, law
 
     def acting(self, rows: Any) -> Array:
         """Return friction of the named law and its constant offset (n,) at rows."""
