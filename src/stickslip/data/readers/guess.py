@@ -76,7 +76,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "velocity": (
         *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "velo", "angvel", "gyro", "qd", "v", "n", "ω"),
+        *("omega", "vel", "velo", "angvel", "gyro", "dq", "qd", "v", "n", "ω"),
     ),
     "force": (
         *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
@@ -889,7 +889,7 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     if _is_rival(parts, quantity):
         return 0.0, ""
     if quantity == "velocity" and DERIVATIVE.fullmatch(joined):
-        return WHOLE + 0.2, "by its name"
+        return WHOLE + 0.2, "by its name"  # of q_d beside qdot, the d says less
     wanted = is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
@@ -924,7 +924,7 @@ def _is_rival(parts: Sequence[str], quantity: str) -> bool:
         return any(part in NAMES["friction"] for part in parts)
     if quantity == "position":  # the speed of an angle
         speed = any(len(part) > 1 and part in NAMES["velocity"] for part in parts)
-        return speed or DERIVATIVE.fullmatch(joined) is not None
+        return speed or any(map(DERIVATIVE.fullmatch, (joined, *parts)))
     return False
 
 
