@@ -578,6 +578,30 @@ def test_a_step_that_lands_at_a_doubling_ends_there(before, after, meet):
     assert _halves_meet(here, there) == meet
 
 
+def test_orbits_that_close_sooner_are_those_of_a_branch_of_fewer_cycles():
+    """A branch of period three begins near 7.016 Hz; followed on, its orbits close after one."""
+    capsule = Capsule(
+        capsule_mass=0.09703,
+        inner_mass=0.02577,
+        stiffness=106.06,
+        damping=0.1913,
+        upper_soft_stop=SoftStop(place=1.33e-3, stiffness=2154.6, damping=0.3),
+        lower_soft_stop=SoftStop(place=-3.483e-3, stiffness=1523.0, damping=0.1),
+        drive=Torque(drive=Sine(amplitude=0.41984, frequency=7.0)),
+    )
+    law = Coulomb(kinetic_coefficient=0.05413, static_coefficient=0.22)
+    few = {"cycles": 3, "values": 3, "starts": 2, "settle": 100}
+    found = orbit_diagram(capsule, law, "drive.frequency", (7.0, 7.05), **few)
+    longer = [branch for branch in found.branches if branch.cycles == 3]
+    assert longer
+    for branch in longer:
+        assert any("close after fewer cycles" in end for end in branch.ends)
+        for index in range(len(branch.values)):
+            shot = branch.map.shoot(branch.starts[index], float(branch.values[index]))
+            # far more than the residual of an orbit, over the size of the states
+            assert (np.abs(shot.strobes[1:] - shot.y) / shot.scale).max(axis=1).min() > 1e-6
+
+
 def test_settled_runs_are_made_at_values_that_are_given():
     axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=2.0))
     law, few = Coulomb(kinetic_coefficient=0.5), {"cycles": 1, "starts": 1, "settle": 50}

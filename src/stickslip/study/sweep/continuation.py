@@ -886,13 +886,11 @@ class Curve:
         if self.closes_sooner(there):
             self.beyond.append(there.shot)
             return f"It ends at {at}: orbits close after fewer cycles there."
-        known = self.met(there)
-        if known is None and len(points) > 3 and self.closes(first, here, there):
+        if (known := self.met(there)) is not None:
+            return f"It meets branch {known} at {at}."
+        if len(points) > 3 and self.closes(first, here, there):
             return "It closes."
-        if self.is_new(there):
-            return ""
-        what = "returns to itself" if known is None else f"meets branch {known}"
-        return f"It {what} at {at}."
+        return "" if self.is_new(there) else f"It returns to itself at {at}."
 
     def closes_sooner(self, there: Point) -> bool:
         """Whether an orbit is the same at an earlier cycle: it is one of a branch of fewer."""
@@ -979,8 +977,10 @@ class Curve:
         return along and 0.0 < share <= 1.0 and gap < BESIDE * _length(chord)
 
     def is_new(self, there: Point) -> bool:
-        """Whether a point is on no branch that is known, nor on this one."""
-        return self.met(there) is None and all(self.chord(there, t) is None for t in self.trails)
+        """Whether a point is on no branch that is known, nor on this one, nor of fewer cycles."""
+        if self.closes_sooner(there) or self.met(there) is not None:
+            return False
+        return all(self.chord(there, trail) is None for trail in self.trails)
 
     def before_known(self, here: Point, there: Point) -> list[Point]:
         """Return the last point of a step that is on no branch yet, if there is one behind here."""
