@@ -12,6 +12,7 @@ import pytest
 from scipy.io import loadmat
 from tests.commands import commands
 
+from stickslip import load_rig
 from stickslip.errors import InputError
 from stickslip.friction import LAWS, PRINTED_FORMS
 
@@ -588,16 +589,47 @@ def test_a_full_device_is_one_message_and_exit_code_2(command):
     assert done.stderr == "stickslip: cannot write: No space left on device.\n"
 
 
-@pytest.mark.slow
-def test_a_reader_that_leaves_early_is_no_error():
+def unread(*command, folder=".", both=False, **environment):
+    """Run a command whose output nobody reads; return its exit code and what else it says."""
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        [sys.executable, "-c", "from stickslip.cli import main; main()", "schema"],
-        stdout=write, stderr=subprocess.PIPE, text=True, check=False,
+        [sys.executable, "-m", "stickslip", *command],
+        cwd=folder, stdout=write, stderr=write if both else subprocess.PIPE, text=True, check=False,
+        env={**os.environ, **environment},
     )  # fmt: skip
     os.close(write)
-    assert done.stderr == ""
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("buffered", ["", pytest.param("1", marks=pytest.mark.slow)])
+def test_a_reader_that_leaves_early_is_no_error(buffered):
+    assert unread("schema", PYTHONUNBUFFERED=buffered) == (0, "")
+    assert unread("schema", "--nonsense", both=True, PYTHONUNBUFFERED=buffered) == (2, None)
+
+
+def test_a_command_whose_output_nobody_reads_writes_its_file(tmp_path):
+    rows = "".join(f"{0.01 * k},{0.001 * k * k},{1 + k % 3}\n" for k in range(200))
+    (tmp_path / "log.csv").write_text("time (s),position (m),force (N)\n" + rows)
+    assert unread("init", "log.csv", folder=tmp_path) == (0, "")
+    assert load_rig(tmp_path / "log.toml").measurement is not None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        (["simulate", "demo", "-o", "run.csv"], "run.csv"),
+        (["fit", "demo", "--law", "coulomb", "-o", "law.toml"], "law.toml"),
+        (["check", "demo", "-o", "check"], "check/index.html"),
+        (["sweep", "capsule.toml", "--vary", "drive.frequency=2:3:3", "-o", "new.csv"], "new.csv"),
+    ],
+)
+def test_commands_whose_output_nobody_reads_end_as_others_do(tmp_path, command, file):
+    (tmp_path / "capsule.toml").write_text(CAPSULE)
+    code, told = unread(*command, "-q", folder=tmp_path)
+    assert (code, "Traceback" in told) == (0, False), told
+    assert (tmp_path / file).stat().st_size > 0
 
 
 UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() else [])]
@@ -704,10 +736,14 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
 @pytest.mark.slow
 def test_a_reader_who_has_seen_enough_costs_no_verdict(rig, tmp_path):
     """``stickslip select | head`` leaves the law for the next command."""
-    command = [sys.executable, "-m", "stickslip", "select", rig(), "--laws", "coulomb"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-    ) as process:
-        process.stdout.close()
-    names = {path.name for path in (tmp_path / "stickslip-report").glob("[!.]*")}
-    assert names >= {"verdict.json", "law.toml"}
+    folder = tmp_path / "stickslip-report"
+    folder.mkdir()
+    (folder / "verdict.json").write_text("{}")  # an older one, which is replaced
+    code, told = unread("select", rig(), "--laws", "coulomb", "--force", folder=tmp_path)
+    assert (code, "Traceback" in told) == (0, False), told
+    assert {path.name for path in folder.glob("[!.]*")} >= {
+        "verdict.json",
+        "law.toml",
+        "index.html",
+    }
+    assert json.loads((folder / "verdict.json").read_text())

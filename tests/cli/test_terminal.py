@@ -17,7 +17,7 @@ from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.app import app
 from stickslip.cli.help import PANELS
-from stickslip.cli.progress import Compiling, Drawing, Searching
+from stickslip.cli.progress import Compiling, Drawing, Searching, Watching
 
 
 @pytest.fixture
@@ -345,6 +345,24 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
         "Fitting lugre (law 3 of 3, 6 s) ...",
         "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
         "Validating on held-out block 1 of 8 (6 min 40 s) ...",
+    ]
+
+
+def test_a_law_that_is_run_again_after_others_is_not_said_to_be_fitted(capsys, monkeypatch):
+    """Bands are drawn after the fits, and figures after the bar is gone."""
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    with Watching(["coulomb", "viscous"], "Fitting") as watch:
+        for now, name in ((0, "coulomb"), (1, "viscous"), (30, "viscous"), (60, "coulomb")):
+            clock.now = float(now)
+            watch(name, 7)
+    clock.now = 400.0
+    watch("coulomb", 8)
+    assert capsys.readouterr().err.splitlines() == [
+        "Fitting coulomb (law 1 of 2) ...",
+        "Fitting viscous (law 2 of 2) ...",
+        "Fitting viscous (law 2 of 2, 30 s) ...",
+        "Simulating coulomb (law 1 of 2, 1 min 0 s) ...",
     ]
 
 

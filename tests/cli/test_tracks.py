@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.commands import commands
 
-from stickslip import Axis, Coulomb, Measurement, select
+from stickslip import Axis, Coulomb, Measurement, load_rig, select
 from stickslip.identify.kinds import write_verdict
 
 MU = 0.21
@@ -113,6 +113,19 @@ def test_films_become_a_rig_file_with_a_question_mark_for_what_they_do_not_show(
     assert "mechanism.drive_on = '?'" in err  # with the other one the force would be wrong
     (tmp_path / "capsule.toml").write_text(with_values(text))
     assert filmed("check", "capsule.toml")[0] == 0
+
+
+def test_films_of_a_capsule_with_a_hard_stop_need_but_the_signs_of_a_comment_removed(
+    filmed, tmp_path
+):
+    assert filmed("init", *[f"capsule_{f:g}Hz.txt" for f in FREQUENCIES])[0] == 0
+    path = tmp_path / "capsule.toml"
+    text = re.sub(r"# (upper_stop|restitution) =", r"\1 =", path.read_text())
+    soft, drive = text.index("[mechanism.upper_soft_stop]"), text.index("[mechanism.drive]")
+    path.write_text(with_values(text[:soft] + text[drive:]))
+    rig = load_rig(path)
+    assert (rig.mechanism.upper_stop, rig.mechanism.restitution) == (0.002, 0.5)
+    assert rig.mechanism.upper_soft_stop is None
 
 
 def test_what_init_says_comes_next_leads_from_films_to_the_band_of_the_speed(filmed, tmp_path):

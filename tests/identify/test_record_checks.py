@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from stickslip import Axis, Measurement, select
 from stickslip.errors import InputError
-from stickslip.identify.problems.record_signals import Record, records_of
+from stickslip.identify.problems.record_signals import Record, noise_of, records_of
 from stickslip.identify.problems.records import RecordsProblem
 
 LEVEL, VISCOUS, INERTIA = 1.0, 0.3, 0.02
@@ -68,6 +68,39 @@ def test_clipping_may_not_say_all_of_the_force():
     clip = problem(t, x, force).terms["clip"]
     assert clip.ranges[0][0] > np.median(np.abs(force))
     assert "level" in clip.needs
+
+
+def rested(t, x, force):
+    """Return a record that rests before and after it, over most of its time."""
+    pause = 3 * len(t)
+    count = len(t) + 2 * pause
+    held = np.pad(x, pause, mode="edge"), np.pad(force, pause)
+    return np.arange(count) / RATE, *held
+
+
+def test_limits_of_the_force_are_none_at_which_a_record_rests():
+    t, x, force = driven(5, seconds=4.0)
+    terms = problem(*rested(t, x, force)).terms
+    moving, resting = problem(t, x, force).terms["clip"].ranges[0], terms["clip"].ranges[0]
+    # the ends of a record are left out, which are other samples in each
+    np.testing.assert_allclose(resting, moving, rtol=0.1)
+    assert terms["clip"].steps[0] > 1.0
+    assert min(shape[0] for shape in terms["dead_zone"].shapes) > 0.0
+
+
+def test_limits_of_the_force_are_a_good_share_of_the_largest():
+    t, x, force = driven(5)
+    burst = force * (1.0 + 20.0 * np.exp(-(((t - 4.0) / 0.05) ** 2)))
+    low, high = problem(t, x, burst, inertia=INERTIA).terms["clip"].ranges[0]
+    assert low >= high / 3.0
+
+
+def test_steps_of_an_encoder_that_a_file_rounds_are_its_noise():
+    step = 4.84e-5  # 48 or 49 um with six decimals
+    t, x, _, _ = moved(2)
+    x = np.concatenate([np.zeros(5 * len(t)), x - x[0]])  # in most twentieths it rests
+    read = np.round(np.round(x / step) * step, 6)
+    assert noise_of(read) == pytest.approx(step / np.sqrt(12.0), rel=0.01)
 
 
 def test_a_spring_that_relaxes_is_told_from_friction():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Measurement, select
+from stickslip.identify.ensemble import PredictionBand
 from stickslip.identify.explorer import Pattern
 from stickslip.identify.fits import Estimate
 from stickslip.identify.judge import Cause, Proposal
@@ -16,9 +17,11 @@ from stickslip.identify.thresholds import THRESHOLDS
 from stickslip.identify.wording import (
     Words,
     advice_sentence,
+    band_sentence,
     cause_sentence,
     pattern_sentence,
     phrase_of,
+    tells_friction,
 )
 from stickslip.quantities import Quantity
 from stickslip.show.report import MOST, Origin
@@ -33,6 +36,45 @@ def verdict():
     v = np.geomspace(0.05, 1.0, 14)
     noise = 0.02 * np.random.default_rng(2).normal(size=14)
     return select(Axis(inertia=1.0), None, Measurement(velocity=v, friction=2.0 + v + noise))
+
+
+SPEEDS = np.geomspace(0.01, 1.0, 9)
+
+
+def banded(low, median, high):
+    return PredictionBand(low=low, median=median, high=high)
+
+
+def judged(named_band):
+    return SimpleNamespace(named=(("level", ()),), named_band=named_band)
+
+
+def test_a_band_that_holds_zero_is_said_to_reach_as_far_as_its_farther_end():
+    band = banded(np.full(9, -0.1), np.linspace(0.02, 0.1, 9), np.linspace(0.1, 0.6, 9))
+    assert "friction is within ± 0.6 N of zero" in band_sentence(SPEEDS, band, WORDS)
+    other = banded(-band.high, -band.median, -band.low)
+    assert "friction is within ± 0.6 N of zero" in band_sentence(SPEEDS, other, WORDS)
+
+
+def test_what_grows_with_the_speed_is_told_from_zero_where_it_is_large():
+    # 0.25 +- 0.05 N s/m, and 0.05 N of which nobody knows the sign
+    band = banded(0.2 * SPEEDS - 0.05, 0.25 * SPEEDS, 0.3 * SPEEDS + 0.05)
+    assert np.median((band.high - band.low) / 2.0 / band.median) > 1.0
+    assert tells_friction(judged(band), band)
+    wide = banded(-0.3 * SPEEDS, 0.25 * SPEEDS, 0.8 * SPEEDS)
+    assert not tells_friction(judged(wide), wide)
+
+
+def test_parameters_that_exclude_zero_by_far_tell_friction_whatever_the_curve_as_measured_says():
+    level = np.ones(9)
+    band = banded(-level, level, 3.0 * level)
+    assert not tells_friction(judged(banded(0.9 * level, level, 1.1 * level)), band)  # by 10
+    assert tells_friction(judged(banded(0.97 * level, level, 1.03 * level)), band)  # by 33
+
+
+def test_a_band_of_nothing_tells_no_friction():
+    nothing = banded(*np.zeros((3, 9)))
+    assert not tells_friction(judged(nothing), nothing)
 
 
 def test_few_places_are_listed_and_many_are_counted():

@@ -7,10 +7,10 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
+from typing import Any
 
 __all__ = ["ToldExit", "main"]
 
-BROKEN_PIPE = 1
 BAD_INPUT = 2
 NO_CONVERGENCE = 3
 CANCELLED = 130
@@ -32,9 +32,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     for name in ONE_THREAD:  # before NumPy is imported, and for worker processes
         os.environ.setdefault(name, "1")
-    for stream in (sys.stdout, sys.stderr):  # whose encoding may have neither µ nor ± nor halves
-        if isinstance(stream, io.TextIOWrapper):
+    for name in ("stdout", "stderr"):
+        if isinstance(stream := getattr(sys, name), io.TextIOWrapper):
+            # the encoding may have neither µ nor ± nor halves
             stream.reconfigure(errors="backslashreplace")
+            setattr(sys, name, _outlasting(stream))
     try:
         from stickslip.cli.app import app
 
@@ -50,9 +52,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError as error:
         said = f"not enough memory ({error}): " if str(error) else "not enough memory: "
         return _leave(f"{said}give fewer rows or trials, or a shorter record.", BAD_INPUT)
-    except BrokenPipeError:  # whoever read the result has seen enough
-        _abandon_stdout()
-        sys.exit(BROKEN_PIPE)
     except OSError as error:
         _abandon_stdout()
         what = f"{error.filename}: " if error.filename else "cannot write: "
@@ -63,6 +62,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _leave("Cancelled; no result was written.", CANCELLED)
         raise
     return 0
+
+
+class _Outlasting(io.FileIO):
+    """A stream whose reader may leave, as `head` does: files of the command are for later."""
+
+    def write(self, data: Any, /) -> int:
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            return memoryview(data).nbytes
+
+
+def _outlasting(stream: io.TextIOWrapper) -> io.TextIOWrapper:
+    """Return a stream that writes where another does, as long as somebody reads."""
+    raw = getattr(stream.buffer, "raw", stream.buffer)  # PYTHONUNBUFFERED leaves no buffer
+    # consoles of Windows and what tests put in place of a stream are no such files
+    if type(raw) is not io.FileIO:
+        return stream
+    stream.flush()
+    file: Any = _Outlasting(stream.fileno(), "w", closefd=False)
+    return io.TextIOWrapper(
+        file if raw is stream.buffer else io.BufferedWriter(file),
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
 
 
 class _Stderr(logging.Handler):

@@ -1,6 +1,5 @@
 """``stickslip select``, ``stickslip fit`` and ``stickslip plan``."""
 
-import contextlib
 import csv
 import math
 import re
@@ -62,11 +61,10 @@ def run_select(options: SelectOptions) -> None:
     # an earlier report stays until all of this is there
     if folder is not None and not (folder / kinds.DOCUMENT).exists():
         kinds.write_verdict(folder, verdict, content)
-    with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
-        if options.as_json:
-            terminal.print_json(content)
-        else:
-            show_verdict(verdict)
+    if options.as_json:
+        terminal.print_json(content)
+    else:
+        show_verdict(verdict)
     if folder is not None:
         own = options.rig is None  # the bundled rig
         page_code = terminal.draw_page(

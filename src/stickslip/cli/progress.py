@@ -159,6 +159,7 @@ class _Shown:
     def __exit__(self, *_: object) -> None:
         if self._seen and not self._quiet:
             self._bars.stop()
+        self._quiet = True  # results keep whom to tell of runs, and figures make a few more
 
 
 class Compiling(_Shown):
@@ -267,8 +268,9 @@ class Watching(_ByLaw):
         self._verb = verb
 
     def __call__(self, name: str, runs: float) -> None:
-        """Note that a law has had so many runs."""
-        self._law(self._verb, name, f"{runs:.0f} runs")
+        """Note that a law has had so many runs; after the next one they are those of bands."""
+        verb = "Simulating" if name in self._met[:-1] else self._verb
+        self._law(verb, name, f"{runs:.0f} runs")
 
 
 class Searching(_ByLaw):

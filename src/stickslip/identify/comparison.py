@@ -28,6 +28,8 @@ from stickslip.identify.thresholds import THRESHOLDS
 
 LEAST = float(np.finfo(float).eps)
 """Stands for the share of a structure that has none beside the others."""
+NONE = float(np.finfo(float).tiny)
+"""Stands for a prior of 0, as one is that many parameters cost all, or less by rounding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -130,10 +132,10 @@ def _paired(difference: Array) -> float:
 
 
 def stacked_shares(scores: Array, priors: Array) -> Array:
-    """Return stacking weights by Bayesian bootstrap of the blocks (s,)."""
+    """Return stacking weights by Bayesian bootstrap of the blocks (s,); none without a prior."""
     count = scores.shape[1]
     draws = np.random.default_rng(1).dirichlet(np.ones(count), THRESHOLDS.draws)
-    z = -0.5 * count * (scores @ draws.T) + np.log(priors)[:, None]
+    z = -0.5 * count * (scores @ draws.T) + np.log(np.maximum(priors, NONE))[:, None]
     return np.asarray(softmax(z, axis=0).mean(axis=1))
 
 

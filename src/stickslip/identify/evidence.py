@@ -88,7 +88,7 @@ def priors_of(regression: BlockRegression, structures: Sequence[Structure]) -> A
                 having = [i for i in rows if any(structures[i][k][1][entry : entry + 1])]
                 if having:
                     values = np.log(np.abs([structures[i][k][1][entry] for i in having]))
-                    priors[having] *= _spacing(values, math.log(step)) / math.log(step)
+                    priors[having] *= _spacing(values, math.log(step))
         priors[rows] /= priors[rows].sum()
     # half the number of blocks times the difference of scores that such a share of the error makes
     nats = regression.price * len(problem.blocks)
@@ -97,11 +97,17 @@ def priors_of(regression: BlockRegression, structures: Sequence[Structure]) -> A
 
 
 def _spacing(values: Array, step: float) -> Array:
-    """Return for each value half the distance between those that are next to it."""
+    """Return for each value half the distance between its neighbours, over a step up or down.
+
+    Examples
+    --------
+    >>> _spacing(np.log([1.0, 0.8, 0.64]), math.log(0.8)).round(9).tolist()
+    [1.0, 1.0, 1.0]
+    """
     known, at = np.unique(np.round(values, 12), return_inverse=True)
     if len(known) < 2:
-        return np.full(len(values), step)
-    gap = np.diff(known)
-    side = np.full(1, min(step, float(gap.max())))
+        return np.ones(len(values))
+    gap = np.diff(known) / abs(step)
+    side = np.full(1, min(1.0, float(gap.max())))
     ends = np.concatenate([side, gap, side])
     return np.asarray(0.5 * (ends[:-1] + ends[1:])[at])

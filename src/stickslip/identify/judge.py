@@ -152,6 +152,13 @@ class Judgement:
             if n
         ]
 
+    @property
+    def named_band(self) -> PredictionBand:
+        """Band of the named family alone, at the rows over which that of all is stated."""
+        rows, predicted = self.problem.asked(), self.ensemble.predicted
+        drawn = [predicted(one.structure, one.coefficients.T, rows) for one in self.named_draws()]
+        return band_of(np.hstack(drawn).T)
+
     def values(self, draws: list[Draw]) -> dict[str, Array]:
         """Return parameters of draws (d,) by path, of those that have them as the law does."""
         found: dict[str, list[Array]] = {}

@@ -17,6 +17,8 @@ class Thresholds:
     """Families whose shapes are refined between the points of the grid, and that are shown."""
     refinements: int = 5
     """Halvings of the grid around the best shape of a family, or of a memory."""
+    told: float = 20.0
+    """Half-widths by which friction of the named law is away from zero where the band is not."""
     outlier: float = 3.0
     """Standard deviations beyond which a row loses weight, and a refined law is another."""
     outlying: float = 6.0

@@ -564,7 +564,7 @@ def verdict_on(
     first = candidates[0]
     assert first.fit is not None
     phrase = phrase_of(judgement, comparison.named)
-    told = tells_friction(band) if judgement.named else judgement.is_noise
+    told = tells_friction(judgement, band)
     every = estimates_of(judgement, first.fit.law, mechanism, measurement, any_law=True)
     own = first.fit.estimates
     settles = [error_sentence(judgement, words)]

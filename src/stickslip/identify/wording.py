@@ -151,11 +151,26 @@ def _others(judgement: Judgement, title: str, own: str) -> list[str]:
     return [*found]
 
 
-def tells_friction(band: PredictionBand) -> bool:
-    """Return whether a band tells friction from zero at most of its places."""
-    half, size = 0.5 * (band.high - band.low), np.abs(band.median)
-    typical = float(np.median(size))
-    return typical > 0.0 and float(np.median(half / np.maximum(size, 0.1 * typical))) <= 1.0
+def tells_friction(judgement: Judgement, band: PredictionBand) -> bool:
+    """Return whether friction is told from zero: by its band, or by far by that of the named law.
+
+    The band tells it at most places, or at most of those where friction is large: what grows with
+    the speed is next to zero at low ones.
+    """
+    if not judgement.named:
+        return judgement.is_noise
+    relative, size = _relative(band), np.abs(band.median)
+    large = size >= 0.5 * size.max()
+    told = min(np.median(relative), np.median(relative[large])) <= 1.0
+    told = told or np.min(_relative(judgement.named_band)) <= 1.0 / THRESHOLDS.told
+    return bool(told and np.median(size) > 0.0)
+
+
+def _relative(band: PredictionBand) -> Array:
+    """Return half the width of a band over its median (n,), which counts as a tenth at least."""
+    size = np.abs(band.median)
+    least = 0.1 * float(np.median(size)) + 1e-300
+    return np.asarray(0.5 * (band.high - band.low) / np.maximum(size, least))
 
 
 def untold_sentence(judgement: Judgement, words: Words) -> str:
@@ -196,17 +211,15 @@ def band_sentence(
     The band holds a constant offset where there may be one.
     """
     what = "friction with the constant offset" if offset else "friction"
-    half = 0.5 * (band.high - band.low)
-    size = np.abs(band.median)
-    typical = float(np.median(size))
-    relative = half / np.maximum(size, 0.1 * typical + 1e-300)
-    worst = int(np.argmax(relative))
+    relative = _relative(band)
+    middle, worst = float(np.median(relative)), int(np.argmax(relative))
     over = capital(range_of(speeds, words.speed_unit))
-    if not tells_friction(band):
-        widest = f"{quantity(float(half.max()), words.force_unit, 2)}"
-        return f"{over}, {what} is within ± {widest} of zero (95 % band, whichever law holds)."
-    said = f"{over}, {what} is known to ± {percent(float(np.median(relative)))}"
-    if relative[worst] > 1.5 * float(np.median(relative)):
+    if middle > 1.0:
+        farthest = max(float(np.max(np.abs(band.low))), float(np.max(np.abs(band.high))))
+        reach = quantity(farthest, words.force_unit, 2)
+        return f"{over}, {what} is within ± {reach} of zero (95 % band, whichever law holds)."
+    said = f"{over}, {what} is known to ± {percent(middle)}"
+    if relative[worst] > 1.5 * middle:
         at = quantity(float(speeds[worst]), words.speed_unit, 2)
         said += at_worst(percent(float(relative[worst])), at)
     return f"{said} (95 % band, whichever law holds)."

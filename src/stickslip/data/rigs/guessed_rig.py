@@ -391,6 +391,9 @@ def _capsule(rig: FilmedRig) -> Iterator[str]:
     yield 'stiffness = "? N/m"  # of the spring between the two'
     yield 'damping = "? N s/m"  # from how the inner mass rings while the capsule is held'
     yield 'drive_on = "?"  # "both"; or "inner mass" if a coil or magnets outside pull at it'
+    yield "# A hard stop on the side of positive x; then remove the elastic stop below."
+    yield '# upper_stop = "? mm"  # from where the spring is free of force'
+    yield "# restitution = 0.5  # speed after an impact over that before; 0 if nothing bounces"
     yield ""
     yield "# An elastic stop that the inner mass meets on the side of positive x; else remove it."
     yield "[mechanism.upper_soft_stop]"

@@ -25,6 +25,8 @@ GRID = 10
 """Shapes of a term that are tried first: lengths of bristles, and Stribeck velocities."""
 DEAD = 6
 """Dead zones that are tried first."""
+LIMITS = (1.0 / 3.0, 0.5, 0.75)
+"""Least limits of the force over the largest: cut at little, nothing is left to explain."""
 LATER = (0.88, 1.14)
 """Multiples of a delay that its column may have: others would only smooth the noise of the force,
 of which it is made, by up to (1 - c)^2 + c^2 + 2 c (1 - c) r for noise with the correlation r.
@@ -174,7 +176,8 @@ def hides_dead_zone(rows: Along, *, finds_inertia: bool) -> bool:
 
 def _dead_zones(rows: Along) -> Array:
     """Return sizes of dead zones [N], up to the median of the force."""
-    return np.geomspace(0.05, 1.0, DEAD) * float(np.median(np.abs(rows.raw)))
+    force = np.abs(rows.raw)
+    return np.geomspace(0.05, 1.0, DEAD) * float(np.median(force[force > 0.0]))
 
 
 def _fading(clock: Array, constant: float) -> Array:
@@ -380,8 +383,10 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
                  title="motion that lags behind the force"),
         ]  # fmt: skip
     if driven:
-        limits = np.quantile(np.abs(rows.raw), (0.85, 0.93, 0.97))
-        clips = (float(limits[0]), float(np.max(np.abs(rows.raw))))
+        force = np.abs(rows.held(rows.raw))  # at the rows, as what acts at rest is no drive
+        largest = float(np.max(force))
+        limits = np.maximum(np.quantile(force, (0.85, 0.93, 0.97)), np.multiply(LIMITS, largest))
+        clips = (float(limits[0]), largest)
         relaxing = np.geomspace(APART / frame.band, 0.25 * frame.duration, 6)
         rings = np.geomspace(0.1, RINGS, 8) * frame.band
         gaps = np.geomspace(30.0 * frame.noise, frame.span / 16.0, 6)
