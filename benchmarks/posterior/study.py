@@ -1,6 +1,6 @@
 """What the posterior says of truths that are known, and of records of which a part is kept.
 
-``python -m benchmarks.posterior tables --seed 1 --count 40`` draws tables (`benchmarks.band_truths`)
+``python -m benchmarks.posterior tables --seed 1 --count 40`` draws `benchmarks.band_truths`
 and prints how often the band holds the true curve (inside the vocabulary and outside, within the
 measured speeds and beyond), its half-width over the noise, and whether the law is right, or off by
 less than half the noise. ``special`` has tables whose repeats share an error, of several specimens,

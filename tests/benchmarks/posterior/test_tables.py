@@ -27,21 +27,26 @@ def judgement():
     return judged(stribeck)
 
 
-def test_the_law_of_a_curve_is_named_and_its_parameters_are_in_their_intervals(judgement):
-    assert judgement.named.family == ("level", "stribeck", "viscous")
+def test_intervals_and_bands_hold_the_truth_of_a_law_that_is_named():
     truth = {
         "kinetic_coefficient": 2.0, "static_coefficient": 3.5,
         "stribeck_velocity": 0.1, "viscous_coefficient": 3.0,
     }  # fmt: skip
-    for one in judgement.intervals:
-        assert one.low_any <= truth[one.path.rpartition(".")[2]] <= one.high_any
-        assert one.low_any <= one.low <= one.value <= one.high <= one.high_any
+    v, held, inside = np.geomspace(0.01, 1.0, 60), list[bool](), list[float]()
+    for seed in range(5):
+        found = judged(stribeck, seed=seed)
+        assert found.named.family == ("level", "stribeck", "viscous")
+        for one in found.intervals:
+            assert one.low_any <= one.low <= one.high <= one.high_any
+            held.append(one.low_any <= truth[one.path.rpartition(".")[2]] <= one.high_any)
+        band = found.band(found.problem.at(v))
+        inside.append(float(np.mean((band.low <= stribeck(v)) & (stribeck(v) <= band.high))))
+    # of 20 intervals of .95, three or more are outside in one of 13 such tests
+    assert np.mean(held) >= 0.85
+    assert np.mean(inside) >= 0.85
 
 
-def test_the_band_holds_the_curve_and_opens_beyond_the_measured_speeds(judgement):
-    v = np.geomspace(0.01, 1.0, 60)
-    band = judgement.band(judgement.problem.at(v))
-    assert np.mean((band.low <= stribeck(v)) & (stribeck(v) <= band.high)) >= 0.9
+def test_the_band_opens_beyond_the_measured_speeds(judgement):
     near, far = (judgement.band(judgement.problem.at(x)) for x in ([0.1, 1.0], [0.002, 4.0]))
     assert np.all(far.high - far.low > 2.0 * (near.high - near.low))
 
