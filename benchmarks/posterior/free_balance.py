@@ -1,0 +1,368 @@
+r"""The balance of a free motion: families of laws, and values from which their runs begin.
+
+What friction has taken until some rows is what the energy lost, or the momentum where the motion
+goes on in one direction,
+
+.. math::
+    E_0 - E(q_j, v_j) = \sum_t c_t \int_0^{t_j} g_t(|v|)\,|v|\, dt , \qquad
+    J (v_0 - v_j)\, s = \sum_t c_t \int_0^{t_j} g_t(|v|)\, dt ,
+
+with what known forces gave added. Rows of the energy are turns, where no velocity comes in; without
+turns, and of the momentum, means over parts of the record. Least squares over all families and
+shapes weigh them; a length or stiffness that is off is not in it, which is why runs follow.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.signal import butter, sosfiltfilt
+
+from benchmarks.posterior.nodes import Array, Family
+from benchmarks.posterior.refinement import Candidate, FreeMotion, Motion, Term, Unseen
+from benchmarks.posterior.vocabulary import FAMILIES, PARTS, Grid
+from stickslip.identify.problems.record_signals import Record
+from stickslip.mechanisms import Mechanism
+
+PARTS_OF_RECORD = 120
+"""Parts of a record whose means are rows."""
+FEWEST_TURNS = 8
+"""Turns from which they are the rows."""
+AROUND = 1.0 / 7.0
+"""Part of the time between turns, to each side of one, through which a parabola is laid."""
+BEGUN = 9
+"""Samples from which the start of a motion is guessed, at most."""
+MOST = 6000
+"""Readings of a record that runs are compared with: every other one is left out beyond it."""
+CUTOFF = 6.0
+"""Cutoff of velocities [1/steps between turns or parts]: they only weigh what friction takes."""
+REFINED = 6
+"""Families that are followed by runs ..."""
+NOTHING = 60.0
+"""... and no law at all, where its evidence is not further than this below the best."""
+FINER = (1.0 / 3.0, 1.0 / 9.0)
+"""Parts of a step of the grid by which the best shapes are refined."""
+LEAST_PART = 0.02
+"""Least coefficient with which runs begin, over the size of the friction."""
+LEAST_SCATTER = 0.3
+"""Least scatter of rows over that by which noise of the readings moves them."""
+COEFFICIENT = 1.5
+"""Prior standard deviation of a coefficient, over the size of the friction."""
+SEEN = (0.04, 0.98)
+"""Quantiles of the speed between which it was seen."""
+KNOWN_SPEED = 3.0
+"""Part of the slowest seen speed down to which what no law says is free."""
+UNSEEN = ("length", "stiffness")
+"""Parameters of a mechanism that no balance of a free motion sees, the first that it has."""
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """The balance of one record of a free motion."""
+
+    mechanism: Mechanism
+    record: Record
+    form: str
+    """``"work"`` or ``"momentum"``."""
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(np.median(np.diff(self.record.time)))
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Velocities (n,), smoothed."""
+        x, h = self.record.position, self.step
+        if self.record.velocity is not None:
+            return self._smooth(self.record.velocity)
+        return np.asarray(np.gradient(self._smooth(x), h))
+
+    def _smooth(self, x: Array) -> Array:
+        swings = len(crossings(self.record.position - np.median(self.record.position)))
+        cutoff = CUTOFF * max(swings, 8.0) / len(x)
+        if cutoff >= 0.5 or len(x) < 40:
+            return x
+        return np.asarray(sosfiltfilt(butter(4, 2.0 * cutoff, output="sos"), x))
+
+    @cached_property
+    def around(self) -> int:
+        """Samples to each side of a turn through which a parabola is laid."""
+        return max(round(AROUND * len(self.velocity) / (len(crossings(self.velocity)) + 1.0)), 1)
+
+    @cached_property
+    def turns(self) -> tuple[Array, Array, Array]:
+        """Rows (t,), times and positions of the turns, by parabolas."""
+        v, x, m = self.velocity, self.record.position, self.around
+        at = crossings(v)
+        at = at[(at > 2 * m) & (at < len(v) - 2 * m)]
+        at = at[np.diff(at, prepend=-len(v)) > 2 * m]
+        around = np.arange(-m, m + 1)
+        laid = np.linalg.pinv(np.vander(around, 3, increasing=True))
+        c = np.array([laid @ x[k - m : k + m + 1] for k in at]).reshape(-1, 3)
+        bend = np.where(c[:, 2] == 0.0, 1.0, c[:, 2])
+        return at, self.record.time[at], c[:, 0] - c[:, 1] ** 2 / (4.0 * bend)
+
+    def _energies(self, q: Array, v: Array) -> Array:
+        name = self.mechanism.coordinates[0]
+        own = {name: q}
+        kinetic = self.mechanism.kinetic_energy(own, {name: v})
+        return np.asarray(kinetic + self.mechanism.potential_energy(0.0, own) + 0.0 * q)
+
+    @cached_property
+    def _given(self) -> Array:
+        """Known forces along the motion but those of a potential (n,)."""
+        name, q = self.mechanism.coordinates[0], self.record.position
+        none = dict.fromkeys(self.mechanism.drives(), 0.0)
+        forces = self.mechanism.forces(0.0, {name: q}, {name: self.velocity}, none)
+        return np.asarray(forces.get(name, 0.0) + 0.0 * q)
+
+    def _summed(self, x: Array) -> Array:
+        return np.asarray(np.cumsum(x) * self.step)
+
+    @cached_property
+    def is_at_turns(self) -> bool:
+        """Whether the rows are turns."""
+        return self.form == "work" and len(self.turns[0]) >= FEWEST_TURNS
+
+    def rows(self, x: Array) -> Array:
+        """Return values (n,) at the rows."""
+        if self.is_at_turns:
+            return np.asarray(x[self.turns[0]])
+        parts = np.array_split(x, min(PARTS_OF_RECORD, len(x) // 4))
+        return np.array([float(np.mean(one)) for one in parts])
+
+    @cached_property
+    def response(self) -> Array:
+        """What friction has taken less a constant, at the rows."""
+        v, q = self.velocity, self.record.position
+        if self.form == "momentum":
+            side = math.copysign(1.0, float(np.median(v)))
+            momentum = 2.0 * self._energies(q, np.ones_like(q)) - 2.0 * self._energies(q, 0.0 * q)
+            speed = self.record.velocity if self.record.velocity is not None else v
+            return self.rows(side * (self._summed(self._given) - momentum * speed))
+        given = self._summed(self._given * v)
+        if self.is_at_turns:
+            top = self.turns[2]
+            return self.rows(given) - self._energies(top, 0.0 * top)
+        return self.rows(given - self._energies(q, v))
+
+    @cached_property
+    def slope(self) -> Array:
+        """Change of the energy with the place, at the turns: by it a zero that is off is seen."""
+        top = self.turns[2]
+        bend = 1e-4 * float(np.ptp(top)) + 1e-12
+        change = self._energies(top + bend, 0.0 * top) - self._energies(top - bend, 0.0 * top)
+        return np.asarray(0.5 * change / bend)
+
+    @cached_property
+    def noise(self) -> Array:
+        """Standard deviation of the response by noise of the readings, at the rows."""
+        one, h = self.record, self.step
+        seen = one.position if one.velocity is None else one.velocity
+        e = max(float(np.std(np.diff(seen, 3))) / math.sqrt(20.0), 1e-9 * float(np.ptp(seen)))
+        if self.is_at_turns:
+            top = 1.5 * e / math.sqrt(2.0 * self.around + 1.0)
+            return np.asarray(np.abs(self.slope) * top + 1e-9 * np.ptp(self.response))
+        v, count = self.velocity, len(one.time) / len(self.rows(one.time))
+        moved = self._energies(one.position, np.ones_like(v)) * 2.0
+        rate = e if one.velocity is not None else e / (h * math.sqrt(count))
+        of = np.abs(v) if self.form == "work" else np.ones_like(v)
+        return self.rows(np.abs(moved) * of * rate / math.sqrt(count)) + 1e-9 * np.ptp(
+            self.response
+        )
+
+    def taken(self, curve: Array) -> Array:
+        """Return what a friction curve along the record (n,) takes until the rows."""
+        return self.rows(
+            self._summed(curve * (1.0 if self.form == "momentum" else np.abs(self.velocity)))
+        )
+
+
+def crossings(x: Array) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
+    """Return the samples before which values change their sign."""
+    return np.flatnonzero((x[:-1] < 0.0) != (x[1:] < 0.0))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weighed:
+    """A structure with its least squares."""
+
+    shapes: Sequence[tuple[float, ...]]
+    coefficients: Array
+    quadratic: float
+    """Squares that are left, over the noise."""
+    first: float
+    """Logarithm of its prior ..."""
+    prior: float
+    """... less what its coefficients cost."""
+
+    def unlikely(self, scatter: float) -> float:
+        """Return how unlikely it is where rows scatter more than by the noise of readings."""
+        return 0.5 * self.quadratic / scatter - self.prior
+
+
+class FreeBalance:
+    """The balances of all records of a free motion, with the families that they weigh."""
+
+    def __init__(self, mechanism: Mechanism, records: Sequence[Record], form: str) -> None:
+        self.mechanism = mechanism
+        self.each = [Balance(mechanism, one, form) for one in records]
+        self.speed = np.abs(np.concatenate([one.velocity for one in self.each]))
+        slowest, fastest = np.quantile(self.speed, SEEN).tolist()
+        self.slowest, self.fastest = max(slowest, 1e-4 * fastest), fastest
+        self.y = np.concatenate([one.response / one.noise for one in self.each])
+        ones = [1.0 / one.noise for one in self.each]
+        zeros = [x.slope / x.noise if x.is_at_turns else 0.0 * x.noise for x in self.each]
+        self.base = np.hstack([block_diag(*(one[:, None] for one in x)) for x in (ones, zeros)])
+        self._taken: dict[tuple[str, tuple[float, ...]], Array] = {}
+
+    def column(self, name: str, shape: tuple[float, ...]) -> Array:
+        """Return what a part of a law takes until the rows, over their noise."""
+        if (name, shape) not in self._taken:
+            curves = [PARTS[name].curve(np.abs(one.velocity), shape) for one in self.each]
+            taken = [one.taken(c) / one.noise for one, c in zip(self.each, curves, strict=True)]
+            self._taken[name, shape] = np.concatenate(taken)
+        return self._taken[name, shape]
+
+    def solved(self, columns: Sequence[Array], precision: Array) -> tuple[Array, float, float]:
+        """Return coefficients, what is left, and half the logarithm of the determinant."""
+        x = np.column_stack([self.base, *columns])
+        none = np.full(self.base.shape[1], 1e-12)
+        own = np.r_[none, precision]
+        gram = x.T @ x + np.diag(own)
+        c = np.linalg.solve(gram, x.T @ self.y)
+        left = self.y - x @ c
+        quadratic = float(left @ left + own @ c**2)
+        return c[len(none) :], quadratic, 0.5 * float(np.linalg.slogdet(gram)[1])
+
+    @cached_property
+    def fixed(self) -> tuple[Term, ...]:
+        """The curve that what no law says multiplies: level, viscous friction and drag."""
+        names = ["level", "viscous", "drag"]
+        columns = [self.column(name, ()) for name in names]
+        size = np.array([math.sqrt(float(np.mean(self.curve(name, ()) ** 2))) for name in names])
+        c, _, _ = self.solved(columns, np.full(3, 1e-12))
+        for _ in range(3):  # those below 0 are left out
+            kept = c > 0.0
+            own, _, _ = self.solved([x for x, k in zip(columns, kept, strict=True) if k],
+                                    np.full(int(kept.sum()), 1e-12))  # fmt: skip
+            c = np.where(kept, 0.0, 0.0)
+            c[kept] = own
+        c = np.maximum(c, 0.0)
+        total = float(np.sum(c * size)) or 1.0
+        c[0] += 0.02 * total
+        return tuple(Term(part=n, coefficient=float(x)) for n, x in zip(names, c, strict=True))
+
+    def curve(self, name: str, shape: tuple[float, ...]) -> Array:
+        """Return a part of a law at the speeds of all records (n,)."""
+        return np.asarray(PARTS[name].curve(self.speed, shape) * np.ones_like(self.speed))
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square of the friction along the records [N]."""
+        friction = sum(one.at(self.speed) for one in self.fixed)
+        return math.sqrt(float(np.mean(friction**2)))
+
+    @cached_property
+    def grid(self) -> Grid:
+        """Shapes of parts for the speeds that were seen."""
+        return Grid(slowest=self.slowest, fastest=self.fastest, fine=2.0)
+
+    def candidates(self, families: Sequence[Family] | None = None) -> list[Candidate]:
+        """Return the most likely families of laws, each with its best shapes."""
+        known = [tuple(one.split()) for one in FAMILIES] if families is None else families
+        best: dict[Family, Weighed] = {}
+        for family, shapes, prior in self.grid.families(known):
+            one = self._weighed(family, shapes, prior)
+            if family not in best or one.quadratic < best[family].quadratic:
+                best[family] = one
+        freedom = max(len(self.y) - len(self.each) - 3, 5)
+        for part in FINER:  # a step of a shape is seen where rows are precise
+            for family, one in best.items():
+                finer = self.grid.finer(family, one.shapes, part)
+                every = [self._weighed(family, shapes, one.first) for shapes in finer]
+                best[family] = min([one, *every], key=lambda own: own.quadratic)
+        scatter = max(min(one.quadratic for one in best.values()) / freedom, LEAST_SCATTER)
+        order = sorted(best, key=lambda one: best[one].unlikely(scatter))
+        kept = [one for one in order if one][:REFINED]
+        least = best[order[0]].unlikely(scatter)
+        if () in best and best[()].unlikely(scatter) < least + NOTHING:
+            kept.append(())
+        return [
+            Candidate(
+                structure=tuple(zip(family, map(tuple, best[family].shapes), strict=True)),
+                coefficients=best[family].coefficients,
+            )
+            for family in kept
+        ]
+
+    def _weighed(
+        self, family: Family, shapes: Sequence[tuple[float, ...]], prior: float
+    ) -> "Weighed":
+        """Return a structure with its least squares."""
+        pairs = list(zip(family, map(tuple, shapes), strict=True))
+        sizes = np.array(
+            [self.size / (math.sqrt(float(np.mean(self.curve(*one) ** 2))) + 1e-300)
+             for one in pairs]
+        )  # fmt: skip
+        columns = [self.column(*one) * s for one, s in zip(pairs, sizes, strict=True)]
+        c, quadratic, half = self.solved(columns, np.full(len(pairs), COEFFICIENT**-2.0))
+        return Weighed(
+            shapes=shapes,
+            coefficients=np.maximum(c, LEAST_PART) * sizes,
+            quadratic=quadratic,
+            first=prior,
+            prior=prior - half - len(pairs) * math.log(COEFFICIENT),
+        )
+
+    @property
+    def motions(self) -> list[Motion]:
+        """The records as runs follow them."""
+        return [motion_of(one) for one in self.each]
+
+    def motion(self, deviations: dict[str, float]) -> FreeMotion:
+        """Return the motions as runs follow them; `deviations` are stated ones, by path."""
+        return FreeMotion(
+            mechanism=self.mechanism,
+            motions=self.motions,
+            size=self.size,
+            slowest=self.slowest / KNOWN_SPEED,
+            fastest=self.fastest,
+            fixed=self.fixed,
+            unseen=unseen_of(self.mechanism, deviations),
+        )
+
+
+def unseen_of(mechanism: Mechanism, deviations: dict[str, float]) -> Unseen | None:
+    """Return the parameter that no balance of a free motion sees; None if there is none."""
+    for name in UNSEEN:
+        value = getattr(mechanism, name, 0.0)
+        path = f"mechanism.{name}"
+        if isinstance(value, float) and value > 0.0:
+            if path in deviations:
+                return Unseen(path=path, value=value, deviation=deviations[path] / value)
+            return Unseen(path=path, value=value)
+    return None
+
+
+def motion_of(balance: Balance) -> Motion:
+    """Return a record as runs follow it."""
+    one, every = balance.record, math.ceil(len(balance.record.time) / MOST)
+    time, count = one.time - one.time[0], min(BEGUN, 2 * balance.around + 1)
+    laid = np.polynomial.polynomial.polyfit(time[:count], one.position[:count], min(2, count - 1))
+    start = float(laid[0]), float(laid[1])
+    if not one.located:
+        assert one.velocity is not None
+        start = float(one.position[0]), float(np.mean(one.velocity[:3]))
+    values = one.position if one.located or one.velocity is None else one.velocity
+    return Motion(
+        time=time[::every],
+        values=values[::every],
+        start=start,
+        located=one.located,
+        turns=balance.turns[1] - one.time[0] if balance.form == "work" else np.zeros(0),
+    )

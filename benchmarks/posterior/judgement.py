@@ -1,0 +1,571 @@
+r"""The judgement: what the posterior of a measurement says, whatever was measured.
+
+A kind of measurement is a `Problem`: rows, columns and draws. All that a verdict states is read
+here, from the same draws:
+
+* the **name** and the ladder of laws (`benchmarks.posterior.projection`);
+* the **band** of friction and that of new readings: quantiles of draws;
+* **parameters**: draws projected on the named family, each with its own shape;
+* **friction from zero**: the odds of all that is against no law and nothing beside it;
+* **findings**: what stands beside the law, asserted at odds of `ASSERTED`.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.posterior.nodes import Array, Draws, Family, Structure
+from benchmarks.posterior.projection import (
+    TOLERANCE,
+    Free,
+    Projection,
+    Projector,
+    Rung,
+    Shaped,
+    Target,
+    chosen,
+    is_signed,
+    names_of,
+)
+from stickslip.friction import FrictionLaw
+from stickslip.identify.laws import Composition, Sliding, drawn_curve
+
+DRAWS = 600
+"""Draws from which everything is read."""
+LEVEL = 0.95
+ASSERTED = 20.0
+"""Odds from which something beside the law is asserted."""
+TOLD = 100.0
+"""Odds of friction from which it is told from zero (48 of 48 right, with noise of 9 to 100 %)."""
+RIVAL = 100.0
+"""Odds against a law up to which it is not told from the named one."""
+SHOWN = 6
+"""Laws of the ladder that are shown."""
+NO_LAW = 0.1
+"""Distance above which no law describes friction: real friction is within 3 to 8 % of a law."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PredictionBand:
+    """Limits of curves at rows (n,).
+
+    Parameters
+    ----------
+    low : array (n,)
+        Lower limits [N] or [N m].
+    median : array (n,)
+        Medians.
+    high : array (n,)
+        Upper limits.
+    """
+
+    low: Array
+    median: Array
+    high: Array
+
+
+def band_of(curves: Array, level: float = LEVEL, *, all_along: bool = False) -> PredictionBand:
+    """Return quantiles of curves (k, n): point by point, or so that they hold all along."""
+    low, median, high = np.quantile(curves, (0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level), axis=0)
+    if all_along:
+        above = (curves - median) / (high - median + 1e-300)
+        below = (median - curves) / (median - low + 1e-300)
+        times = float(np.quantile(np.max(np.maximum(above, below), axis=1), level))
+        low, high = median - times * (median - low), median + times * (high - median)
+    return PredictionBand(low=low, median=median, high=high)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interval:
+    """A parameter and the ends of its 95 % intervals."""
+
+    path: str
+    value: float
+    low: float
+    """If the named law holds."""
+    high: float
+    low_any: float
+    """Whichever law holds."""
+    high_any: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What may stand beside the law: a drift, a difference between runs, an effect of an input."""
+
+    term: str
+    title: str
+    probability: float
+    """Posterior probability that it is not negligible."""
+    size: float
+    """Median of its size, over friction."""
+    low: float
+    high: float
+    """Ends of its 95 % interval."""
+    sentence: str = ""
+    """What it does, in words of the kind."""
+
+    @property
+    def asserted(self) -> bool:
+        """Whether it is stated: at `ASSERTED`, and where its interval does not hold zero."""
+        odds = self.probability / max(1.0 - self.probability, 1e-12)
+        return odds >= ASSERTED and not self.low <= 0.0 <= self.high
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidates:
+    """The structures of a family, and what it takes."""
+
+    family: Family
+    structures: Sequence[Structure]
+    parameters: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Points:
+    """Friction as it was measured, for a figure."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]."""
+    friction: Array
+    """Friction (n,) [N], less what stands beside it."""
+    load: Array
+    """Loads (n,) [N]."""
+    weights: Array
+    """How much each counts (n,)."""
+
+
+class Weighted(Protocol):
+    """What a judgement reads of a posterior."""
+
+    @property
+    def weights(self) -> Array:
+        """Posterior probabilities of nodes and structures (k, s), in sum 1."""
+
+    def draws(self, count: int, *, seed: int = 0, only: Array | None = None) -> Sequence[Draws]:
+        """Return draws, those of some nodes and structures only if so asked."""
+
+
+class Problem(ABC):
+    """One measurement of any kind with its posterior, as the judgement reads it."""
+
+    posterior: Weighted
+    size: float
+    """Root mean square of the friction [N]."""
+    load: float
+    """Normal force at which levels are stated [N]."""
+
+    @abstractmethod
+    def asked(self) -> Any:
+        """Return the rows, with their `velocity`, over which the band is stated."""
+
+    @abstractmethod
+    def at(self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None) -> Any:
+        """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
+
+    @abstractmethod
+    def places(self) -> Any:
+        """Return the rows at which curves are projected."""
+
+    @abstractmethod
+    def scale(self, rows: Any) -> Array | float:
+        """Return how friction grows with the load at rows (n,)."""
+
+    @abstractmethod
+    def columns(self, column: tuple[str, Any], rows: Any) -> list[Array]:
+        """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
+
+    def tied(self, structure: Shaped) -> Shaped:
+        """Return a structure whose shapes agree where terms share an entry.
+
+        Both directions of a power have one exponent.
+        """
+        power = dict(structure).get("power", ())[:1]
+        return [(n, power if n == "power_direction" else s) for n, s in structure]
+
+    def design(self, structure: Shaped, rows: Any) -> Array:
+        """Return the columns of a law at rows (n, p); (k, n, p) for shapes of k draws."""
+        columns = [x for one in self.tied(structure) for x in self.columns(one, rows)]
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+    def designs(
+        self, structures: Sequence[Structure], rows: Any, known: dict[Any, list[Array]]
+    ) -> Array:
+        """Return the columns of structures of one family at rows (s, n, p).
+
+        Those of terms that are known are not made again.
+        """
+        for column in {one for structure in structures for one in structure} - known.keys():
+            known[column] = self.columns(column, rows)
+        return np.array([np.column_stack([x for one in s for x in known[one]]) for s in structures])
+
+    @abstractmethod
+    def candidates(self) -> Sequence[Candidates]:
+        """Return the families on which curves are projected, with their structures."""
+
+    @abstractmethod
+    def free(self, rung: Rung) -> tuple[Sequence[Free], Sequence[Structure]]:
+        """Return the entries of shapes that draws have of their own, and structures to begin at."""
+
+    @abstractmethod
+    def exact(self) -> float:
+        """Return the probability that what no law says is below the noise."""
+
+    @abstractmethod
+    def title(self, term: str) -> str:
+        """Return what a term is called in a sentence."""
+
+    @abstractmethod
+    def speed_of(self, place: int) -> float:
+        """Return the velocity of a place at which laws are compared [m/s]."""
+
+    @abstractmethod
+    def masses(self, tolerance: float) -> tuple[Mapping[Family, float], Mapping[Family, float]]:
+        """Return the probability of each family, and that with little that no law says."""
+
+    @abstractmethod
+    def holds(self, family: Family) -> NDArray[np.bool_]:
+        """Return the nodes and structures (k, s) of the posterior at which a family holds."""
+
+    @abstractmethod
+    def nothing(self) -> NDArray[np.bool_]:
+        """Return the nodes and structures (k, s) at which there is no friction."""
+
+    @abstractmethod
+    def steady(self, rows: Any, draws: Sequence[Draws]) -> Array:
+        """Return drawn curves alone (k, n): midway, in the mean of the runs."""
+
+    @abstractmethod
+    def friction(self, rows: Any, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        """Return what friction is in draws (k, n): of what was measured, or of another specimen."""
+
+    @abstractmethod
+    def readings(self, rows: Any, draws: Sequence[Draws]) -> Array:
+        """Return new readings in draws (k, n)."""
+
+    @abstractmethod
+    def composition(
+        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
+        """Return the law that a structure with coefficients (k, p) is.
+
+        Entries of shapes may be arrays (k,): each draw has its own. With `offset` its levels hold
+        the constant offset.
+        """
+
+    @abstractmethod
+    def points(self, rung: Rung) -> Points:
+        """Return what a figure shows of the measurement beside a law."""
+
+    @abstractmethod
+    def curve_rows(self) -> Any:
+        """Return rows through which a curve is drawn as a law: rising speeds of one direction."""
+
+    @abstractmethod
+    def scatter(self, rung: Rung) -> float:
+        """Return the standard deviation of the readings about a law [N]."""
+
+    def rig(self, draws: Sequence[Draws]) -> Mapping[str, Array]:
+        """Return what was looked for of the rig (k,) in draws, by path."""
+        return {}
+
+    @property
+    def outliers(self) -> Mapping[int, float]:
+        """Readings that are far from the others, with how many deviations."""
+        return {}
+
+    def findings(self, draws: Sequence[Draws]) -> Sequence[Finding]:
+        """Return what may stand beside the law."""
+        return ()
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What the posterior of a problem says."""
+
+    problem: Problem
+    tolerance: float = TOLERANCE
+    seed: int = 0
+    offset: bool = False
+    """Whether the levels of laws hold a constant offset, as no mechanism does."""
+
+    @cached_property
+    def draws(self) -> list[Draws]:
+        """Draws from which everything is read."""
+        return self.problem.posterior.draws(DRAWS, seed=self.seed)
+
+    @cached_property
+    def _places(self) -> Any:
+        return self.problem.places()
+
+    @cached_property
+    def target(self) -> Target:
+        """What friction is at the places."""
+        return Target(
+            draws=self.problem.steady(self._places, self.draws),
+            tolerance=self.tolerance,
+            scale=self.problem.scale(self._places),
+        )
+
+    @cached_property
+    def _projection(self) -> Projection:
+        return Projection(self.target)
+
+    @cached_property
+    def rungs(self) -> tuple[Rung, ...]:
+        """The closest law of each family, by the number of parameters and the distance."""
+        masses, adequate = self.problem.masses(self.tolerance)
+        found, known = [], dict[Any, list[Array]]()
+        for each in self.problem.candidates():
+            columns = self.problem.designs(each.structures, self._places, known)
+            rung = self._projection.closest(each.structures, columns, each.parameters)
+            if rung is not None:
+                share = masses.get(each.family, 0.0)
+                found.append(replace(rung, share=share, adequate=adequate.get(each.family, 0.0)))
+        return tuple(sorted(found, key=lambda one: (one.parameters, one.excess)))
+
+    @cached_property
+    def named(self) -> Rung:
+        """The named law, with shapes between those of the grid."""
+        rung = chosen(self.rungs, self.problem.exact(), self.tolerance)
+        coefficients, shaped = self._projected(rung, self.target.middle[None])
+        structure = tuple(
+            (name, tuple(float(np.ravel(x)[0]) for x in shape)) for name, shape in shaped
+        )
+        columns = self.problem.design(structure, self._places)
+        own = self._projection.rung(structure, coefficients[0], columns, rung.parameters)
+        return replace(own, share=rung.share, adequate=rung.adequate)
+
+    def _projected(self, rung: Rung, curves: Array) -> tuple[Array, Shaped]:
+        """Return coefficients (k, p) and shapes of curves (k, n) on the family of a rung."""
+        free, coarse = self.problem.free(rung)
+        projector = Projector(
+            lambda structure: self.problem.design(structure, self._places),
+            free,
+            1.0 / self.target.allowed,
+            np.array([not is_signed(name) for name in names_of(rung.structure)]),
+        )
+        return projector(curves, [rung.structure, *coarse])
+
+    @cached_property
+    def ladder(self) -> tuple[Rung, ...]:
+        """Laws that a user may weigh, by their parameters: the closest of each number, and rivals.
+
+        A longer law stands only if it is closer, or is not told from the named one.
+        """
+        found: list[Rung] = []
+        for one in self.rungs:
+            closer = all(one.distance < other.distance for other in found)
+            if closer or self._is_named(one) or self._is_rival(one):
+                found.append(one)
+        best = sorted(found, key=lambda one: (not self._is_named(one), -one.adequate, one.excess))
+        kept = best[:SHOWN]
+        return tuple(
+            self.named if self._is_named(one) else one
+            for one in found
+            if any(one is other for other in kept)
+        )
+
+    def _is_named(self, rung: Rung) -> bool:
+        return rung.family == self.named.family
+
+    def _is_rival(self, rung: Rung) -> bool:
+        return rung.adequate * RIVAL > self.named.adequate > 0.0
+
+    @cached_property
+    def set(self) -> tuple[Rung, ...]:
+        """Laws that are not told apart, the named one first."""
+        rivals = [one for one in self.rungs if self._is_rival(one) and not self._is_named(one)]
+        return (self.named, *sorted(rivals, key=lambda one: -one.adequate))
+
+    @cached_property
+    def simpler(self) -> Rung | None:
+        """The shortest law whose curve is within the tolerance of the named one's."""
+        at, size = self._places, self.target.size
+        own = self.problem.design(self.named.structure, at) @ self.named.coefficients
+        for one in self.rungs:
+            if one.parameters >= self.named.parameters:
+                return None
+            curve = self.problem.design(one.structure, at) @ one.coefficients
+            if float(np.quantile(np.abs(curve - own) / size, 0.95)) <= self.tolerance:
+                return one
+        return None
+
+    @cached_property
+    def odds(self) -> float:
+        """Odds that there is friction."""
+        weights = self.problem.posterior.weights
+        none = float(weights[self.problem.nothing()].sum())
+        return (1.0 - none) / none if none > 0.0 else math.inf
+
+    @property
+    def is_told(self) -> bool:
+        """Whether friction is told from zero."""
+        return self.odds >= TOLD
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether a law describes friction within `NO_LAW`, or as well as it is known."""
+        return self.named.distance <= max(NO_LAW, self.known)
+
+    @property
+    def beside(self) -> frozenset[str]:
+        """What stands beside a law that is not told from the named one."""
+        return frozenset(name for one in self.set for name in one.family if name == "offset")
+
+    def curves(self, rows: Any, *, new: bool = False) -> Array:
+        """Return draws of friction at rows (k, n)."""
+        return self.problem.friction(rows, self.draws, new=new)
+
+    def band(
+        self, rows: Any, level: float = LEVEL, *, new: bool = False, all_along: bool = False
+    ) -> PredictionBand:
+        """Return the band of friction at rows."""
+        return band_of(self.curves(rows, new=new), level, all_along=all_along)
+
+    def reading_band(self, rows: Any, level: float = LEVEL) -> PredictionBand:
+        """Return the band of new readings at rows."""
+        return band_of(self.problem.readings(rows, self.draws), level)
+
+    @cached_property
+    def known(self) -> float:
+        """Half the width of the band over friction, in the median of the asked places."""
+        rows = self.problem.asked()
+        band = self.band(rows)
+        size = np.maximum(np.abs(band.median), 0.1 * np.median(np.abs(band.median)) + 1e-300)
+        return float(np.median(0.5 * (band.high - band.low) / size))
+
+    def handed_over(self, rung: Rung) -> tuple[Composition, Sliding, FrictionLaw | None]:
+        """Return what a law of the ladder is, how it slides, and the law of ours that does so.
+
+        It slides as the ladder says in both directions, beside the offset if no level holds it. The
+        law is None where no law of `stickslip.friction` does.
+        """
+        composed = self.problem.composition(
+            rung.structure, rung.coefficients[None], offset=self.offset
+        )
+        sliding = self.sliding(self.curve_of(rung, self._both_ways), rung)
+        law = composed.law()
+        return composed, sliding, law if law is not None and sliding.is_of(law, composed) else None
+
+    @cached_property
+    def _both_ways(self) -> Any:
+        """Rows of rising velocities in both directions."""
+        speeds = np.abs(self.problem.curve_rows().velocity)
+        return self.problem.at(np.concatenate([-speeds[::-1], speeds]))
+
+    def sliding(self, curve: Array, rung: Rung) -> Sliding:
+        """Return a curve in both directions (n,) as sliding, without an offset beside it."""
+        names = names_of(rung.structure)
+        if "offset" in names and not self.offset:
+            curve = curve - rung.coefficients[names.index("offset")]
+        return Sliding(velocity=np.asarray(self._both_ways.velocity), friction=np.asarray(curve))
+
+    def sampled(self, count: int, seed: int) -> list[FrictionLaw]:
+        """Return laws of draws: those of the named family where they are near, else curves."""
+        draws = self.problem.posterior.draws(count, seed=seed)
+        places = self.problem.steady(self._places, draws)
+        coefficients, shaped = self._projected(self.named, places)
+        fitted = self._fitted(shaped, coefficients)
+        apart = np.quantile(np.abs(fitted - places) / self.target.size, LEVEL, axis=1)
+        own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
+        composed = self.problem.composition(own, coefficients, offset=self.offset)
+        curves = self.problem.steady(self._both_ways, draws)
+        load = composed.normal()
+        found: list[FrictionLaw] = []
+        for k in range(len(places)):
+            law = composed.law(k) if apart[k] <= self.tolerance else None
+            rung = replace(self.named, coefficients=coefficients[k])
+            found.append(drawn_curve(self.sliding(curves[k], rung), load) if law is None else law)
+        order = np.random.default_rng(seed).permutation(len(found))
+        return [found[k] for k in order]
+
+    def _fitted(self, shaped: Shaped, coefficients: Array) -> Array:
+        """Return curves (k, n) of laws with shapes and coefficients (k, p) of their own."""
+        x = self.problem.design(shaped, self._places)
+        x = np.broadcast_to(x, (len(coefficients), *x.shape[-2:]))
+        return np.asarray(np.einsum("knp,kp->kn", x, coefficients))
+
+    def curve_of(self, rung: Rung, rows: Any) -> Array:
+        """Return the friction of a law at rows (n,), with its offset."""
+        return np.asarray(self.problem.design(rung.structure, rows) @ rung.coefficients)
+
+    @cached_property
+    def composition(self) -> Composition:
+        """The named law, with what was looked for of the rig."""
+        named = self.named
+        found = self.problem.composition(
+            named.structure, named.coefficients[None], offset=self.offset
+        )
+        return replace(found, rig={**found.rig, **self.rig})
+
+    @cached_property
+    def rig(self) -> dict[str, Array]:
+        """What was looked for of the rig (1,) by path."""
+        drawn = self.problem.rig(self.draws)
+        return {path: np.median(x, keepdims=True) for path, x in drawn.items()}
+
+    def values_of(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return parameters of the named family (k,) by path: each draw's, with its own shape."""
+        curves = self.problem.steady(self._places, draws)
+        coefficients, shaped = self._projected(self.named, curves)
+        own = [(name, tuple(np.ravel(x) for x in shape)) for name, shape in shaped]
+        composed = self.problem.composition(own, coefficients, offset=self.offset)
+        return composed.paths() | dict(self.problem.rig(draws))
+
+    @cached_property
+    def named_values(self) -> dict[str, Array]:
+        """Parameters (k,) by path if the named law holds."""
+        holds = self.problem.holds(self.named.family)
+        if not float(self.problem.posterior.weights[holds].sum()) > 0.0:
+            return self.values
+        return self.values_of(self.problem.posterior.draws(DRAWS, seed=self.seed + 1, only=holds))
+
+    @cached_property
+    def values(self) -> dict[str, Array]:
+        """Parameters (k,) by path, whichever law holds."""
+        return self.values_of(self.draws)
+
+    @cached_property
+    def intervals(self) -> tuple[Interval, ...]:
+        """Intervals of the parameters of the named law."""
+        tails = (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
+        found = []
+        for path, value in self.composition.paths().items():
+            own = self.named_values.get(path, value)
+            every = np.concatenate([own, self.values.get(path, own)])
+            low, high = np.quantile(own, tails).tolist()
+            low_any, high_any = np.quantile(every, tails).tolist()
+            found.append(
+                Interval(
+                    path=path,
+                    value=float(value[0]),
+                    low=low,
+                    high=high,
+                    low_any=min(low, low_any),
+                    high_any=max(high, high_any),
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def correlation(self) -> Array:
+        """Correlation of the parameters of the named law (p, p), as `intervals` orders them."""
+        if not self.intervals:
+            return np.zeros((0, 0))
+        table = np.array([self.named_values[one.path] for one in self.intervals])
+        spread = np.std(table, axis=1)
+        centred = table - table.mean(axis=1, keepdims=True)
+        centred = centred / np.where(spread > 0.0, spread, 1.0)[:, None]
+        return np.asarray(centred @ centred.T / table.shape[1])
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What may stand beside the law."""
+        return tuple(self.problem.findings(self.draws))

@@ -1,0 +1,404 @@
+r"""Columns of the force balance of one coordinate: laws, and what every record may have.
+
+At the samples, with the state :math:`z` of a bristle of length :math:`r` along the way, the
+direction where :math:`r = 0`, a level :math:`g` that depends on speed lags as in LuGre friction:
+
+.. math:: \frac{dL}{dx} = \frac{\operatorname{sgn}(dx)\, g(v) - L}{r(v)} ,
+          \qquad r(v) = r_0\, g(v) / g(v_0) ,
+
+which is one triangular system with two diagonals for all levels. Bristles that yield at once
+(exponent 0) have :math:`z\,g(v)`. The filter then makes rows of all columns.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lapack
+
+from benchmarks.posterior.nodes import Array, Column
+from benchmarks.posterior.record_rows import BalanceRows, Piece, pieces_of
+from benchmarks.posterior.vocabulary import PARTS
+from stickslip.identify.problems.record_signals import Record, bristle
+
+LEVELS = frozenset(name for name, part in PARTS.items() if part.dry)
+"""Terms that lag with the bristle, in proportion to the load."""
+OTHERS = (0.15, 0.4, 1.0, 2.5, 6.0)
+"""Lengths of further bristles, over that of the law."""
+COSINES, CURVED = 12, 4.0
+"""Cosines over the place, and the number from which on they are smaller."""
+COURSE = 5
+"""Columns of a drift: a line and cosines."""
+TURNS = 60
+"""Turns that have a pulse, at most: those with the largest accelerations."""
+PULSE = 6.0
+"""Reach of the pulse of a turn, over 1/cutoff."""
+RESOLVED = 1.2
+"""Distance to a turn or a rest from which on a speed is resolved, over 1/cutoff."""
+DECADES = 300.0
+"""Largest speed over the smallest that has a knot of its own, at most."""
+KNOTS = 2.5
+"""Knots of the curve for each e-fold of speed."""
+AT_ONCE = 64
+"""Columns that are filtered at once, which bounds the memory."""
+LUGRE = -1.0
+"""Exponent that stands for a length that follows the level."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Memory:
+    """A bristle: its length and how it yields."""
+
+    length: float = 0.0
+    """Way along which it yields [m]; 0 if at once."""
+    exponent: float = 1.0
+    """0 if it yields at once after its length, 1 as Dahl, `LUGRE` with a length that follows."""
+    ratio: Array | None = None
+    """Length over `length` at the knots of speed (k,)."""
+    speed: float = 0.0
+    """Speed at which it has `length` [m/s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordFrame:
+    """What columns are scaled by: that of the records fitted, for all rows."""
+
+    top: float
+    """Speed that one in two hundred of the resolved rows exceeds [m/s]."""
+    low: float
+    """Slowest speed that is resolved [m/s]."""
+    least: float
+    """Slowest speed of laws [m/s]."""
+    knots: Array
+    """Logarithms of speeds (k,)."""
+    begin: float
+    span: float
+    """Least position and the range of positions [m]."""
+    start: float
+    duration: float
+    """First time and the range of times [s]."""
+    noise: float
+    """Standard deviation of the noise of positions [m]."""
+    load: float
+    """Geometric mean of the load [N]; 1 where it does not change."""
+    inputs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Means and standard deviations of inputs that change."""
+    sides: tuple[float, ...] = (-1.0, 1.0)
+    """Directions that were seen."""
+
+    def hats(self, velocity: Array) -> Array:
+        """Return the basis of curves of speed (n, k)."""
+        x = np.log(np.maximum(np.abs(velocity), self.low))
+        at = (x - self.knots[0]) / (self.knots[1] - self.knots[0])
+        return np.maximum(
+            1.0
+            - np.abs(np.minimum(at, len(self.knots) - 1.0)[:, None] - np.arange(len(self.knots))),
+            0.0,
+        )
+
+    def course(self, time: Array) -> Array:
+        """Return the basis of what changes with time (n, p)."""
+        x = (time - self.start) / self.duration
+        waves = [np.cos(math.pi * k * x) / k for k in range(2, COURSE + 1)]
+        return np.column_stack([2.0 * x - 1.0, *waves])
+
+    def places(self, position: Array, waves: Sequence[float]) -> Array:
+        """Return the basis of what changes with the place (n, p)."""
+        x = (position - self.begin) / self.span
+        smooth = [
+            np.cos(math.pi * k * x) / math.hypot(1.0, k / CURVED) for k in range(1, COSINES + 1)
+        ]
+        turning = [f(w * position) for w in waves for f in (np.sin, np.cos)]
+        return np.column_stack([*smooth, *turning])
+
+
+def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
+    """Return the scales of records."""
+    speed = np.abs(rows.velocity)
+    resolved = rows.far > RESOLVED
+    seen = speed[resolved] if np.mean(resolved) > 0.3 else speed
+    top = float(np.quantile(seen, 0.995))
+    low = max(top / DECADES, float(np.quantile(seen, 0.01)))
+    low = min(low, 0.5 * top)
+    count = max(6, math.ceil(KNOTS * math.log(top / low)))
+    records = [one.record for one in pieces]
+    places = np.concatenate([one.position for one in records])
+    loads = [one.load for one in records if one.load is not None]
+    load = 1.0
+    if loads and np.ptp(np.concatenate(loads)) > 1e-6 * np.max(np.concatenate(loads)):
+        load = float(np.exp(np.mean(np.log(np.maximum(np.concatenate(loads), 1e-9)))))
+    inputs = {}
+    for name in records[0].inputs:
+        x = np.concatenate([one.inputs[name] for one in records if name in one.inputs])
+        if np.ptp(x) > 1e-6 * (np.max(np.abs(x)) + 1e-300):
+            inputs[name] = float(np.mean(x)), float(np.std(x))
+    sides = tuple(side for side in (-1.0, 1.0) if np.mean(side * rows.velocity > low) > 0.02)
+    return RecordFrame(
+        top=top, low=low, least=max(top / 1000.0, float(np.quantile(speed, 0.01))),
+        knots=np.linspace(math.log(low), math.log(top), count),
+        begin=float(places.min()), span=float(np.ptp(places)), start=float(rows.time.min()),
+        duration=float(np.ptp(rows.time)), noise=min(one.noise for one in pieces), load=load,
+        inputs=inputs, sides=sides or (1.0,),
+    )  # fmt: skip
+
+
+def law_column(column: Column, velocity: Array, state: Array, least: float = 0.0) -> Array:
+    """Return a column of a law (n,) at velocities where bristles have a state.
+
+    Examples
+    --------
+    >>> law_column(("stribeck", (1.0, 2.0)), np.array([0.0, 1.0]), np.ones(2)).round(3).tolist()
+    [1.0, 0.368]
+    """
+    name, shape = column
+    part, speed = PARTS[name], np.abs(velocity)
+    if part.dry:
+        return np.asarray(state * part.curve(np.maximum(speed, least), shape))
+    return np.asarray(np.sign(velocity) * part.curve(speed, shape))
+
+
+def relaxed(way: Array, length: Array | float, levels: Array) -> Array:
+    """Return levels (n, p) as they lag along a way (n,) with a length (n,).
+
+    Examples
+    --------
+    >>> way = np.array([0.0, 1.0, 2.0])
+    >>> relaxed(way, 1.0, np.ones((3, 1)))[:, 0].round(3).tolist()
+    [0.0, 0.632, 0.865]
+    """
+    steps = np.diff(way, prepend=way[:1])
+    kept = np.exp(-np.abs(steps) / length)
+    band = np.asfortranarray(np.vstack([np.ones(len(way)), np.append(-kept[1:], 0.0)]))
+    right = np.asfortranarray(((1.0 - kept) * np.sign(steps))[:, None] * levels)
+    found, _ = lapack.dtbtrs(band, right, uplo="L", diag="U")
+    return np.asarray(found)
+
+
+class Balance:
+    """The force balance of records, as columns at rows of all cutoffs.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    like : Balance, optional
+        That of the records fitted, whose cutoff and scales are taken.
+    highest : float
+        Largest cutoff [Hz].
+    """
+
+    def __init__(
+        self,
+        records: Sequence[Record],
+        like: "Balance | None" = None,
+        highest: float = math.inf,
+    ) -> None:
+        cutoff = None if like is None else like.pieces[0].cutoff
+        self.pieces, self._every = pieces_of(records, cutoff, highest)
+        self._rows: dict[int, BalanceRows] = {}
+        starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
+        # what follows in time is the same run
+        again = np.concatenate([[0], (starts[1:] <= ends[:-1]).astype(int)])
+        self.run = np.cumsum(again)
+        """Number of the run of each piece."""
+        self.runs = int(self.run[-1]) + 1
+        self.first = like.first if like else 0.0
+        """Length of the best bristle [m]."""
+        self.frame = like.frame if like else frame_of(self.pieces, self.rows(1))
+        self.waves: tuple[tuple[float, ...], tuple[float, ...]] = like.waves if like else ((), ())
+        """Wave numbers of forces and of levels over the place [1/m]."""
+        self._states: dict[int, tuple[Memory, list[Array]]] = {}
+
+    @property
+    def measured(self) -> bool:
+        """Whether friction itself was measured."""
+        return self.pieces[0].record.friction
+
+    @property
+    def finds_inertia(self) -> bool:
+        """Whether the inertia is looked for."""
+        return not self.measured and self.pieces[0].record.inertia is None
+
+    def rows(self, which: int) -> BalanceRows:
+        """Return the rows at one of the cutoffs."""
+        if which not in self._rows:
+            self._rows[which] = BalanceRows(self.pieces, which, self._every)
+        return self._rows[which]
+
+    # ---- at the samples
+    def lengths(self, memory: Memory, piece: Piece) -> Array | float:
+        """Return the length of a bristle at the samples of a piece (n,)."""
+        if memory.ratio is None:
+            return memory.length
+        x = np.log(np.maximum(np.abs(piece.velocity), self.frame.low))
+        return np.asarray(memory.length * np.interp(x, self.frame.knots, memory.ratio))
+
+    def states(self, memory: Memory) -> list[Array]:
+        """Return the states of a bristle at the samples of the pieces."""
+        if id(memory) not in self._states:
+            self._states[id(memory)] = memory, [self._state(memory, one) for one in self.pieces]
+        return self._states[id(memory)][1]
+
+    def forget(self, kept: Sequence[Memory]) -> None:
+        """Forget the states of all memories but some."""
+        keys = {id(one) for one in kept}
+        self._states = {key: x for key, x in self._states.items() if key in keys}
+
+    def _state(self, memory: Memory, piece: Piece) -> Array:
+        if memory.length == 0.0:
+            return piece.direction
+        if memory.exponent == 0.0:
+            return bristle(piece.way, memory.length, 0.0)
+        ones = np.ones((len(piece.way), 1))
+        return relaxed(piece.way, self.lengths(memory, piece), ones)[:, 0]
+
+    def load(self, piece: Piece) -> Array | float:
+        """Return the load over the usual one (n,)."""
+        x = piece.record.load
+        return 1.0 if x is None or self.frame.load == 1.0 else np.maximum(x, 0.0) / self.frame.load
+
+    def input(self, piece: Piece, name: str) -> Array:
+        """Return an input (n,) from its mean, over its standard deviation."""
+        mean, size = self.frame.inputs[name]
+        x = piece.record.inputs.get(name)
+        return 0.0 * piece.velocity if x is None else (x - mean) / size
+
+    def _hats(self, piece: Piece) -> Array:
+        return self.frame.hats(piece.velocity)
+
+    def moving(
+        self, memory: Memory, laws: Sequence[Column], piece: Piece, state: Array,
+        when: float | None = None,
+    ) -> tuple[dict[str, Array], Array]:  # fmt: skip
+        """Return what depends on a bristle at the samples (n, ...): by group, and of laws."""
+        frame, v = self.frame, piece.velocity
+        z = state * self.load(piece)
+        hats = self._hats(piece)
+        time = piece.record.time if when is None else np.full(len(v), when)
+        course = frame.course(time)
+        x = np.column_stack([law_column(one, v, z, frame.least) for one in laws])
+        groups = {
+            "state": z[:, None],
+            "common": z[:, None] * hats,
+            "drift": np.hstack([z[:, None] * course, (v / frame.top)[:, None] * course]),
+            "place": z[:, None] * frame.places(piece.record.position, self.waves[1]),
+        }
+        if len(frame.sides) > 1:
+            groups["sides"] = np.abs(z)[:, None] * hats
+        first = memory.length or self._first
+        lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
+        groups["others"] = np.column_stack(
+            [bristle(piece.way, one, 0.0) - state for one in lengths]
+        )
+        for name in frame.inputs:
+            u = self.input(piece, name)
+            groups[f"level*{name}"] = (z * u)[:, None]
+            groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
+        if frame.load != 1.0:
+            groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
+        if memory.length > 10.0 * frame.noise and memory.exponent:
+            self._lag(memory, laws, piece, hats, x, groups)
+        return groups, x
+
+    @property
+    def _first(self) -> float:
+        """Length of further bristles where the law has none."""
+        return self.first or 0.01 * self.frame.span
+
+    def _lag(
+        self, memory: Memory, laws: Sequence[Column], piece: Piece, hats: Array, x: Array,
+        groups: dict[str, Array],
+    ) -> None:  # fmt: skip
+        """Let levels of laws and the curve lag; damping of bristles is what the lag changes by."""
+        lagging = [k for k, (name, _) in enumerate(laws) if name in LEVELS]
+        ones, load = np.ones(len(piece.way)), np.reshape(self.load(piece), (-1, 1))
+        levels = [
+            law_column(laws[k], np.abs(piece.velocity), ones, self.frame.least) for k in lagging
+        ]
+        length = self.lengths(memory, piece)
+        parts = [hats, *(one[:, None] for one in levels)]
+        if memory.ratio is not None:
+            parts.append(np.asarray(length)[:, None] / memory.length)
+        found = relaxed(piece.way, length, load * np.hstack(parts))
+        groups["common"] = found[:, : hats.shape[1]]
+        x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
+        if memory.ratio is not None:
+            groups["damping"] = np.gradient(found[:, -1:], piece.step, axis=0)
+
+    def fixed(self, which: int) -> dict[str, Array]:
+        """Return what depends on no bristle, at the rows (n, ...), by group."""
+        frame, rows, pieces = self.frame, self.rows(which), self.pieces
+        found = {}
+        if len(frame.sides) > 1:
+            found["offset"] = np.ones((rows.count, 1))
+            found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
+        found["slope"] = self.slope(which)[:, None]
+        found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
+        if not self.measured:
+            found["delay"] = rows.seen([p.record.force for p in pieces], slope=1)[:, None]
+        for path, one in pieces[0].record.unknown.items():
+            force = rows.seen([p.record.unknown[path].force for p in pieces])
+            found[path] = (one.inertia * rows.acceleration - force)[:, None]
+        if self.finds_inertia:
+            found["inertia"] = rows.acceleration[:, None]
+        return found
+
+    def slope(self, which: int) -> Array:
+        """Return the velocity over the largest at the rows (n,)."""
+        return self.rows(which).seen([p.velocity / self.frame.top for p in self.pieces])
+
+    def pulses(self, which: int) -> Array:
+        """Return the pulses of turns at the rows (n, p)."""
+        rows = self.rows(which)
+        each = max(TURNS // len(self.pieces), 10)
+        parts = []
+        for k, piece in enumerate(self.pieces):
+            filt = piece.filters[which]
+            count = len(piece.velocity)
+            turns = piece.turns
+            if len(turns) > each:
+                change = np.abs(np.gradient(piece.velocity, piece.step))[turns]
+                turns = np.sort(turns[np.argsort(-change, kind="stable")[:each]])
+            kernel = np.zeros(count)
+            kernel[count // 2] = 0.25 / piece.step / filt.band
+            kernel = filt(kernel, full=True)
+            at = rows.picks[k][:, None] * piece.every - turns[None, :]
+            reach = PULSE / filt.band / piece.step
+            inside = (np.abs(at) < reach) & (np.abs(at) < count // 2)
+            values = np.where(inside, kernel[np.where(inside, at + count // 2, 0)], 0.0)
+            own = np.zeros((rows.count, len(turns)))
+            own[rows.piece == k] = values
+            parts.append(own[:, np.any(values != 0.0, axis=0)])
+        return np.hstack(parts)
+
+    # ---- at the rows
+    def columns(
+        self, which: int, memory: Memory, laws: Sequence[Column], when: float | None = None
+    ) -> tuple[dict[str, Array], Array]:
+        """Return columns that depend on a bristle at the rows of a cutoff: by group, and of laws.
+
+        What drifts has the value that it has at a time (`when` [s]), if one is given.
+        """
+        parts = [
+            self.moving(memory, laws, piece, state, when)
+            for piece, state in zip(self.pieces, self.states(memory), strict=True)
+        ]
+        names = list(parts[0][0])
+        widths = [parts[0][0][name].shape[1] for name in names]
+        rows = self.rows(which)
+        full = [np.hstack([*groups.values(), x]) for groups, x in parts]
+        del parts
+        total = full[0].shape[1]
+        seen = np.hstack(
+            [rows.seen([x[:, k : k + AT_ONCE] for x in full]) for k in range(0, total, AT_ONCE)]
+        )
+        ends = np.cumsum([0, *widths])
+        groups = {name: seen[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+        return groups, seen[:, ends[-1] :]
+
+    @cached_property
+    def turned(self) -> bool:
+        """Whether the motion turns at all."""
+        return any(len(one.turns) for one in self.pieces)

@@ -1,0 +1,271 @@
+"""What draws of the posterior of records say: steady curves, and readings of other records."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.posterior.nodes import Array, Draws
+from benchmarks.posterior.record_columns import RESOLVED, Balance, law_column
+from benchmarks.posterior.record_model import SCALES, STRETCHES, RecordModel
+from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
+from stickslip.identify.problems.record_signals import Record
+
+BEYOND, FARTHEST = 0.06, 3.0
+"""Level by which friction may differ for each e-fold of speed that was not resolved, and the
+e-folds that count."""
+NEARBY, FADES = 1.0 / 60.0, 1.0 / 24.0
+"""Distance from places that were seen up to which what was learned of the place holds, and over
+which it fades, over the range of positions."""
+RESOLVED_ROWS = 20
+"""Rows of a direction with a resolved speed that tell its range."""
+STUDENT = 6.0
+"""Degrees of freedom of the noise of readings."""
+MOMENTS = (0.0, 0.5, 1.0)
+"""When another record was made, in the drift of the one fitted, if its time does not say."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteadyRows:
+    """Steady sliding."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]."""
+    load: Array
+    """Loads (n,) [N]."""
+    ratio: Array
+    """Loads over the usual one (n,)."""
+    inputs: Mapping[str, Array]
+    """Inputs (n,) from their means, over their standard deviations."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OtherRows:
+    """Rows of other records."""
+
+    balance: Balance
+
+    @classmethod
+    def of(cls, model: RecordModel, records: Sequence[Record]) -> "OtherRows":
+        """Return the rows of other records, filtered as those that were fitted."""
+        return cls(balance=Balance(records, like=model.balance))
+
+    @property
+    def rows(self) -> BalanceRows:
+        """The rows at the middle cutoff."""
+        return self.balance.rows(MIDDLE)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities (n,) [m/s]."""
+        return self.rows.velocity
+
+    @property
+    def response(self) -> Array:
+        """What was measured there (n,) [N]."""
+        return self.rows.response
+
+
+def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
+    """Return steady friction, with what is constant (draws, n).
+
+    It is that of the record fitted: with the means of what changed along it.
+    """
+    frame, rows = model.frame, model.balance.rows(MIDDLE)
+    v, side = at.velocity, np.sign(at.velocity)
+    state, speed = side * at.ratio, np.abs(v) / frame.top
+    hats = frame.hats(v)
+    course = frame.course(rows.time).mean(axis=0)
+    place = frame.places(rows.position, model.balance.waves[1]).mean(axis=0)
+    count = len(course)
+    found = []
+    for one in draws:
+        plain = model.split(one.node, one.random)
+        f = np.zeros((one.random.shape[1], len(v)))
+        for column, c in zip(one.structure, one.law, strict=True):
+            f += np.outer(c, law_column(column, v, state))
+        level = place @ plain["place"] + course @ plain["drift"][:count]
+        level += _mean(plain["stretch"], 0)
+        slope = course @ plain["drift"][count:] + _mean(plain["stretch"], 1)
+        if "run" in plain:
+            level, slope = level + _mean(plain["run"], 0), slope + _mean(plain["run"], 1)
+        f += state * (hats @ plain["common"]).T + np.outer(level, state)
+        f += np.outer(slope, side * speed)
+        for name, u in at.inputs.items():
+            f += np.outer(plain[f"level*{name}"][0], state * u)
+            f += np.outer(plain[f"viscous*{name}"][0], side * speed * u)
+        if "load" in plain:
+            f += np.outer(plain["load"][0], state * np.log(np.maximum(at.ratio, 1e-3)))
+        if "sides" in plain:
+            f += at.ratio * (hats @ plain["sides"]).T + plain["offset"].T
+            f += np.outer(plain["side"], speed)
+        found.append(f)
+    return np.concatenate(found)
+
+
+def _mean(x: Array, half: int) -> Array:
+    """Return the mean of the levels, or the slopes, of parts (k,)."""
+    return np.asarray(x.reshape(2, -1, x.shape[1])[half].mean(axis=0))
+
+
+def _numbers(draws: Sequence[Draws]) -> list[int]:
+    return [one.random.shape[1] for one in draws]
+
+
+def beyond(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
+    """Return what friction may do at speeds that were not resolved (draws, n)."""
+    rng = np.random.default_rng(5)
+    moved = far_from(model, at.velocity) * BEYOND * model.size * np.sign(at.velocity)
+    return np.asarray(rng.normal(size=(sum(_numbers(draws)), 1)) * moved)
+
+
+def far_from(model: RecordModel, velocity: Array) -> Array:
+    """Return by how many e-folds speeds are beyond those resolved (n,)."""
+    frame = model.frame
+    u = np.log(np.maximum(np.abs(velocity), frame.least))
+    below, above = math.log(frame.low) - u, u - math.log(frame.top)
+    return np.asarray(np.minimum(np.maximum(below, 0.0) + np.maximum(above, 0.0), FARTHEST))
+
+
+def run_sizes(model: RecordModel, draws: Sequence[Draws], rng: np.random.Generator) -> Array:
+    """Return how much another run differs (draws, 1): as those fitted do, or as runs usually do."""
+    if "run" in model.names:
+        each = [model.at(one.node, "run") for one in draws]
+        return np.repeat(each, _numbers(draws))[:, None] * model.size
+    sizes, shares = SCALES["run"]
+    return np.asarray(rng.choice(sizes, p=shares, size=(sum(_numbers(draws)), 1)) * model.size)
+
+
+def of_another_run(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
+    """Return what another run adds (draws, n): to the level, and to the slope."""
+    rng = np.random.default_rng(7)
+    sizes, side = run_sizes(model, draws, rng), np.sign(at.velocity)
+    level, slope = (sizes * rng.normal(size=sizes.shape) for _ in range(2))
+    return np.asarray(level * side * at.ratio + slope * at.velocity / model.frame.top)
+
+
+def readings(
+    model: RecordModel, draws: Sequence[Draws], other: OtherRows, *, seed: int = 0
+) -> Array:
+    """Return draws of the readings of other records (draws, n).
+
+    They are those of another run, whose level and slope differ by what runs differ; what was
+    learned of places holds where they were seen.
+    """
+    rows = other.rows
+    if not rows.count:
+        return np.zeros((sum(_numbers(draws)), 0))
+    rng = np.random.default_rng([seed, 11])
+    fixed = other.balance.fixed(MIDDLE)
+    fixed.pop("slope")
+    maker = _Readings(model, other.balance, rng)
+    found = np.concatenate([maker.of(one, fixed) for one in draws])
+    noise = model.noises[MIDDLE]
+    size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
+    tail = rng.standard_t(STUDENT, size=found.shape) * math.sqrt((STUDENT - 2.0) / STUDENT)
+    return np.asarray(found + size * float(noise.pieces.max()) * tail)
+
+
+class _Readings:
+    """Draws of the readings of other records, one structure at one node at a time."""
+
+    def __init__(self, model: RecordModel, other: Balance, rng: np.random.Generator) -> None:
+        self.model, self.other, self.rng = model, other, rng
+        self.rows, frame = other.rows(MIDDLE), model.frame
+        self.pulses = other.pulses(MIDDLE)
+        own = model.balance.rows(MIDDLE)
+        seen = np.sort(own.position)
+        at = np.clip(np.searchsorted(seen, self.rows.position), 1, len(seen) - 1)
+        distance = np.minimum(
+            np.abs(self.rows.position - seen[at]), np.abs(self.rows.position - seen[at - 1])
+        )
+        gap = np.maximum(distance / frame.span - NEARBY, 0.0) / FADES
+        self.near = np.exp(-0.5 * gap**2)
+        self.far = far_from(model, self.rows.velocity)
+        ends = frame.start + frame.duration
+        self.after = float(self.rows.time.min()) >= ends - 0.02 * frame.duration
+        self.ahead = np.sqrt(np.maximum(self.rows.time - ends, 0.0) / frame.duration)
+        self.parts = np.minimum(
+            np.arange(self.rows.count) * STRETCHES // self.rows.count, STRETCHES - 1
+        )
+        self.seen: dict[tuple[int, float], tuple[dict[str, Array], Array]] = {}
+
+    def columns(self, memory: int, moment: float) -> tuple[dict[str, Array], Array]:
+        """Return the columns with a bristle at a moment of the drift."""
+        key = memory, moment
+        if key not in self.seen:
+            frame = self.model.frame
+            self.seen[key] = self.other.columns(
+                MIDDLE, self.model.memories[memory], self.model.columns,
+                when=frame.start + moment * frame.duration,
+            )  # fmt: skip
+        return self.seen[key]
+
+    def of(self, one: Draws, fixed: dict[str, Array]) -> Array:
+        """Return the readings of draws (k, n), without noise."""
+        model, rng, node = self.model, self.rng, one.node
+        count, size = one.random.shape[1], model.size
+        moment = 1.0 if self.after else MOMENTS[int(rng.integers(len(MOMENTS)))]
+        groups, x = self.columns(node[-2], moment)
+        plain = model.split(node, one.random)
+        at = [model.columns.index(column) for column in one.structure]
+        f = (x[:, at] @ one.law).T
+        every = {**groups, **fixed}
+        z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)
+        for name, b in plain.items():
+            if name in ("stretch", "turn", "run"):
+                continue
+            learned = (every[name] @ b).T
+            if name in ("place", "force"):
+                new = model.at(node, name) * size * rng.normal(size=b.shape)
+                learned = self.near * learned
+                learned += np.sqrt(1.0 - self.near**2) * (every[name] @ new).T
+            f += learned
+        spread = model.at(node, "stretch") * size * rng.normal(size=(2, count, STRETCHES))
+        level = _mean(plain["stretch"], 0)[:, None] + spread[0][:, self.parts]
+        tilt = _mean(plain["stretch"], 1)[:, None] + spread[1][:, self.parts]
+        runs = run_sizes(model, [one], rng)
+        level = level + runs * rng.normal(size=(count, 1))
+        tilt = tilt + runs * rng.normal(size=(count, 1))
+        level = level + self.far * BEYOND * size * rng.normal(size=(count, 1))
+        if self.after:
+            level = level + self.ahead * model.at(node, "drift") * size * rng.normal(
+                size=(count, 1)
+            )
+        f += level * z + tilt * slope
+        if self.pulses.shape[1] and "turn" in model.names:
+            turned = model.at(node, "turn") * size * rng.normal(size=(count, self.pulses.shape[1]))
+            f += turned @ self.pulses.T
+        return f + self.beyond_inputs(plain, z)
+
+    def beyond_inputs(self, plain: dict[str, Array], z: Array) -> Array:
+        """Return what inputs beyond their range may change (k, n): by as much as within it."""
+        model, rows = self.model, self.rows
+        found = np.zeros((plain["stretch"].shape[1], rows.count))
+        for name in model.frame.inputs:
+            own = model.balance.rows(MIDDLE)
+            seen = own.taken([model.balance.input(p, name) for p in model.balance.pieces])
+            x = rows.taken([self.other.input(p, name) for p in self.other.pieces])
+            out = np.maximum(x - seen.max(), 0.0) + np.minimum(x - seen.min(), 0.0)
+            found += self.rng.normal(size=(len(found), 1)) * plain[f"level*{name}"].T * (out * z)
+        return found
+
+
+def resolved_speeds(model: RecordModel, count: int) -> Array:
+    """Return velocities (n,) that were resolved in each direction that was moved in.
+
+    Where no speed is resolved, they are those of the rows.
+    """
+    frame, rows = model.frame, model.balance.rows(MIDDLE)
+    grids = []
+    for side in frame.sides:
+        moved = side * rows.velocity
+        own = moved[(moved > 0.0) & (rows.far > RESOLVED)]
+        own = own if len(own) > RESOLVED_ROWS else moved[moved > 0.0]
+        if not len(own):
+            continue
+        low = max(frame.low, float(np.quantile(own, 0.03)))
+        top = max(float(np.quantile(own, 0.98)), 1.01 * low)
+        grids.append(side * np.geomspace(low, top, count))
+    return np.sort(np.concatenate(grids))

@@ -1,0 +1,754 @@
+r"""Records of one coordinate as a model of the posterior.
+
+At the rows :math:`i` of the filtered balance,
+
+.. math::
+    y_i = J a_i + \sum_p p\,k_{pi} + \sum_t c_t L[x_t(v)]_i + L[\delta(\log |v|)]_i
+          + \delta_d(\log |v|)_i + b_0 + b_1 |v_i| + \ldots + e_i ,
+
+with the inertia and what else is looked for, a law and the curve that lag with the bristle
+(`record_columns`), and what every record may have: `SIZES` and `SCALES` are the priors.
+
+1. *Screen*: the bristles whose curve with the inertia leaves least.
+2. *Rounds* at the middle cutoff: search; the size of what is left by speed, distance from a turn,
+   state of the bristle and piece, with weights of a Student distribution; the share of rows that
+   count, which is that of scores by row over scores summed in stretches; and the length of LuGre
+   bristles, which follows the level of the round before.
+3. Other cutoffs take these, with the size of what is left of their own rows.
+"""
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky
+
+from benchmarks.posterior.nodes import (
+    Array,
+    Column,
+    Family,
+    Model,
+    Node,
+    Places,
+    Posterior,
+    Scale,
+    Structure,
+    System,
+)
+from benchmarks.posterior.record_columns import (
+    LEVELS,
+    LUGRE,
+    RESOLVED,
+    Balance,
+    Memory,
+    law_column,
+)
+from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, BalanceRows
+from benchmarks.posterior.vocabulary import FAMILIES, NARROW, SIGNED, Grid
+from stickslip.identify.problems.record_signals import Record
+
+Names: TypeAlias = NDArray[np.str_]
+
+FINE = 1.6
+"""Shapes of a term for each e-fold of speed."""
+
+NO_CURVE, CURVE = 0.4, 0.1
+"""Prior probability that laws say all, and the half-normal size of what they do not, else."""
+COMMON = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32)
+BY_PLACE = (0.002, 0.01, 0.04, 0.15)
+SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "common": (
+        COMMON,
+        (
+            NO_CURVE,
+            *((1.0 - NO_CURVE) / 7.0 * math.exp(-0.5 * (x / CURVE) ** 2) for x in COMMON[1:]),
+        ),
+    ),
+    "sides": ((0.001, 0.01, 0.03, 0.1, 0.3), (0.5, 0.2, 0.15, 0.1, 0.05)),
+    "length": ((0.5, 1.0, 2.0), (1 / 3, 1 / 3, 1 / 3)),
+    "drift": (BY_PLACE, (0.65, 0.2, 0.1, 0.05)),
+    "place": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
+    "force": (BY_PLACE, (0.5, 0.2, 0.2, 0.1)),
+    "stretch": ((0.0005, 0.003, 0.01, 0.03, 0.08, 0.2), (0.2, 0.25, 0.25, 0.15, 0.1, 0.05)),
+    "turn": ((0.001, 0.1, 0.3, 1.0, 3.0), (0.2, 0.2, 0.2, 0.2, 0.2)),
+    "others": ((0.002, 0.03, 0.15, 0.5), (0.5, 0.2, 0.2, 0.1)),
+    "delay": ((0.5, 5.0), (0.8, 0.2)),
+    "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
+    "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
+}
+"""Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
+common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
+force by place; of the level and viscous friction of a twentieth of the record; of the pulse of a
+turn; of bristles of other lengths; the delay in samples; the change with an input by its standard
+deviation; level and viscous friction of another run. They say what a careful experimenter would
+expect."""
+USUAL: dict[str, int] = {
+    "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "stretch": 3,
+    "turn": 2, "others": 1, "delay": 0, "input": 1, "run": 1,
+}  # fmt: skip
+"""Where a search begins."""
+SIZES: dict[str, float] = {
+    "offset": 0.3,
+    "load": 0.1,
+    "side": 0.003,
+}
+"""Sizes that are no scales: a constant force, the change by an
+e-fold of the load that is not in proportion, and the least of the slope by direction."""
+LOOKED_FOR = 3.0
+"""Size of what is looked for, over that of the force."""
+STRETCHES = 20
+"""Parts of a record whose level and slope may differ."""
+
+SPEEDS = 8
+"""Classes of speed."""
+NEAR = (0.6, 1.2, 2.4)
+"""Classes of the distance from a turn, over 1/cutoff."""
+FULL, PART = 0.98, 0.9
+"""States of a bristle that count as stretched, and as not."""
+TAIL, FAR_OUT = 4.0, 2.5
+"""Degrees of freedom of what is left, and from where on its tail counts."""
+KAPPA = 0.3
+"""Largest share of rows that count: they are 2.2 for each 1/cutoff."""
+BLOCKS = (200, 100, 50, 25)
+"""Numbers of parts in which scores are summed."""
+LENGTHS = 9
+"""Lengths of bristles that are looked at first, from twice the noise to a quarter of the range."""
+ABOUT = (0.5, 0.71, 1.41, 2.0)
+"""Further lengths about the two best, over them."""
+KEPT = 2
+"""Bristles that are kept, beside none."""
+SHORT = 10.0
+"""Length over the noise of positions from which on a bristle is seen."""
+SEEN = 0.03
+"""Root mean square of what a bristle is from the direction from which on its length follows."""
+FOLLOWING = (0.8, 1.0, 1.3, 1.7)
+AGAIN = (0.85, 1.0, 1.18)
+"""Lengths that are looked at where the length follows the level, over the one before."""
+WIDTHS = (0.005, 0.2)
+"""Range of the relative deviation of such a length."""
+ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
+"""Rounds, those with a length that follows the level, and nodes of each."""
+NODES = 160
+"""Nodes of the posterior."""
+THIRDS = 5
+"""Times that shapes are refined by thirds of a step ..."""
+RESOLVING, LEAST_SHARE = 4.0, 0.02
+"""... where fewer shapes than that count, in families with that share at least."""
+KEPT_LAWS, BEHIND, LOST = 24, 12.0, 60.0
+"""Laws whose shapes are refined; the logarithm of the weight from which laws and bristles are not
+kept beside the best, and that of whole families after the first round, half of it later ..."""
+ALWAYS: tuple[Family, ...] = ((), ("level", "stribeck", "viscous"))
+"""... but for these: the length of bristles follows the level of such a law."""
+TINY = 1e-300
+ROUNDING = 1e-8
+"""Share of the covariance of the curve that keeps its root positive."""
+SOFT = 1e-7
+"""Share of the products of columns that keeps a first fit solvable."""
+LEAST = 1e-6
+"""Least size over that of the friction."""
+FEW, FEWEST = 20, 5
+"""Rows that a quantile or a median needs."""
+STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
+"""Step and largest of the wave numbers that are looked at, over those of the range; their rows."""
+BESIDE_LEVELS = ("power", "saturating")
+"""Flows that fall off, and so may stand for a level."""
+CURVES = ("common", "sides")
+"""Groups that are curves of the speed."""
+LOOKED = ("inertia", "offset")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Design:
+    """Columns at the rows of a cutoff with a bristle."""
+
+    groups: Names
+    """Group of each column that is always there (m,)."""
+    random: Array
+    """These columns (n, m)."""
+    law: Array
+    """Columns of laws, scaled to the size of the friction (n, p)."""
+    sizes: Array
+    """Their factors (p,)."""
+    least: Array
+    """Root mean squares of the columns that are always there (m,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Noise:
+    """What a fit leaves, by class of rows."""
+
+    edges: Array
+    """Speeds between classes."""
+    deviations: Array
+    """Standard deviation of each class [N]."""
+    pieces: Array
+    """Factors of the pieces."""
+    bristle: Memory | None
+    """Bristle whose rows are a class while it is not stretched."""
+
+
+class RecordModel(Model):
+    """Records of one coordinate.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    families : collection of Family, optional
+        Families of laws that are compared beside none; those of the vocabulary if not given.
+    highest : float
+        Largest cutoff [Hz].
+    """
+
+    signed = SIGNED
+
+    def __init__(
+        self,
+        records: Sequence[Record],
+        *,
+        families: Collection[Family] | None = None,
+        highest: float = math.inf,
+    ) -> None:
+        self.balance = Balance(records, highest=highest)
+        self.frame = self.balance.frame
+        self.names = tuple(name for name in SCALES if self._acts(name))
+        """Scales of sizes that act in these records."""
+        known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
+        self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
+        self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
+        self.memories: list[Memory] = []
+        self.cutoffs: tuple[int, ...] = (MIDDLE,)
+        self.noises: dict[int, Noise] = {}
+        """What is left of the rows of each cutoff."""
+        self.weights: dict[int, Array] = {}
+        """Weights of the rows of each cutoff (n,): what is left of them has size 1."""
+        self._designs: dict[tuple[int, int], Design] = {}
+        self._plain: dict[tuple[int, int], Array] = {}
+        self._grams: dict[tuple[int, int, int], Array] = {}
+        self._fixed: dict[int, dict[str, Array]] = {}
+        left = self._screen()
+        self._weigh(MIDDLE, left, self._noise(MIDDLE, left, None))
+        node = self._rounds()
+        self.start = self._widen(node)
+        """Nodes from which the posterior begins: one of each cutoff."""
+
+    def posterior(self, most: int = NODES) -> Posterior:
+        """Return the posterior of the records."""
+        return Posterior(self, self.structures, self.priors, begin=self.start, most=most)
+
+    # ---- what is compared
+    @property
+    def grid(self) -> Grid:
+        """Shapes of the parts of laws."""
+        return Grid(slowest=self.frame.low, fastest=self.frame.top, fine=FINE)
+
+    def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
+        """Return the laws with their shapes, and the logarithms of their priors."""
+        found, priors = list[Structure](), list[float]()
+        for family, shapes, prior in self.grid.families([*families]):
+            found.append(tuple(zip(family, shapes, strict=True)))
+            priors.append(prior)
+        return tuple(found), np.array(priors)
+
+    @property
+    def scales(self) -> Sequence[Scale]:  # type: ignore[override]
+        """The scales: sizes, then the bristle and the cutoff."""
+        sizes = [
+            Scale(name=name, values=SCALES[name][0], prior=SCALES[name][1]) for name in self.names
+        ]
+        lengths = tuple(one.length for one in self.memories)
+        bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
+        return [
+            *sizes,
+            Scale(name="bristle", values=lengths, prior=tuple(1.0 for _ in lengths), ordered=False),
+            Scale(
+                name="cutoff",
+                values=bands,
+                prior=tuple(1.0 / len(bands) for _ in bands),
+                ordered=False,
+                judged=False,
+            ),
+        ]
+
+    def _acts(self, name: str) -> bool:
+        """Return whether a scale changes anything in these records."""
+        balance = self.balance
+        acts = {
+            "sides": len(self.frame.sides) > 1,
+            "turn": balance.turned,
+            "delay": not balance.measured,
+            "input": bool(self.frame.inputs),
+            "run": balance.runs > 1,
+        }
+        return acts.get(name, True)
+
+    def at(self, node: Node, name: str) -> float:
+        """Return the value of a size at a node."""
+        return SCALES[name][0][node[self.names.index(name)]]
+
+    def memory(self, node: Node) -> Memory:
+        """Return the bristle of a node."""
+        return self.memories[node[-2]]
+
+    # ---- normal equations
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        """Return the normal equations of a node."""
+        assert tuple(columns) == self.columns
+        which, memory = self.cutoffs[node[-1]], node[-2]
+        return System(
+            gram=self._gram(which, memory, node[self.names.index("length")]),
+            deviations=self.deviations(node),
+            volume=0.0,
+            sizes=self.design(which, memory).sizes,
+        )
+
+    def design(self, which: int, memory: int) -> Design:
+        """Return the columns at the rows of a cutoff with a bristle."""
+        key = which, memory
+        if key not in self._designs:
+            self._designs[key] = self._designed(which, self.memories[memory])
+        return self._designs[key]
+
+    def _designed(self, which: int, memory: Memory) -> Design:
+        rows = self.balance.rows(which)
+        groups, x = self.balance.columns(which, memory, self.columns)
+        if which not in self._fixed:
+            turns = self.balance.pulses(which)
+            self._fixed[which] = {**self.balance.fixed(which), "turn": turns}
+        every = {**groups, **self._fixed[which]}
+        state, slope = every.pop("state"), every.pop("slope")
+        parts = np.minimum(np.arange(rows.count) * STRETCHES // rows.count, STRETCHES - 1)
+        stretch = parts[:, None] == np.arange(STRETCHES)
+        every["stretch"] = np.hstack([state * stretch, slope * stretch])
+        if self.balance.runs > 1:
+            of = self.balance.run[rows.piece][:, None] == np.arange(self.balance.runs)
+            every["run"] = np.hstack([state * of, slope * of])
+        sizes = self.size / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+        random = np.hstack([*every.values()])
+        names = [name for name, part in every.items() for _ in range(part.shape[1])]
+        return Design(
+            groups=np.array(names),
+            random=random,
+            law=x * sizes,
+            sizes=sizes,
+            least=np.sqrt(np.mean(random * random, axis=0)) + 1e-300,
+        )
+
+    def _gram(self, which: int, memory: int, length: int) -> Array:
+        """Return the products of all columns, with those of the curve of a length."""
+        key = which, memory, length
+        if key not in self._grams:
+            design = self.design(which, memory)
+            gram = self._product(which, memory).copy()
+            root = self.root(length)
+            for name in CURVES:
+                at = np.flatnonzero(design.groups == name)
+                if len(at):
+                    gram[:, at] = gram[:, at] @ root
+                    gram[at] = root.T @ gram[at]
+            self._grams[key] = gram
+        return self._grams[key]
+
+    def _product(self, which: int, memory: int) -> Array:
+        """Return the products of all columns as they are."""
+        key = which, memory
+        if key not in self._plain:
+            design, y = self.design(which, memory), self.balance.rows(which).response
+            every = np.hstack([design.random, design.law, y[:, None]])
+            every *= self.weights[which][:, None]
+            self._plain[key] = every.T @ every
+        return self._plain[key]
+
+    def root(self, length: int) -> Array:
+        """Return a root of the covariance of the curve at its knots (k, k): Matern 3/2."""
+        x = self.frame.knots
+        d = math.sqrt(3.0) * np.abs(x[:, None] - x) / SCALES["length"][0][length]
+        return np.asarray(cholesky((1.0 + d) * np.exp(-d) + ROUNDING * np.eye(len(x)), lower=True))
+
+    def deviations(self, node: Node) -> Array:
+        """Return the prior standard deviations of what is always there (m,)."""
+        which, memory = self.cutoffs[node[-1]], node[-2]
+        design, size = self.design(which, memory), self.size
+        record, bristle = self.balance.pieces[0], self.memories[memory]
+        found = np.empty(len(design.groups))
+        of_force = float(np.sqrt(np.mean(self.balance.rows(which).response ** 2)))
+        for name in dict.fromkeys(design.groups.tolist()):
+            at = design.groups == name
+            if name in record.record.unknown or name == "inertia":
+                doubt = record.record.unknown[name].doubt if name != "inertia" else 0.0
+                found[at] = doubt or LOOKED_FOR * of_force / design.least[at]
+            elif name == "delay":
+                found[at] = self.at(node, name) * record.step
+            elif name == "damping":
+                longest = max(bristle.length, self.frame.noise)
+                found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
+            elif name == "side":
+                found[at] = max(self.at(node, "sides"), SIZES["side"]) * size
+            elif name in SIZES:
+                found[at] = SIZES[name] * size
+            else:
+                scale = "input" if "*" in name else name
+                found[at] = max(self.at(node, scale), LEAST) * size
+        return found
+
+    # ---- which bristles
+    def _screen(self) -> Array:
+        """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
+        rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
+        plain = balance.fixed(MIDDLE)
+        base = [plain["slope"], *(plain[name] for name in plain if name in LOOKED or "." in name)]
+        fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
+        hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
+        looked: list[tuple[float, Memory, Array, float, float]] = []
+
+        def look(memory: Memory) -> None:
+            parts = []
+            for piece, state, hat in zip(balance.pieces, balance.states(memory), hats, strict=True):
+                z = state * balance.load(piece)
+                own = [z[:, None], z[:, None] * hat]
+                own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
+                parts.append(np.hstack(own))
+            x = np.hstack([fixed, rows.seen(parts)])
+            scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+            x = x / scale
+            gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
+            c = np.linalg.solve(gram, x.T @ rows.response)
+            e = rows.response - x @ c
+            law = np.arange(x.shape[1]) >= fixed.shape[1]
+            law[len(frame.sides) - 1] = True  # the slope
+            inertia = abs(c[fixed.shape[1] - 1]) / scale[fixed.shape[1] - 1]
+            size = float(np.sqrt(np.mean((x[:, law] @ c[law]) ** 2)))
+            cut = np.minimum(np.abs(e), 4.0 * np.median(np.abs(e)))
+            looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
+
+        none = Memory()
+        shortest = 2.0 * frame.noise
+        lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
+        for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
+            look(memory)
+        looked.sort(key=lambda one: one[0])
+        best = [one[1] for one in looked if one[1].length][:2]
+        for one in best:
+            for factor in ABOUT:
+                look(replace(one, length=factor * one.length))
+        looked.sort(key=lambda one: one[0])
+        bristles = [one[1] for one in looked if one[1].length]
+        balance.first = bristles[0].length
+        kept = [one[1] for one in looked[:KEPT] if one[1].length]
+        self.memories = [none, *kept]
+        balance.forget(self.memories)
+        _, _, left, self.size, inertia = looked[0]
+        self.size = max(self.size, 1e-9 * float(np.sqrt(np.mean(rows.response**2))) + 1e-300)
+        self.inertia = inertia if balance.finds_inertia else balance.pieces[0].record.inertia or 0.0
+        balance.waves = waves_of(rows, frame.span, frame.noise, left)
+        self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
+        return left
+
+    # ---- rounds
+    def _rounds(self) -> Node:
+        """Search at the middle cutoff, and find noise and bristles anew; return the best node."""
+        node: Node = (*(USUAL[name] for name in self.names), self.first, 0)
+        for turn in range(FOLLOWED):
+            if turn >= ROUNDS and self.memory(node).ratio is None:
+                break
+            search = Posterior(self, self.structures, self.priors, begin=[node], most=ROUND_NODES)
+            node = self._again(search, 0)
+            self._refine(self._here(node), 3.0 ** -(turn + 1))
+            node = self._followed(self._here(node), node) or node
+        for turn in range(ROUNDS, THIRDS):  # as finely as the records tell shapes
+            here = self._here(node)
+            if self._resolves(here):
+                break
+            self._refine(here, 3.0 ** -(turn + 1))
+        return self._pruned(node)
+
+    def _here(self, node: Node) -> Posterior:
+        """Return the posterior of a node alone."""
+        return Posterior(self, self.structures, self.priors, begin=[node], most=0)
+
+    def _pruned(self, node: Node) -> Node:
+        """Keep only bristles that are not far behind the best; return the node."""
+        here = self._here(node)
+        nodes = [(*node[:-2], k, 0) for k in range(len(self.memories))]
+        values = np.array([here.value(one) for one in nodes])
+        kept = np.flatnonzero(values > values.max() - BEHIND)
+        best = int(np.argmax(values[kept]))
+        self._keep([self.memories[k] for k in kept])
+        return (*node[:-2], best, 0)
+
+    def _resolves(self, search: Posterior) -> bool:
+        """Return whether several shapes of each family with a share count."""
+        shares: dict[Family, list[float]] = {}
+        for law, share in zip(search.structures, search.shares.tolist(), strict=True):
+            if any(name in NARROW or name == "power" for name, _ in law):
+                shares.setdefault(tuple(name for name, _ in law), []).append(share)
+        found = [np.array(x) for x in shares.values() if sum(x) > LEAST_SHARE]
+        return all(x.sum() ** 2 > RESOLVING * np.sum(x**2) for x in found)
+
+    def _refine(self, search: Posterior, part: float) -> None:
+        """Take the shapes near the best of each family, and near all that are not far behind."""
+        value = np.log(search.shares + TINY)
+        order = np.argsort(-value, kind="stable")
+        best: dict[Family, int] = {}
+        for k in order.tolist():
+            best.setdefault(tuple(name for name, _ in search.structures[k]), k)
+        near = [k for k in order.tolist()[:KEPT_LAWS] if value[k] > value[order[0]] - BEHIND]
+        found: dict[Structure, float] = {}
+        far = value[order[0]] - (LOST if part > 0.2 else 0.5 * LOST)
+        others = [k for family, k in best.items() if value[k] > far or family in ALWAYS]
+        for k in dict.fromkeys([*near, *others]):
+            law = search.structures[k]
+            family = tuple(name for name, _ in law)
+            many = [*self.grid.finer(family, [shape for _, shape in law], part)]
+            for shapes in many:
+                one = tuple(zip(family, shapes, strict=True))
+                found.setdefault(one, float(self.priors[k]) - math.log(len(many)))
+        self.structures, self.priors = tuple(found), np.array([*found.values()])
+        self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
+        self._designs, self._plain, self._grams = {}, {}, {}
+
+    def _again(self, search: Posterior, cutoff: int) -> Node:
+        """Weigh the rows of a cutoff by what the best node of a search leaves; return the node."""
+        node = search.best
+        law = search.structures[int(np.argmax(search.weights[search.nodes.index(node)]))]
+        which = self.cutoffs[cutoff]
+        left, count = self._left(search, node, law)
+        self._weigh(which, left, self._noise(which, left, self.memory(node)), law, node, count)
+        return node
+
+    def _left(self, search: Posterior, node: Node, law: Structure) -> tuple[Array, float]:
+        """Return what a structure leaves of the rows (n,), and the number of its parameters."""
+        design = self.design(*self.key(node))
+        c, b = search.estimate(node, law)
+        at = [self.columns.index(one) for one in law]
+        left = (
+            self.balance.rows(self.cutoffs[node[-1]]).response
+            - design.random @ self.plain(node, b[:, None])[:, 0]
+        )
+        return left - design.law[:, at] @ (c / design.sizes[at]), search.effective(node, law)
+
+    def plain(self, node: Node, random: Array) -> Array:
+        """Return coefficients of the columns as they are (m, k), the curve's at its knots."""
+        design = self.design(*self.key(node))
+        found, root = random.copy(), self.root(node[self.names.index("length")])
+        for name in CURVES:
+            at = design.groups == name
+            if at.any():
+                found[at] = root @ random[at]
+        return found
+
+    def split(self, node: Node, random: Array) -> dict[str, Array]:
+        """Return coefficients of the columns as they are (p, k), by group."""
+        plain, groups = self.plain(node, random), self.design(*self.key(node)).groups
+        return {name: plain[groups == name] for name in dict.fromkeys(groups.tolist())}
+
+    def key(self, node: Node) -> tuple[int, int]:
+        """Return the cutoff and the bristle of a node."""
+        return self.cutoffs[node[-1]], node[-2]
+
+    def classes(self, balance: Balance, which: int, noise: Noise) -> Places:
+        """Return the class of what is left of each row (n,): by speed, or distance from a turn."""
+        rows = balance.rows(which)
+        speed = np.clip(np.searchsorted(noise.edges, np.abs(rows.velocity)) - 1, 0, SPEEDS - 1)
+        near = SPEEDS + np.searchsorted(NEAR, np.minimum(rows.far, NEAR[-1]))
+        found = np.where(rows.far > NEAR[-1], speed, near)
+        if noise.bristle is not None:
+            state = rows.taken(balance.states(noise.bristle))
+            short = (found < SPEEDS) & (np.abs(state) < FULL)
+            found = np.where(short, SPEEDS + len(NEAR), found)
+        return np.asarray(found, dtype=np.intp)
+
+    def _noise(self, which: int, left: Array, bristle: Memory | None) -> Noise:
+        """Return the sizes of what is left of the rows of a cutoff."""
+        rows = self.balance.rows(which)
+        speed, away = np.abs(rows.velocity), rows.far > NEAR[-1]
+        edges = np.quantile(
+            speed[away] if away.sum() > FEW else speed, np.linspace(0.0, 1.0, SPEEDS + 1)
+        )
+        seen = bristle is not None and bristle.length > SHORT * self.frame.noise
+        noise = Noise(
+            edges=edges, deviations=np.zeros(0), pieces=np.ones(len(self.balance.pieces)),
+            bristle=bristle if seen else None,
+        )  # fmt: skip
+        of = self.classes(self.balance, which, noise)
+        sizes = np.zeros(SPEEDS + len(NEAR) + 1)
+        for k in range(len(sizes)):
+            e = np.abs(left[of == k])
+            if len(e) >= FEWEST:
+                middle = float(np.median(e))
+                tail = math.sqrt(float(np.mean(np.minimum(e, 6.0 * middle) ** 2)))
+                sizes[k] = 0.5 * (1.48 * middle + tail)
+        sizes[sizes == 0.0] = sizes.max(initial=1e-300)
+        sizes = np.maximum(sizes, 0.1 * float(np.median(sizes)) + LEAST**2 * self.size)
+        pieces = np.ones(len(self.balance.pieces))
+        if len(pieces) > 1:
+            z = np.minimum((left / sizes[of]) ** 2, 9.0)
+            pieces = np.array(
+                [math.sqrt(float(np.mean(z[rows.piece == k])) if (rows.piece == k).any() else 1.0)
+                 for k in range(len(pieces))]
+            )  # fmt: skip
+            pieces = np.clip(pieces / math.sqrt(float(np.mean(pieces**2))), 0.4, 2.5)
+        return replace(noise, deviations=sizes, pieces=pieces)
+
+    def _weigh(
+        self, which: int, left: Array, noise: Noise, law: Structure = (),
+        node: Node | None = None, count: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Weigh the rows of a cutoff by what is left of them."""
+        rows = self.balance.rows(which)
+        size = noise.deviations[self.classes(self.balance, which, noise)]
+        size = size * noise.pieces[rows.piece]
+        z = np.abs(left / size)
+        tail = math.sqrt((TAIL + 1.0) / (TAIL + FAR_OUT**2))
+        kept = np.where(z > FAR_OUT, np.sqrt((TAIL + 1.0) / (TAIL + z**2)) / tail, 1.0)
+        weights = kept / size
+        scaled = left * weights
+        free = max(rows.count - count, 0.5 * rows.count)
+        unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
+        memory = node[-2] if node is not None else self.first
+        self.kappa = self._share(which, memory, law, scaled, weights)
+        self.weights[which] = weights * math.sqrt(self.kappa) / unit
+        self.noises[which] = noise
+        for stored in (self._plain, self._grams):
+            for key in [key for key in stored if key[0] == which]:
+                del stored[key]
+
+    def _share(
+        self, which: int, memory: int, law: Structure, scaled: Array, weights: Array
+    ) -> float:
+        """Return the share of rows that count.
+
+        By the scores of the columns by row, and summed in parts of the record.
+        """
+        design = self.design(which, memory)
+        names = [*LOOKED, "side", *self.balance.pieces[0].record.unknown]
+        parts = [design.random[:, np.isin(design.groups, names)]]
+        if law:
+            parts.append(design.law[:, [self.columns.index(one) for one in law]])
+        x = np.hstack(parts) * weights[:, None]
+        x = x[:, np.any(x != 0.0, axis=0)]
+        if not x.shape[1]:
+            return KAPPA
+        scores = np.linalg.qr(x / np.sqrt(np.mean(x * x, axis=0)))[0] * scaled[:, None]
+        alone, most = np.sum(scores**2, axis=0) + 1e-300, 1.0
+        for count in BLOCKS:
+            starts = np.arange(0, len(scaled), max(len(scaled) // count, 1))
+            summed = np.add.reduceat(scores, starts, axis=0)
+            most = max(most, float(np.mean(np.sum(summed**2, axis=0) / alone)))
+        return min(1.0 / most, KAPPA)
+
+    # ---- LuGre: a length that follows the level
+    def _followed(self, search: Posterior, node: Node) -> Node | None:
+        """Let the length of a bristle follow the level; return the new node, or None.
+
+        The level is that of the best law with one, less what is linear in the speed at the top,
+        which is viscous: a length that follows it would act as inertia.
+        """
+        bristle, frame = self.memory(node), self.frame
+        if bristle.length <= SHORT * frame.noise:
+            return None
+        rows, balance = self.balance.rows(MIDDLE), self.balance
+        state = rows.taken(balance.states(bristle))
+        away = state - rows.taken([one.direction for one in balance.pieces])
+        if math.sqrt(float(np.mean(away**2))) < SEEN:
+            return None
+        part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
+        speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
+        speed = max(speed, frame.low)
+        ratio = self._ratio(search, node, speed)
+        if ratio is None:
+            return None
+        old = search.value(node)
+
+        def look(length: float) -> float:
+            self.memories.append(Memory(length=length, exponent=LUGRE, ratio=ratio, speed=speed))
+            return search.value((*node[:-2], len(self.memories) - 1, 0))
+
+        factors = np.array(FOLLOWING if bristle.ratio is None else AGAIN)
+        values = [look(bristle.length * x) for x in factors]
+        k = int(np.clip(np.argmax(values), 1, len(factors) - 2))
+        bend = np.polyfit(np.log(factors[k - 1 : k + 2]), values[k - 1 : k + 2], 2)
+        step = -bend[1] / (2.0 * bend[0]) if bend[0] < 0.0 else math.log(factors[np.argmax(values)])
+        length = bristle.length * math.exp(float(np.clip(step, math.log(0.6), math.log(2.2))))
+        new = look(length)
+        width = 0.1
+        if bend[0] < 0.0:
+            width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
+        following = self.memories[-1]
+        beside = [replace(following, length=length * math.exp(x * width)) for x in (-1.3, 1.3)]
+        kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
+        self._keep(kept)
+        node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)
+        return self._again(self._here(node), 0)
+
+    def _keep(self, memories: list[Memory]) -> None:
+        """Keep some bristles, and forget what was computed of others."""
+        old = {id(one): k for k, one in enumerate(self.memories)}
+        numbers = {old[id(one)]: k for k, one in enumerate(memories) if id(one) in old}
+        self._designs = {
+            (which, numbers[k]): x for (which, k), x in self._designs.items() if k in numbers
+        }
+        self._plain, self._grams = {}, {}
+        self.memories = memories
+        self.balance.forget(memories)
+
+    def _ratio(self, search: Posterior, node: Node, speed: float) -> Array | None:
+        """Return the level at the knots over that at a speed (k,)."""
+        weights = search.weights[search.nodes.index(node)]
+        fits = [
+            k
+            for k, law in enumerate(search.structures)
+            if any(name in LEVELS for name, _ in law)
+            and not any(name in BESIDE_LEVELS for name, _ in law)
+        ]
+        if not fits:
+            return None
+        law = search.structures[max(fits, key=lambda k: weights[k])]
+        c, b = search.estimate(node, law)
+        design = self.design(*self.key(node))
+        speeds = np.exp(self.frame.knots)
+        level = self.plain(node, b[:, None])[design.groups == "common", 0]
+        for one, x in zip(law, c, strict=True):
+            if one[0] in LEVELS:
+                level = level + x * law_column(one, speeds, np.ones_like(speeds))
+        fast = speeds > 0.2 * speeds[-1]
+        level = level - np.polyfit(speeds[fast], level[fast], 1)[0] * speeds
+        if not np.all(level > 0.2 * np.median(level)) or np.median(level) <= 0.0:
+            return None
+        at = math.log(speed)
+        return np.asarray(level / np.interp(at, self.frame.knots, level))
+
+    # ---- other cutoffs
+    def _widen(self, node: Node) -> list[Node]:
+        """Open all cutoffs; return nodes from which a search of all begins."""
+        self.cutoffs = tuple(range(len(CUTOFFS)))
+        found = [(*node[:-1], k) for k in self.cutoffs]
+        usual, kappa = self.noises[MIDDLE], self.kappa
+        for own, which in zip(found, self.cutoffs, strict=True):
+            if which != MIDDLE:
+                rows = self.balance.rows(which)
+                size = usual.deviations[self.classes(self.balance, which, usual)]
+                self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
+                self._again(self._here(own), which)
+        return found
+
+
+def waves_of(
+    rows: BalanceRows, span: float, noise: float, left: Array
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the wave numbers over the place of what is left: of forces, and of levels."""
+    step = STEPS / span
+    numbers = np.arange(40.0 * step, min(DENSEST / span, math.pi / (8.0 * noise)), step)
+    resolved = np.flatnonzero(rows.far > RESOLVED)
+    few = resolved[:: max(len(resolved) // PARTS, 1)]
+    if not len(numbers) or len(few) < FEW:
+        return (), ()
+    e = np.clip(left[few], *np.quantile(left[few], [0.02, 0.98]))
+    e = e - np.mean(e)
+    turning = np.exp(-1j * np.outer(numbers, rows.position[few]))
+    both = (np.abs(turning @ x) for x in (e, e * np.sign(rows.velocity[few])))
+    force, level = ((float(numbers[np.argmax(power)]),) for power in both)
+    return force, level

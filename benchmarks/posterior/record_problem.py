@@ -1,0 +1,552 @@
+"""Records of one coordinate as a problem of the judgement: curves, readings, laws, findings."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.posterior.judgement import Candidates, Finding, Points, Problem
+from benchmarks.posterior.nodes import Array, Column, Draws, Family, Structure
+from benchmarks.posterior.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
+from benchmarks.posterior.record_columns import LUGRE, RESOLVED, Memory, law_column
+from benchmarks.posterior.record_curves import (
+    OtherRows,
+    SteadyRows,
+    beyond,
+    of_another_run,
+    readings,
+    resolved_speeds,
+    steady_curves,
+)
+from benchmarks.posterior.record_model import SCALES, RecordModel
+from benchmarks.posterior.record_rows import MIDDLE
+from benchmarks.posterior.vocabulary import (
+    FAMILIES,
+    FLOW_DIRECTIONS,
+    PARTS,
+    Grid,
+    flow_direction,
+    parameters_of,
+)
+from stickslip.identify.laws import (
+    CHANGING,
+    FLOWS,
+    POINTS,
+    TITLES,
+    Composition,
+    bounds_of,
+    compose,
+)
+from stickslip.identify.problems.record_signals import Record
+from stickslip.show.formatting import percent, quantity
+
+PLACES, ASKED = 25, 40
+"""Speeds of each direction at which laws are compared, and at which the band is stated."""
+DRAWN = 400
+"""Rows that a figure shows."""
+EXACT = 0.02
+"""Size of what no law says up to which a law is exact: the usual tolerance."""
+MEMORIES = ("dahl", "lugre")
+"""Laws with bristles."""
+SEEN, SURE = 0.05, 20.0
+"""Root mean square of what bristles are from the direction, and odds against none, from which
+presliding is named."""
+FINDINGS: Mapping[str, str] = {
+    "drift": "drift over the record",
+    "place": "level that changes with the place",
+    "force": "force that changes with the place",
+    "run": "differences between runs",
+}
+"""What may stand beside a law, as scales of the posterior."""
+NEGLIGIBLE = 0.01
+"""Size over friction below which what stands beside a law is negligible."""
+
+
+@dataclass(eq=False)
+class RecordProblem(Problem):
+    """Records of one coordinate with their posterior.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        What was measured.
+    normal : float
+        Normal force at which levels are stated [N].
+    inertia_path : str
+        Path of the inertia, if it is looked for.
+    load_slopes : mapping of str to pair of float
+        By how much parameters change the normal force, and their values.
+    offset : str
+        Path of the constant force; empty if it is known.
+    families : sequence of Family, optional
+        Families of laws that are compared.
+    turning : bool
+        Whether the coordinate is an angle.
+    highest : float
+        Largest cutoff [Hz].
+    """
+
+    records: Sequence[Record]
+    normal: float = 1.0
+    inertia_path: str = ""
+    load_slopes: Mapping[str, tuple[float, float]] | None = None
+    offset: str = "offset"
+    families: Sequence[Family] | None = None
+    turning: bool = False
+    highest: float = math.inf
+
+    def __post_init__(self) -> None:
+        known = None
+        if self.families is not None:
+            known = [*dict.fromkeys(map(parts_of, self.families))]
+        self.model = RecordModel(self.records, families=known, highest=self.highest)
+        self.posterior = self.model.posterior()
+        self.size = self.model.size
+        self.load = self.normal
+
+    # ---- rows -------------------------------------------------------------------------------
+
+    def at(
+        self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None
+    ) -> SteadyRows:
+        """Return rows of steady sliding at velocities (n,); the rest is usual if not given."""
+        frame = self.model.frame
+        v = np.atleast_1d(np.asarray(velocity, dtype=float))
+        ones, given = np.ones(len(v)), inputs or {}
+        usual = frame.load if frame.load != 1.0 else self.normal
+        return SteadyRows(
+            velocity=v,
+            load=ones * (usual if load is None else load),
+            ratio=ones * (1.0 if load is None else load / usual),
+            inputs={
+                name: ones * (given.get(name, mean) - mean) / size
+                for name, (mean, size) in frame.inputs.items()
+            },
+        )
+
+    def asked(self) -> SteadyRows:
+        """Return the speeds over which the band is stated: those resolved in each direction."""
+        return self.at(resolved_speeds(self.model, ASKED))
+
+    def places(self) -> SteadyRows:
+        """Return the speeds at which curves are projected."""
+        return self._places
+
+    @cached_property
+    def _places(self) -> SteadyRows:
+        return self.at(resolved_speeds(self.model, PLACES))
+
+    def speed_of(self, place: int) -> float:
+        """Return the velocity of a place at which laws are compared [m/s]."""
+        return float(self._places.velocity[place])
+
+    def like(self, records: Sequence[Record]) -> OtherRows:
+        """Return the rows of other records, which are another run."""
+        return OtherRows.of(self.model, records)
+
+    def curve_rows(self) -> SteadyRows:
+        """Return rows through which a curve is drawn as a law."""
+        v = self.asked().velocity
+        side = 1.0 if (v > 0.0).any() else -1.0
+        moved = side * v[side * v > 0.0]
+        return self.at(side * np.geomspace(moved.min(), moved.max(), POINTS))
+
+    def offered(self) -> SteadyRows:
+        """Return the readings that may be proposed: at the asked speeds."""
+        return self.asked()
+
+    def scale(self, rows: SteadyRows) -> Array:
+        """Return how friction grows with the load at rows (n,)."""
+        return rows.ratio
+
+    # ---- laws -------------------------------------------------------------------------------
+
+    def columns(self, column: tuple[str, Any], rows: SteadyRows) -> list[Array]:
+        """Return the columns of a term of a law at rows (n,), or (k, n) for shapes of k draws."""
+        name, shape = column
+        side = np.sign(rows.velocity)
+        state, speed = side * rows.ratio, np.abs(rows.velocity)
+        if name == "offset":
+            return [np.ones(len(speed))]
+        if name in FLOW_DIRECTIONS:
+            return [speed ** (shape[0] if shape else 1.0)]
+        if name == "stribeck_sides":
+            surplus = law_column(("stribeck", shape), rows.velocity, state)
+            return [surplus, side * surplus]
+        if "*" in name:
+            part, _, of = name.partition("*")
+            size = self.model.frame.inputs[of][1]
+            return [law_column((part, ()), rows.velocity, state) * rows.inputs[of] * size]
+        return [law_column(column, rows.velocity, state)]
+
+    @cached_property
+    def beside(self) -> tuple[str, ...]:
+        """What stands beside every law: what draws say of the directions."""
+        frame = self.model.frame
+        if len(frame.sides) < 2:
+            return ()
+        draws = self.posterior.draws(DRAWN, seed=5)
+        v = resolved_speeds(self.model, PLACES)
+        top = min(v.max(), -v.min())
+        low = min(max(v[v > 0.0].min(), -v[v < 0.0].max()), 0.5 * top)
+        u = np.geomspace(low, top, PLACES)
+        both = [steady_curves(self.model, draws, self.at(side * u)) for side in (1.0, -1.0)]
+        odd = 0.5 * (both[0] + both[1])
+        x = np.column_stack([np.ones_like(u), u / top])
+        b = odd @ np.linalg.pinv(x).T / self.size
+        found = []
+        for name, c in zip(("offset", "viscous_direction"), b.T, strict=True):
+            low_, high = np.quantile(c, (0.025, 0.975))
+            if not low_ <= 0.0 <= high and abs(float(np.median(c))) > 0.5 * TOLERANCE:
+                found.append(name)
+        return tuple(found) if found != ["viscous_direction"] else ("offset", *found)
+
+    def _with_beside(self, structure: Structure) -> Structure:
+        """Return a law with what stands beside it, in the order of names."""
+        shapes = dict(structure)
+        more: list[Column] = [(one, ()) for one in self.beside if one == "offset"]
+        if "viscous_direction" in self.beside and {"viscous", "power"} & shapes.keys():
+            more.append((flow_direction(shapes), shapes.get("power", ())))
+        return tuple(sorted([*structure, *more], key=lambda one: one[0]))
+
+    @cached_property
+    def _grid(self) -> Grid:
+        """Shapes of laws that the places tell apart."""
+        speed = np.abs(self._places.velocity)
+        return Grid(slowest=float(speed.min()), fastest=float(speed.max()), fine=2.0)
+
+    def candidates(self) -> list[Candidates]:
+        """Return the families on which curves are projected, with their structures."""
+        known = [tuple(one.split()) for one in FAMILIES]
+        if self.families is not None:
+            known = [*dict.fromkeys(map(parts_of, self.families))]
+        laws: dict[Family, list[Structure]] = {}
+        for family, shapes, _ in self._grid.families([one for one in known if one]):
+            laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
+        found = []
+        for family, structures in laws.items():
+            if self.presliding is not None and "tanh" in family:
+                continue  # bristles are what smooths the level
+            every = [self._with_beside(one) for one in structures]
+            names = tuple(name for name, _ in every[0])
+            count = parameters_of(family) + len(names) - len(family)
+            found.append(Candidates(family=names, structures=every, parameters=count))
+        return found
+
+    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
+        """Return the entries of shapes that draws have of their own, and structures to begin at."""
+        return shapes_to_draw(rung.structure, self._grid.slowest, self._grid.fastest)
+
+    def title(self, term: str) -> str:
+        """Return what a term is called in a sentence."""
+        if "*" in term:
+            part, _, of = term.partition("*")
+            return CHANGING[part].format(of)
+        more = {"tanh": "level that is smooth in the velocity (tanh)",
+                "logarithmic": "logarithm of the speed",
+                "stribeck_sides": TITLES["stribeck_direction"]}  # fmt: skip
+        return more.get(term) or FINDINGS.get(term) or TITLES[term]
+
+    # ---- weights ----------------------------------------------------------------------------
+
+    def exact(self) -> float:
+        """Return the probability that what no law says is small beside any tolerance."""
+        small = [x <= EXACT for x in SCALES["common"][0]]
+        return float(self.posterior.scale("common")[small].sum())
+
+    @cached_property
+    def _families(self) -> list[Family]:
+        """The family of each structure, with what stands beside it."""
+        return [
+            tuple(name for name, _ in self._with_beside(one)) if one else ()
+            for one in self.posterior.structures
+        ]
+
+    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
+        """Return the probability of each family, and that with little that no law says."""
+        small = np.array(
+            [self.model.at(node, "common") <= tolerance for node in self.posterior.nodes]
+        )
+        every: dict[Family, float] = {}
+        adequate: dict[Family, float] = {}
+        columns = zip(
+            self._families, self.posterior.shares, self.posterior.weights[small].sum(axis=0),
+            strict=True,
+        )  # fmt: skip
+        for family, share, own in columns:
+            every[family] = every.get(family, 0.0) + float(share)
+            adequate[family] = adequate.get(family, 0.0) + float(own)
+        return every, adequate
+
+    def holds(self, family: Family) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) of the posterior at which a family holds."""
+        same = np.array([one == family for one in self._families])
+        return np.broadcast_to(same, self.posterior.weights.shape)
+
+    def nothing(self) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which there is no friction."""
+        none = np.array([not one for one in self.posterior.structures])
+        still = np.array([self.model.at(n, "common") == 0.0 for n in self.posterior.nodes])
+        return np.asarray(still[:, None] & none)
+
+    # ---- curves -----------------------------------------------------------------------------
+
+    def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
+        """Return drawn curves alone (k, n): in the mean over the records."""
+        return steady_curves(self.model, draws, rows)
+
+    def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        """Return what friction is in draws (k, n): in the records, or in another run."""
+        curves = steady_curves(self.model, draws, rows) + beyond(self.model, draws, rows)
+        return curves + of_another_run(self.model, draws, rows) if new else curves
+
+    def readings(self, rows: SteadyRows | OtherRows, draws: Sequence[Draws]) -> Array:
+        """Return new readings in draws (k, n)."""
+        if isinstance(rows, OtherRows):
+            return readings(self.model, draws, rows)
+        curves = self.friction(rows, draws, new=True)
+        rng = np.random.default_rng(11)
+        return curves + self.noise(rows) * rng.normal(size=curves.shape)
+
+    def noise(self, rows: SteadyRows) -> Array:
+        """Return the standard deviation of a reading at rows (n,)."""
+        noise = self.model.noises[MIDDLE]
+        speed = np.abs(rows.velocity)
+        of = np.clip(np.searchsorted(noise.edges, speed) - 1, 0, len(noise.edges) - 2)
+        return np.asarray(noise.deviations[of])
+
+    # ---- what leaves ------------------------------------------------------------------------
+
+    @cached_property
+    def presliding(self) -> Memory | None:
+        """The bristle that the records show, or None."""
+        if self.families is not None and not any({*one} & {*MEMORIES} for one in self.families):
+            return None
+        shares = self.posterior.scale("bristle")
+        memory = self.model.memories[int(np.argmax(shares))]
+        lengths = np.array([one.length for one in self.model.memories])
+        none = float(shares[lengths == 0.0].sum())
+        if none * SURE > 1.0 - none or memory.length < 10.0 * self.model.frame.noise:
+            return None
+        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
+        state = rows.taken(balance.states(memory))
+        away = state - rows.taken([one.direction for one in balance.pieces])
+        return memory if math.sqrt(float(np.mean(away**2))) > SEEN else None
+
+    @property
+    def memory(self) -> str:
+        """Law of the bristles in the notation; empty without."""
+        if self.presliding is None:
+            return ""
+        named = {name for one in self.families or () for name in one if name in MEMORIES}
+        if len(named) == 1:
+            return named.pop()
+        return "lugre" if self.presliding.exponent == LUGRE else "dahl"
+
+    def composition(
+        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
+        """Return the law that a structure with coefficients (k, p) is, at the usual load."""
+        at, count = 0, len(coefficients)
+        terms: dict[str, tuple[Any, Array]] = {}
+        rig: dict[str, Array] = {}
+        for name, shape in structure:
+            size = 2 if name == "stribeck_sides" else 1
+            own, at = coefficients[:, at : at + size], at + size
+            if name == "offset" and offset:
+                terms["level_direction"] = (), own / self.normal
+                rig[name] = own[:, 0]
+            elif name == "offset":
+                rig[self.offset or name] = own[:, 0] + self.records[0].constant
+            else:
+                flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
+                terms[name] = shape, own if flows else own / self.normal
+        means = {name: mean for name, (mean, _) in self.model.frame.inputs.items()}
+        memory = self.memory
+        values = self._bristles(terms, count) if memory else {}
+        if memory == "dahl" and self.presliding is not None:
+            least, _ = bounds_of("dahl(level)", "yield_exponent")
+            values.pop("bristle_damping")
+            exponent = max(abs(self.presliding.exponent), least)
+            values["yield_exponent"] = np.full(count, exponent)
+        found = compose(
+            terms, means, count, memory=memory, memory_values=values,
+            memory_fixed=("yield_exponent",),
+        )  # fmt: skip
+        if memory and not found.text:  # bristles stand around no directions
+            found = compose(terms, means, count)
+        if "power_direction" in terms:  # no law of stickslip.friction has it
+            found = replace(found, text="", instead="")
+        return replace(found, rig=rig, load=self.normal)
+
+    def _bristles(self, terms: Mapping[str, tuple[Any, Array]], count: int) -> dict[str, Array]:
+        """Return stiffness and damping of bristles (k,), by the posterior of their length."""
+        level = np.zeros(count)
+        memory = self.presliding
+        assert memory is not None
+        for name, (shape, own) in terms.items():
+            if name in PARTS and PARTS[name].dry:
+                shapes = tuple(np.reshape(x, -1)[0] for x in shape)
+                curve = law_column((name, shapes), np.array([memory.speed]), np.ones(1))
+                level = level + own[:, 0] * curve
+        shares = self.posterior.scale("bristle")
+        lengths = np.array([one.length for one in self.model.memories])
+        shares = np.where(lengths > 0.0, shares, 0.0)
+        at = np.searchsorted(np.cumsum(shares / shares.sum()), (np.arange(count) + 0.5) / count)
+        length = np.random.default_rng(9).permutation(lengths[np.minimum(at, len(lengths) - 1)])
+        damping = self._damping(count) / length / self.normal
+        return {"bristle_stiffness": level / length, "bristle_damping": damping}
+
+    def _damping(self, count: int) -> Array:
+        """Return drawn coefficients of the damping of bristles (k,), at least 0."""
+        found = [np.zeros(0)]
+        for one in self.posterior.draws(DRAWN, seed=13):
+            plain = self.model.split(one.node, one.random)
+            found.append(plain["damping"][0] if "damping" in plain else np.zeros(one.law.shape[1]))
+        every = np.maximum(np.concatenate(found), 0.0)
+        if count == 1:
+            return np.array([float(np.median(every))])
+        return np.random.default_rng(17).choice(every, size=count)
+
+    def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
+        """Return what is looked for beside the law (k,) in draws, by path."""
+        found: dict[str, list[Array]] = {}
+        unknown = self.model.balance.pieces[0].record.unknown
+        paths = {name: name for name, one in unknown.items() if not one.doubt}
+        if self.model.balance.finds_inertia:
+            paths["inertia"] = self.inertia_path or "inertia"
+        for one in draws:
+            plain = self.model.split(one.node, one.random)
+            for name, path in paths.items():
+                given = unknown[name].given if name in unknown else 0.0
+                found.setdefault(path, []).append(given + plain[name][0])
+        return {path: np.concatenate(x) for path, x in found.items()}
+
+    # ---- figures and findings ---------------------------------------------------------------
+
+    @cached_property
+    def _left(self) -> tuple[Array, Array]:
+        """Velocities and friction (n,) of the rows, less what is no friction, at the best node."""
+        model, node = self.model, self.posterior.best
+        law = self.posterior.structures[
+            int(np.argmax(self.posterior.weights[self.posterior.nodes.index(node)]))
+        ]
+        _, b = self.posterior.estimate(node, law)
+        which, memory = model.key(node)
+        design, rows = model.design(which, memory), model.balance.rows(which)
+        plain = model.plain(node, b[:, None])[:, 0]
+        friction = np.isin(design.groups, ("common", "sides", "offset", "side"))
+        y = rows.response - design.random[:, ~friction] @ plain[~friction]
+        resolved = rows.far > RESOLVED
+        kept = resolved if resolved.sum() > DRAWN // 10 else np.ones(rows.count, dtype=bool)
+        return rows.velocity[kept], y[kept]
+
+    def points(self, rung: Rung) -> Points:
+        """Return friction of the rows, less what is no friction, thinned out."""
+        v, y = self._left
+        few = np.arange(0, len(v), max(len(v) // DRAWN, 1))
+        ones = np.ones(len(few))
+        return Points(velocity=v[few], friction=y[few], load=self.normal * ones, weights=ones)
+
+    def scatter(self, rung: Rung) -> float:
+        """Return the standard deviation of what the law and what acts beside it leave [N]."""
+        noise, rows = self.model.noises[MIDDLE], self.model.balance.rows(MIDDLE)
+        of = self.model.classes(self.model.balance, MIDDLE, noise)
+        sizes = noise.deviations[of] * noise.pieces[rows.piece]
+        return float(np.sqrt(np.mean(sizes**2)))
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return what changes along the records, with its probability."""
+        found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
+        found += [self._delay(draws)] if "delay" in self.model.names else []
+        return [one for one in found if one.probability > 0.5]
+
+    def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return how much the level or the force changes, with the odds that it is not little."""
+        model, rows = self.model, self.model.balance.rows(MIDDLE)
+        sizes = SCALES[name][0]
+        likely = self.posterior.scale(name)[[x >= NEGLIGIBLE for x in sizes]].sum()
+        course = model.frame.course(rows.time)
+        waves = model.balance.waves
+        columns = {
+            "drift": course,
+            "place": model.frame.places(rows.position, waves[1]),
+            "force": model.frame.places(rows.position, waves[0]),
+        }
+        changes = []
+        for one in draws:
+            b = model.split(one.node, one.random)[name]
+            if name == "run":
+                level = b.reshape(2, -1, b.shape[1])[0]
+                changes.append(np.std(level, axis=0, ddof=1))
+            elif name == "drift":
+                ends = model.frame.course(
+                    model.frame.start + model.frame.duration * np.array([0.0, 1.0])
+                )
+                changes.append(np.diff(ends @ b[: course.shape[1]], axis=0)[0])
+            else:
+                x = columns[name][::7]
+                changes.append(np.std(x @ b, axis=0))
+        change = np.concatenate(changes) / self.size
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        middle = float(np.median(change))
+        return Finding(
+            term=name, title=FINDINGS[name], probability=float(likely), size=middle, low=low,
+            high=high, sentence=self._sentence(name, middle, draws),
+        )  # fmt: skip
+
+    def _sentence(self, name: str, size: float, draws: Sequence[Draws]) -> str:
+        unit = "N m" if self.turning else "N"
+        if name == "drift":
+            v = self.asked().velocity
+            side = 1.0 if (v > 0.0).any() else -1.0
+            at = self.at([side * float(np.median(np.abs(v[side * v > 0.0])))])
+            typical = abs(float(np.median(self.steady(at, draws))))
+            ends = [typical + k * 0.5 * size * self.size for k in (-1.0, 1.0)]
+            first, last = (quantity(x, unit, 3) for x in ends)
+            verb = "falls" if size < 0.0 else "rises"
+            return (
+                f"Friction {verb} over the record, from {first} at its beginning to {last} at its"
+                " end."
+            )
+        if name == "run":
+            runs = self.model.balance.runs
+            return f"The {runs} runs differ by {percent(size)} of friction (standard deviation)."
+        what = "The level of friction" if name == "place" else "A force beside friction"
+        return (
+            f"{what} changes with the place, by {percent(size)} of friction (standard deviation)."
+        )
+
+    def _delay(self, draws: Sequence[Draws]) -> Finding:
+        """Return by how much the force acts later than recorded."""
+        model = self.model
+        late = np.concatenate(
+            [model.split(one.node, one.random)["delay"][0] for one in draws]
+        ) + model.balance.pieces[0].late  # fmt: skip
+        low, high = np.quantile(late, (0.025, 0.975)).tolist()
+        apart = float(max(np.mean(late > 0.0), np.mean(late < 0.0)))
+        step = model.balance.pieces[0].step
+        middle = float(np.median(late))
+        likely = apart if abs(middle) > step else 0.0
+        return Finding(
+            term="delay", title="delay of the force", probability=likely, size=middle, low=low,
+            high=high,
+            sentence=f"The force acts {quantity(abs(middle), 's', 2)}"
+            f" {'later' if middle > 0.0 else 'earlier'} than recorded.",
+        )  # fmt: skip
+
+
+def parts_of(family: Family) -> Family:
+    """Return the parts of a law among the terms of a family.
+
+    Examples
+    --------
+    >>> parts_of(("dahl", "level", "offset", "viscous"))
+    ('level', 'viscous')
+    """
+    names = ("stribeck" if name == "stribeck_sides" else name for name in family)
+    return tuple(sorted({name for name in names if name in PARTS}))

@@ -1,0 +1,404 @@
+r"""Rows of the force balance of one coordinate, at several cutoffs.
+
+1. A record goes on an even grid. Counters that were reset go on where they were.
+2. Of samples that are much finer than the cutoff, means of several are taken.
+3. The cutoff is where the noise of positions costs `COST` of the force through the acceleration:
+   more of it goes into the force through feedback, and biases what grows with the speed. White
+   noise of deviation :math:`\sigma` in samples of :math:`h` gives an acceleration below :math:`f_c`
+
+   .. math:: \sigma_a^2 = 2 h \sigma^2 (2 \pi)^4 f_c^5 / 5 .
+
+   How far curves depend on it is in the posterior: rows are made at each of `CUTOFFS` times it.
+4. Velocity, way and direction have the middle cutoff, and are those of all rows.
+5. Rows are taken `PER` times for each 1/cutoff, without rests, ends, and the start of the way, on
+   which it is not known how far bristles are stretched.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from stickslip.identify.problems.record_signals import Filter, Record, followed
+
+Array: TypeAlias = NDArray[np.float64]
+Places: TypeAlias = NDArray[np.intp]
+Mask: TypeAlias = NDArray[np.bool_]
+
+COST = 0.0015
+"""Noise of the inertial force over the standard deviation of the force: at 1 % of it, viscous
+friction of axes in a loop is wrong by .3 to 1.9 %."""
+CUTOFFS = (0.7, 1.0, 1.4)
+"""Cutoffs over that of `COST`: noise costs .4 to 2.3 times as much."""
+MIDDLE = 1
+PERIODS = 8.0
+"""Least cutoff over the frequency of the motion: else no speed is resolved between turns."""
+SLOW, PARTS = 0.05, 20
+"""Steps over the largest that are motion, and parts in which their noise is looked at."""
+HIGHEST, LOWEST, MEASURED = 150.0, 4.0, 60.0
+"""Limits of the cutoff [Hz], and that of friction that was measured, which nothing accelerates."""
+SAMPLES = 0.15
+"""Largest cutoff times the step."""
+SAMPLED = 36.0
+"""Samples for each 1/cutoff, beyond which means of several are taken."""
+PER, FINER = 2.2, 3
+"""Rows for each 1/cutoff, and how many times as many the filter gives, so that nothing aliases."""
+MOST_ROWS = 6000
+"""Rows at most; of longer records, fewer for each 1/cutoff."""
+STILL = 8.0
+"""Range of positions within 1/cutoff that is rest, over their noise."""
+SURE = 3.0
+"""Speed whose direction is sure, over the noise."""
+AWAY = 2.5
+"""Distance from rests, over 1/cutoff."""
+LEAST = 0.05
+"""Part of the samples that must be away from rests; else those not at rest are rows, or all."""
+ENDS, ENDS_MEASURED = 2.0, 0.5
+"""Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
+WAY, WAY_MEASURED = 0.1, 0.8
+"""Way over the range of positions from which on bristles are stretched as the motion says."""
+TURNS = 0.6
+"""Distance of turns that count as two, over 1/cutoff."""
+RESET = 20.0
+"""Jump of a counter that is no motion, over the largest steps around it."""
+
+
+def even(record: Record) -> Record:
+    """Return a record on an even grid, whose position goes on where a counter was reset."""
+    step = float(np.median(np.diff(record.time)))
+    count = int((record.time[-1] - record.time[0]) / step + 1e-6) + 1
+    counted = replace(record, position=continued(record.position))
+    return counted.on(record.time[0] + step * np.arange(count))
+
+
+def continued(position: Array) -> Array:
+    """Return positions (n,) without the jumps of a counter that is reset.
+
+    Examples
+    --------
+    >>> continued(np.array([0.0, 1.0, 2.0, 3.0, -497.0, -496.0, -495.0])).tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    """
+    steps = np.diff(position)
+    size = np.abs(steps)
+    if len(size) < 5:
+        return position
+    around = np.zeros_like(size)
+    for by in (-2, -1, 1, 2):
+        around = np.maximum(around, np.roll(size, by))
+    jumps = np.flatnonzero(
+        (size > RESET * around) & (size > RESET * np.median(size)) & (around > 0.0)
+    )
+    steps[jumps] = 0.5 * (np.roll(steps, 1)[jumps] + np.roll(steps, -1)[jumps])
+    return position[0] + np.concatenate([[0.0], np.cumsum(steps)]) if len(jumps) else position
+
+
+def averaged(record: Record, count: int) -> Record:
+    """Return means of so many samples each."""
+
+    def of(x: Array) -> Array:
+        kept = len(x) // count * count
+        return x[:kept].reshape(-1, count).mean(axis=1)
+
+    def or_none(x: Array | None) -> Array | None:
+        return None if x is None else of(x)
+
+    return replace(
+        record,
+        time=of(record.time),
+        position=of(record.position),
+        force=of(record.force),
+        velocity=or_none(record.velocity),
+        mechanism=or_none(record.mechanism),
+        scaled=or_none(record.scaled),
+        load=or_none(record.load),
+        transmitted=or_none(record.transmitted),
+        inputs={name: of(x) for name, x in record.inputs.items()},
+        unknown={path: replace(x, force=of(x.force)) for path, x in record.unknown.items()},
+    )
+
+
+def noise_in_motion(record: Record) -> float:
+    """Return the standard deviation of the noise of positions, at least that while it moves.
+
+    At rest a coarse encoder has none, and in motion that of its steps.
+    """
+    v = np.abs(np.gradient(record.position))
+    moving = np.convolve(v, np.full(9, 1.0 / 9.0), mode="same") > SLOW * np.quantile(v, 0.999)
+    third = np.diff(record.position, 3)[moving[3:]]
+    size = len(third) // PARTS
+    if size < PARTS or np.mean(moving) > 0.7:
+        return record.position_noise
+    parts = [float(np.std(third[k * size : (k + 1) * size])) for k in range(PARTS)]
+    return max(record.position_noise, float(np.quantile(parts, 0.2)) / math.sqrt(20.0))
+
+
+def cutoff_of(record: Record) -> float:
+    """Return the cutoff of a record on an even grid [Hz]."""
+    step = float(record.time[1] - record.time[0])
+    widest = Filter(count=len(record.time), step=step, band=0.2 / step, every=1)
+    v, _ = motion(record, widest)
+    frequency = float(np.std(v) / (np.std(record.position) + 1e-300)) / (2.0 * math.pi)
+    least = PERIODS * frequency
+    if record.friction:
+        return min(max(0.1 / step, least), 0.2 / step, MEASURED)
+    band = min(max(10.0, least), 0.2 / step)
+    first = Filter(count=len(record.time), step=step, band=band, every=1)
+    v, a = motion(record, first)
+    side = v / (np.abs(v) + 0.02 * float(np.abs(v).max()) + 1e-300)
+    columns = [a, side, v, np.ones_like(v)]
+    columns += [first(one.force, full=True) for one in record.unknown.values()]
+    force = first(record.force, full=True)
+    if record.mechanism is not None:
+        force = force + first(record.mechanism, full=True)
+    inertia = record.inertia or 0.0
+    if not inertia:
+        x = np.column_stack(columns)
+        size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+        inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
+    allowed = COST * float(np.std(force)) / max(inertia, 1e-300)
+    if record.velocity is None:
+        noise = max(noise_in_motion(record), 1e-300)
+        band = (5.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 4)) ** 0.2
+    else:
+        noise = max(record.velocity_noise, 1e-300)
+        band = (3.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 2)) ** (1.0 / 3.0)
+    most = min(SAMPLES / step, HIGHEST)
+    return float(np.clip(max(band, least), min(LOWEST, most), most))
+
+
+def motion(record: Record, filt: Filter) -> tuple[Array, Array]:
+    """Return velocities, in twice the band, and accelerations (n,)."""
+    if record.velocity is not None:
+        v = filt(record.velocity, wider=2.0, full=True)
+        return v, filt(record.velocity, slope=1, full=True)
+    v = filt(record.position, bent=True, slope=1, wider=2.0, full=True)
+    return v, filt(record.position, bent=True, slope=2, full=True)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """A record on an even grid, and its motion."""
+
+    record: Record
+    given: Record
+    """The same before means were taken."""
+    cutoff: float
+    """Middle cutoff [Hz]."""
+    every: int
+    """Samples from one of the finer rows to the next."""
+
+    @cached_property
+    def step(self) -> float:
+        """Time from sample to sample [s]."""
+        return float(self.record.time[1] - self.record.time[0])
+
+    @cached_property
+    def late(self) -> float:
+        """How much later a force acts that holds until the next sample [s]."""
+        step = float(self.given.time[1] - self.given.time[0])
+        return 0.5 * step * self.given.held
+
+    @property
+    def _fewer(self) -> float:
+        """What noise falls by where means are taken."""
+        return math.sqrt(float(self.given.time[1] - self.given.time[0]) / self.step)
+
+    @cached_property
+    def filters(self) -> tuple[Filter, ...]:
+        """The filters of all cutoffs."""
+        count = len(self.record.time)
+        return tuple(
+            Filter(count=count, step=self.step, band=k * self.cutoff, every=self.every)
+            for k in CUTOFFS
+        )
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of the noise of positions [m]."""
+        if self.given.located:
+            return noise_in_motion(self.given) * self._fewer
+        share = math.sqrt(min(2.0 * self.step * self.cutoff, 1.0))
+        return self._velocity_noise * share / (2.0 * math.pi * self.cutoff)
+
+    @property
+    def _velocity_noise(self) -> float:
+        return self.given.velocity_noise * self._fewer
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Velocities (n,) [m/s]."""
+        return motion(self.record, self.filters[MIDDLE])[0]
+
+    @cached_property
+    def way(self) -> Array:
+        """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
+        chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * self.cutoff, 1.0))
+        middle = self.filters[MIDDLE]
+        return followed(middle(self.record.position, bent=True, full=True), chatter)
+
+    @cached_property
+    def direction(self) -> Array:
+        """Direction (n,): the last one that stands above the noise."""
+        if self.record.velocity is None:
+            noise = self.noise * math.sqrt(
+                2.0 * self.step * (2.0 * math.pi) ** 2 * self.cutoff**3 / 3.0
+            )
+        else:
+            noise = self._velocity_noise * math.sqrt(min(4.0 * self.step * self.cutoff, 1.0))
+        v = self.velocity
+        side = np.where(np.abs(v) > SURE * noise, np.sign(v), 0.0)
+        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), -1))
+        first = side[np.argmax(side != 0.0)]
+        return np.where(last < 0, first, side[last])
+
+    @cached_property
+    def still(self) -> Mask:
+        """Whether a sample is at rest (n,)."""
+        half = max(int(0.5 / self.cutoff / self.step), 2)
+        if self.record.located:
+            q = self.record.position
+            within = maximum_filter1d(q, 2 * half + 1) - minimum_filter1d(q, 2 * half + 1)
+            still = within < STILL * self.given.position_noise
+        else:
+            limit = SURE * self.noise * 2.0 * math.pi * self.cutoff
+            still = maximum_filter1d(np.abs(self.velocity), 2 * half + 1) < limit
+        return np.asarray(maximum_filter1d(still.astype(np.uint8), 4 * half + 1) > 0)
+
+    @cached_property
+    def turns(self) -> Places:
+        """Samples at which the motion turns."""
+        at = np.flatnonzero((np.diff(self.direction) != 0.0) & ~self.still[1:]) + 1
+        apart = TURNS / self.cutoff / self.step
+        return at[np.diff(at, prepend=-math.inf) > apart]
+
+    def usable(self, cutoff: float) -> Mask:
+        """Return which samples can be rows at a cutoff (n,)."""
+        measured, q = self.record.friction, self.way
+        count = len(q)
+        rest = 2 * int(AWAY / cutoff / self.step) + 1
+        away = maximum_filter1d(self.still.astype(np.uint8), rest) == 0
+        tries = (away, ~self.still, np.ones(count, dtype=bool))
+        found = next(one for one in tries if np.mean(one) > LEAST or one is tries[-1]).copy()
+        ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
+        ends = min(ends, count // 10)
+        found[:ends] = found[count - ends :] = False
+        least = WAY_MEASURED if measured else WAY
+        moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
+        if moved[-1] > 2.0 * least * np.ptp(q):  # else it never comes back
+            found &= moved > least * np.ptp(q)
+        return found
+
+
+class BalanceRows:
+    """Rows of all pieces at one cutoff."""
+
+    def __init__(self, pieces: Sequence[Piece], which: int, every: int) -> None:
+        self.pieces, self.which = pieces, which
+        self.picks: list[Places] = []
+        """Finer rows of each piece that are taken."""
+        far = []
+        for piece in pieces:
+            filt = piece.filters[which]
+            usable = piece.usable(filt.band)
+            fine = np.arange(0, filt.rows, every)
+            pick = fine[usable[fine * piece.every]]
+            self.picks.append(pick)
+            far.append(_distance(piece, usable)[pick * piece.every] * filt.band)
+        self.far = np.concatenate(far)
+        """Distance to a turn or a rest, over 1/cutoff (n,)."""
+        self.count = len(self.far)
+        sizes = [len(pick) for pick in self.picks]
+        self.piece = np.repeat(np.arange(len(pieces)), sizes)
+        """Number of the piece of each row."""
+        self.velocity = self.taken([one.velocity for one in pieces])
+        self.position = self.taken([one.record.position for one in pieces])
+        self.time = self.taken([one.record.time for one in pieces])
+
+    def taken(self, parts: Sequence[Array]) -> Array:
+        """Return values of the samples at the rows (n,)."""
+        each = zip(parts, self.picks, self.pieces, strict=True)
+        return np.concatenate([x[pick * piece.every] for x, pick, piece in each])
+
+    def seen(
+        self, parts: Sequence[Array], *, slope: int = 0, late: Sequence[float] | None = None
+    ) -> Array:
+        """Return columns of the pieces (n, ...) as the filter shows them, at the rows."""
+        found = []
+        for k, (x, pick, piece) in enumerate(zip(parts, self.picks, self.pieces, strict=True)):
+            delay = 0.0 if late is None else late[k]
+            found.append(piece.filters[self.which](x, slope=slope, late=delay)[pick])
+        return np.concatenate(found)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Accelerations (n,) [m/s^2]."""
+        found = []
+        for piece, pick in zip(self.pieces, self.picks, strict=True):
+            filt, one = piece.filters[self.which], piece.record
+            if one.velocity is None:
+                found.append(filt(one.position, bent=True, slope=2)[pick])
+            else:
+                found.append(filt(one.velocity, slope=1)[pick])
+        return np.concatenate(found)
+
+    @cached_property
+    def force(self) -> Array:
+        """Forces, with those of the mechanism (n,) [N]."""
+        late = [one.late for one in self.pieces]
+        found = self.seen([one.record.force for one in self.pieces], late=late)
+        known = [one.record.mechanism for one in self.pieces]
+        if any(x is not None for x in known):
+            found = found + self.seen(
+                [
+                    0.0 * p.record.time if x is None else x
+                    for p, x in zip(self.pieces, known, strict=True)
+                ]
+            )
+        return found
+
+    @cached_property
+    def response(self) -> Array:
+        """What friction and what is not known balance (n,) [N]."""
+        inertia = np.array([one.record.inertia or 0.0 for one in self.pieces])
+        if not np.any(inertia) or self.pieces[0].record.friction:
+            return self.force
+        return self.force - inertia[self.piece] * self.acceleration
+
+
+def _distance(piece: Piece, usable: Mask) -> Array:
+    """Return the time from each sample to one that is not used, or turns (n,) [s]."""
+    bad = ~usable
+    bad[1:] |= np.diff(piece.direction) != 0.0
+    at, count = np.arange(len(bad)), len(bad)
+    last = np.maximum.accumulate(np.where(bad, at, -count))
+    after = np.minimum.accumulate(np.where(bad, at, 2 * count)[::-1])[::-1]
+    return np.minimum(at - last, after - at) * piece.step
+
+
+def pieces_of(
+    records: Sequence[Record], cutoff: float | None = None, highest: float = math.inf
+) -> tuple[list[Piece], int]:
+    """Return the pieces of records, and how many of the finer rows go on one that is taken.
+
+    The cutoff [Hz] is that of other rows, or the median of the records, and not above the highest.
+    """
+    grids = [even(one) for one in records]
+    if cutoff is None:
+        cutoff = min(float(np.median([cutoff_of(one) for one in grids])), highest)
+    total = sum(one.time[-1] - one.time[0] for one in grids)
+    top = max(CUTOFFS) * cutoff
+    pieces = []
+    for one in grids:
+        step = float(one.time[1] - one.time[0])
+        means = max(int(1.0 / (SAMPLED * cutoff * step)), 1)
+        every = max(int(1.0 / (PER * FINER * top * step * means)), 1)
+        record = averaged(one, means) if means > 1 else one
+        pieces.append(Piece(record=record, given=one, cutoff=cutoff, every=every))
+    taken = max(1.0 / (PER * top), total / MOST_ROWS)
+    return pieces, max(round(taken / (pieces[0].every * pieces[0].step)), 1)

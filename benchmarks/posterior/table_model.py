@@ -1,0 +1,899 @@
+r"""A table of friction over speed, loads, inputs and runs, as a model of the posterior.
+
+.. math::
+    y_i = \sum_t c_t\, s_i\, (N_i / N_0)^{a} f_t(|v_i|)
+        + \text{offset} + \text{sides} + \text{drift} + \text{run} + \text{inputs} + \text{load}
+        + s_i\, \delta(\log |v_i|) + u_{\text{block}} + e_i
+
+:math:`s` is the direction of motion and :math:`N_0` the mean load. :math:`\delta` is a Gaussian
+process (Matern 3/2 over `LENGTH` e-folds of the speed) by knots, so that any number of rows costs
+the same. Readings at one speed, load and run are a *block*, whose common error is part of the
+noise; so are stated errors and the step to which readings were rounded. All other terms are always
+there, with the sizes in the table `TERMS` below: what the design cannot tell widens the band by
+them, and costs nothing where it is told.
+
+1. More than `MOST_ROWS` rows become means of cells, with their count and inner scatter.
+2. All shapes are compared at a few nodes; the best `KEPT` are refined by thirds of a step.
+3. Nodes are visited; then weights of the readings follow from how far each is from what the others
+   say (a Student's t of `FREEDOM`), and the size of friction with which drift, runs and noise grow
+   from the best law. This is repeated until no weight changes, `TURNS` times at most.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.posterior.nodes import (
+    COEFFICIENT,
+    Array,
+    Column,
+    Draws,
+    Family,
+    Model,
+    Node,
+    Posterior,
+    Scale,
+    Structure,
+    System,
+)
+from benchmarks.posterior.vocabulary import FAMILIES, PARTS, PLACE, SIGNED, STEP, Grid
+
+Integers = NDArray[np.intp]
+
+# Prior sizes, over the root mean square of the friction, and grids: with those of the vocabulary
+# the only constants of the model.
+RHO = (0.0, 0.35, 0.7, 1.4, 2.8, 5.6, 11.0, 22.0, 45.0)
+"""Deviation of what no law says, over the noise: factors of 2, up to where noise is a fiftieth."""
+NO_DELTA, DELTA = 0.4, 0.1
+"""Prior of a law without it; size above which it is unlikely (half-normal): real joints leave 3 to
+6 % to every law."""
+LENGTH = 0.7
+"""E-folds of the speed over which it changes (.5, .7 and 1.4 together gained nothing)."""
+BETA = (0.0, 0.8, 1.4, 2.5, 4.2, 7.2, 12.0, 21.0, 36.0)
+BETA_PRIOR = (0.35, 0.1, 0.1, 0.1, 0.1, 0.08, 0.07, 0.06, 0.04)
+"""Deviation between blocks over the noise within."""
+SIDES = (
+    (), ("offset",), ("offset", "viscous_direction"), ("offset", "viscous_direction", "sides"),
+)  # fmt: skip
+SIDES_PRIOR = (0.5, 0.25, 0.15, 0.1)
+"""What differs by direction."""
+ALIKE, APART = 0.003, 0.25
+"""Deviation of a difference between directions where they are alike, and where they are not."""
+DRIFTS, DRIFT_PRIOR, SORTED_PRIOR = (0.002, 0.02, 0.12), (0.85, 0.1, 0.05), (0.985, 0.014, 0.001)
+"""Change of friction over the order of the readings. Files are sorted: an order that follows the
+speed says nothing of time (12 tables of joints: bands of 6 to 44 % fell to 1 to 3 %)."""
+FOLLOWS = 0.8
+"""Share of the order that speeds explain from which it follows them."""
+RUNS, RUNS_PRIOR = (0.003, 0.02, 0.06, 0.18), (0.4, 0.25, 0.2, 0.15)
+"""Deviation of friction from run to run."""
+INPUT, INPUTS_PRIOR = (0.005, 0.2), (0.5, 0.5)
+"""Change of friction by `TENS` units of an input."""
+TENS = 10.0
+BEND = 0.05
+"""Bends of friction over an input or a load, beyond its power."""
+LOAD_POWERS = {1.0: 0.5, 0.85: 0.2, 0.7: 0.2, 0.55: 0.1}
+"""Powers of the load with their priors: in proportion, adhesive, elastic contact."""
+RULES = {"own": 0.5, "all": 0.4, "hersey": 0.1}
+"""Whether dry parts alone, all parts, or a surplus over speed / load follow the load."""
+NOISES, NOISES_PRIOR = ("even", "force"), (0.6, 0.4)
+"""What noise grows with."""
+NOISE, NOISE_FACTOR = 0.02, 1.2
+"""Median of the noise, and the deviation of its logarithm: readings of a careful experiment."""
+NOISE_RANGE = (1e-4, 1.3)
+BEYOND = (0.03, 1.0)
+"""Deviation an e-fold beyond the measured speeds: of friction, and of what no law says."""
+
+TURNS = 3
+MOST_ROWS = 250
+FIRST, MOST = 100, 400
+"""Nodes that are visited in the first turn, and in others."""
+KEPT = 40
+"""Structures that are refined, and that are kept."""
+FINER = 4
+"""Times that shapes are refined by thirds of a step ..."""
+RESOLVED, LEAST_SHARE = 4.0, 0.02
+"""... where fewer shapes than that count, in families with that share at least."""
+BEHIND, LOST = 12.0, 8.0
+"""Logarithm of the weight from which structures are not refined, or dropped after one turn."""
+FREEDOM = 4.0
+"""Degrees of freedom of outlying readings."""
+SUSPECT = (3.0, 8.0)
+"""Deviations from which a reading may be an outlier, and what few readings add to that."""
+NEAR = 0.02
+"""Difference of logarithms of speeds up to which readings are repeats ..."""
+NEAR_LOAD = 0.05
+"""... and of loads."""
+CELL, CELL_GROWTH, WIDEST = 0.02, 1.3, 3.0
+"""Width of cells in logarithms, the factor by which they grow until they are few, and its end."""
+LEAST = 0.03
+"""Least size of friction, over its root mean square, with which something grows."""
+FEW_SPEEDS = 3
+"""Speeds of a direction from which it may differ from the other."""
+ONE_WAY = 0.1
+"""Part of the largest speed that a direction has at least, to differ from the other."""
+SCALES = ("noise", "delta", "growth", "block", "sides", "drift", "run")
+"""Scales of every table, in the order of the entries of a node; one for each input follows."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Readings of friction, or places where it is asked."""
+
+    velocity: Array
+    """Velocities (n,) [m/s]; none is 0."""
+    load: Array
+    """Loads (n,) [N]."""
+    inputs: Mapping[str, Array]
+    """Temperatures and other inputs of the contact (n,)."""
+    run: Integers
+    """Number of the run (n,); -1: any."""
+    order: Array
+    """Place in the order of measuring, from 0 to 1 (n,); NaN: any."""
+
+    @property
+    def speed(self) -> Array:
+        """Sizes of the velocities (n,) [m/s]."""
+        return np.abs(self.velocity)
+
+    @property
+    def direction(self) -> Array:
+        """Signs of the velocities (n,)."""
+        return np.where(self.velocity < 0.0, -1.0, 1.0)
+
+    def where(self, kept: "NDArray[np.bool_] | Integers") -> "Rows":
+        """Return some of the rows."""
+        return Rows(
+            velocity=self.velocity[kept],
+            load=self.load[kept],
+            inputs={name: x[kept] for name, x in self.inputs.items()},
+            run=self.run[kept],
+            order=self.order[kept],
+        )
+
+    def each(self, make: Callable[[Array], Array]) -> "Rows":
+        """Return rows of which numbers are made of these, such as means; runs are the nearest."""
+        return Rows(
+            velocity=self.direction_of(make) * np.exp(make(np.log(self.speed))),
+            load=make(self.load),
+            inputs={name: make(x) for name, x in self.inputs.items()},
+            run=np.rint(make(self.run.astype(float))).astype(np.intp),
+            order=make(self.order),
+        )
+
+    def direction_of(self, make: Callable[[Array], Array]) -> Array:
+        """Return the directions (m,) of rows that are made of these."""
+        return np.where(make(self.direction) < 0.0, -1.0, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Readings:
+    """What was read: single readings, or means of cells."""
+
+    rows: Rows
+    friction: Array
+    """Friction (n,) [N]."""
+    stated: Array
+    """Stated standard uncertainties (n,) [N]; 0 where none is."""
+    count: Array
+    """Readings of each cell (n,)."""
+    within: Array
+    """Squares about the mean of each cell, in sum (n,)."""
+    timed: bool = False
+    """Whether the order is that of times, and not that of a file."""
+
+    @classmethod
+    def of(
+        cls, rows: Rows, friction: Array, stated: Array | None = None, *, timed: bool = False
+    ) -> "Readings":
+        """Return single readings; of many, means of cells."""
+        n = len(friction)
+        single = cls(
+            rows=rows,
+            friction=np.asarray(friction, dtype=float),
+            stated=np.zeros(n) if stated is None else np.asarray(stated, dtype=float),
+            count=np.ones(n),
+            within=np.zeros(n),
+            timed=timed,
+        )
+        return single if n <= MOST_ROWS else single._condensed()
+
+    @property
+    def total(self) -> int:
+        """Number of the readings that were made."""
+        return round(float(self.count.sum()))
+
+    def where(self, kept: "NDArray[np.bool_]") -> "Readings":
+        """Return some of the readings."""
+        return replace(
+            self,
+            rows=self.rows.where(kept),
+            friction=self.friction[kept],
+            stated=self.stated[kept],
+            count=self.count[kept],
+            within=self.within[kept],
+        )
+
+    def _condensed(self) -> "Readings":
+        """Return means of cells: readings of like speed, load, inputs and of one run."""
+        rows, width = self.rows, CELL
+        while True:
+            parts = [
+                rows.direction,
+                np.floor(np.log(rows.speed) / width),
+                np.round(np.log(rows.load) / max(NEAR_LOAD, width)),
+                rows.run,
+                *(
+                    np.floor((x - x.min()) / (np.ptp(x) * max(NEAR_LOAD, width) + 1e-12))
+                    for x in rows.inputs.values()
+                ),
+            ]
+            cell = np.unique(np.column_stack(parts), axis=0, return_inverse=True)[1].ravel()
+            if cell.max() < MOST_ROWS or width > WIDEST:
+                break
+            width *= CELL_GROWTH
+        count = np.bincount(cell).astype(float)
+
+        def mean(x: Array) -> Array:
+            return np.asarray(np.bincount(cell, x) / count)
+
+        middle = mean(self.friction)
+        found = Readings(
+            rows=rows.each(mean),
+            friction=middle,
+            stated=np.sqrt(mean(self.stated**2)),
+            count=count,
+            within=np.asarray(np.bincount(cell, (self.friction - middle[cell]) ** 2), dtype=float),
+            timed=self.timed,
+        )
+        order = np.argsort(found.rows.order, kind="stable")
+        return replace(
+            found,
+            rows=found.rows.where(order),
+            friction=middle[order],
+            stated=found.stated[order],
+            count=count[order],
+            within=found.within[order],
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frame:
+    """What the columns of all rows are scaled by: it is that of the readings."""
+
+    slowest: float
+    fastest: float
+    load: float
+    """Geometric mean of the loads [N]."""
+    size: float
+    """Root mean square of the friction [N]."""
+    means: Mapping[str, float]
+    """Means of the inputs."""
+    runs: int
+    """Number of the runs."""
+    loaded: bool
+    """Whether loads differ."""
+    both: bool
+    """Whether both directions were measured at several speeds."""
+    load_power: float
+    """Power of the load that all friction follows about."""
+
+    @classmethod
+    def of(cls, readings: Readings) -> "Frame":
+        """Return the frame of readings."""
+        rows, u = readings.rows, readings.rows.speed
+        usual = running_medians(readings)  # one reading in another unit is no size of friction
+        size = float(np.sqrt(np.average(usual**2, weights=readings.count))) or 1.0
+        load = float(np.exp(np.mean(np.log(rows.load))))
+        logs = np.log(rows.load / load)
+        loaded = bool(np.ptp(logs) > NEAR_LOAD)
+        power = 0.0
+        if loaded:
+            x = np.column_stack([np.ones(len(u)), np.log(u + 1e-3 * u.max()), logs])
+            y = np.log(np.abs(readings.friction) + 0.02 * size)
+            power = float(np.clip(np.linalg.lstsq(x, y, rcond=None)[0][2], 0.0, 1.2))
+        return cls(
+            slowest=float(u.min()),
+            fastest=float(u.max()),
+            load=load,
+            size=size,
+            means={name: float(np.mean(x)) for name, x in rows.inputs.items()},
+            runs=int(rows.run.max()) + 1,
+            loaded=loaded,
+            both=is_both_ways(rows),
+            load_power=power,
+        )
+
+    def grown(self, rows: Rows) -> Array:
+        """Return how friction grows with the load (n,), about."""
+        return np.asarray((rows.load / self.load) ** self.load_power)
+
+    @cached_property
+    def knots(self) -> Array:
+        """Logarithms of speeds at which what no law says has its values (k,)."""
+        low, high = math.log(self.slowest) - 1.3, math.log(self.fastest) + 0.8
+        return np.linspace(low, high, math.ceil((high - low) / (0.45 * LENGTH)) + 1)
+
+    @cached_property
+    def _root(self) -> Array:
+        """Inverse root of the covariance over the knots (k, k)."""
+        apart = np.abs(self.knots[:, None] - self.knots)
+        covariance = _matern(apart) + 1e-8 * np.eye(len(apart))
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)).T)
+
+    def basis(self, rows: Rows) -> Array:
+        """Return columns (n, k) of independent coefficients whose sum is the Gaussian process."""
+        logs = np.log(np.maximum(rows.speed, 0.05 * self.slowest))
+        columns = _matern(np.abs(logs[:, None] - self.knots)) @ self._root
+        return np.asarray(columns * self.grown(rows)[:, None])
+
+
+def _matern(distance: Array) -> Array:
+    """Return Matern's correlation of order 3/2 at distances over `LENGTH`."""
+    d = math.sqrt(3.0) * distance / LENGTH
+    return np.asarray((1.0 + d) * np.exp(-d))
+
+
+def is_both_ways(rows: Rows) -> bool:
+    """Return whether there are readings at several speeds in both directions."""
+    sides = [rows.velocity[rows.velocity > 0.0], -rows.velocity[rows.velocity < 0.0]]
+    if min(len(np.unique(one)) for one in sides) < FEW_SPEEDS:
+        return False
+    return min(float(one.max()) for one in sides) > ONE_WAY * float(rows.speed.max())
+
+
+def law_column(column: Column, rows: Rows, frame: Frame) -> Array:
+    """Return friction over the coefficient of a term of a law at rows (n,).
+
+    A shape may end in the power of the load that the term follows; without one, dry terms are in
+    proportion to it and the others do not change. A Hersey surplus fades with speed over load.
+    """
+    name, shape = column
+    ratio = rows.load / frame.load
+    if name == "hersey":
+        return rows.direction * ratio * PARTS["stribeck"].curve(rows.speed / ratio, shape)
+    if name == "adhesion":
+        return rows.direction
+    part = PARTS[name]
+    own = len(part.shapes)
+    power = shape[own] if len(shape) > own else (1.0 if part.dry else 0.0)
+    return np.asarray(rows.direction * ratio**power * part.curve(rows.speed, shape))
+
+
+def structures_of(
+    frame: Frame, grid: Grid, families: Sequence[Family]
+) -> tuple[list[Structure], Array]:
+    """Return the structures of families with the logarithms of their priors (s,)."""
+    found: list[Structure] = []
+    priors: list[float] = []
+    for family, shapes, prior in grid.families(families):
+        for structure, of_load in _loaded(frame, family, shapes):
+            found.append(structure)
+            priors.append(prior + math.log(of_load))
+    return found, np.array(priors)
+
+
+def _loaded(
+    frame: Frame, family: Family, shapes: Sequence[tuple[float, ...]]
+) -> list[tuple[Structure, float]]:
+    """Return a law under each rule by which it may follow the load, with its prior."""
+    plain = tuple(sorted(zip(family, shapes, strict=True)))
+    if not frame.loaded:
+        return [(plain, 1.0)]
+    dry = any(PARTS[name].dry for name in family)
+    flow = any(not PARTS[name].dry for name in family)
+    found = []
+    for power, prior in LOAD_POWERS.items():
+        if dry or power == 1.0:
+            own = tuple((n, (*s, power)) if PARTS[n].dry else (n, s) for n, s in plain)
+            found.append((own, RULES["own"] * prior))
+        if flow or not dry:
+            every = tuple((n, (*s, power)) for n, s in plain)
+            found.append((every, RULES["all"] * prior))
+    if "stribeck" in family:
+        hersey = tuple(sorted(("hersey", s) if n == "stribeck" else (n, s) for n, s in plain))
+        found.append((hersey, RULES["hersey"]))
+    if "level" in family and "power" not in family:
+        adhesion = tuple(sorted((*(o for o in plain), ("adhesion", ()))))
+        found.append((adhesion, RULES["own"] * LOAD_POWERS[1.0] * math.exp(-PLACE)))
+    return found
+
+
+def finer(
+    structure: Structure, grid: Grid, frame: Frame, part: float = 1.0 / 3.0
+) -> list[Structure]:
+    """Return a structure and those whose shapes, or power of the load, are a part of a step off."""
+    names = tuple(name for name, _ in structure)
+    of_load = [
+        shape[len(PARTS[name].shapes) :] if name in PARTS else () for name, shape in structure
+    ]
+    own = [
+        shape[: len(PARTS[name].shapes)] if name in PARTS else shape for name, shape in structure
+    ]
+    plain = tuple("stribeck" if name == "hersey" else name for name in names)
+    powers = {power for (power,) in filter(None, of_load)}
+    step = 3.0 * part * STEP
+    loads = [0.0] if powers <= {1.0} or not frame.loaded else [-step, 0.0, step]
+    found = []
+    for shapes in grid.finer(plain, own, part):
+        for more in loads:
+            found.append(
+                tuple(
+                    (name, (*shape, *(power + more for power in extra)))
+                    for name, shape, extra in zip(names, shapes, of_load, strict=True)
+                )
+            )
+    return found
+
+
+def family_of(structure: Structure) -> Family:
+    """Return the names of the terms of a structure."""
+    return tuple(name for name, _ in structure)
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The size of friction at rows, with which drift, runs and noise grow."""
+
+    frame: Frame
+    curve: Callable[[Rows], Array]
+
+    def __call__(self, rows: Rows) -> Array:
+        """Return the size (n,) [N]."""
+        return np.maximum(np.abs(self.curve(rows)), LEAST * self.frame.size)
+
+
+def smoothed(readings: Readings, frame: Frame) -> Array:
+    """Return running medians of the size of friction over speed and direction (n,)."""
+    grown = frame.grown(readings.rows)
+    return running_medians(readings, grown) * grown
+
+
+def running_medians(readings: Readings, grown: Array | float = 1.0) -> Array:
+    """Return medians over the speed and direction of the size of friction over a growth (n,)."""
+    rows, n = readings.rows, len(readings.friction)
+    x = rows.direction * (10.0 + np.log(rows.speed / rows.speed.min() + 1e-6))
+    over = np.abs(readings.friction) / grown
+    order, half, found = np.argsort(x, kind="stable"), 1 + n // 25, np.empty(n)
+    for place, row in enumerate(order):
+        first = min(max(0, place - half), n - 2 * half - 1)
+        found[row] = np.median(over[order[max(0, first) : max(0, first) + 2 * half + 1]])
+    return found
+
+
+class TableModel(Model):
+    """Readings with weights, and a size of friction with which things grow."""
+
+    signed = SIGNED
+
+    def __init__(
+        self, readings: Readings, frame: Frame, weights: Array, reference: Reference
+    ) -> None:
+        self.readings, self.frame = readings, frame
+        self.weights, self.reference = weights, reference
+        self.block, self.repeats = blocks_of(readings)
+        self.step = step_of(readings, frame)
+        self.known = bool(np.any(readings.stated > 0.0)) or self.step > 0.0
+        self.is_sorted = follows_speed(readings) and not readings.timed
+        self.scales = self._scales()
+        self._columns, self.groups = self.random(readings.rows)
+        self._laws: tuple[tuple[Column, ...], Array, Array] | None = None
+        self._grams: dict[tuple[int, ...], tuple[Array, float, float]] = {}
+
+    def _scales(self) -> tuple[Scale, ...]:
+        frame, n = self.frame, len(self.readings.friction)
+        step = float(np.clip(1.2 / math.sqrt(n), 0.08, 0.33))
+        low, high = np.log(NOISE_RANGE)
+        noise = np.exp(np.linspace(low, high, math.ceil((high - low) / step) + 1))
+        flat = np.log(noise / NOISE) / NOISE_FACTOR * (not self.known)
+        lawful = np.log((1.0 - NO_DELTA) / (len(RHO) - 1))
+
+        def of(name: str, values: Sequence[float], prior: Sequence[float], used: bool) -> Scale:
+            kept = slice(None) if used else slice(1)
+            return Scale(
+                name=name, values=tuple(values)[kept], prior=tuple(prior)[kept] if used else (1.0,)
+            )
+
+        drift = SORTED_PRIOR if self.is_sorted else DRIFT_PRIOR
+        four = range(len(SIDES))
+        return (
+            Scale(name="noise", values=tuple(noise), prior=tuple(np.exp(-0.5 * flat**2))),
+            Scale(
+                name="delta",
+                values=RHO,
+                prior=(NO_DELTA, *(float(np.exp(lawful)),) * (len(RHO) - 1)),
+            ),
+            Scale(name="growth", values=(0.0, 1.0), prior=NOISES_PRIOR, ordered=False),
+            of("block", BETA, BETA_PRIOR, self.repeats),
+            replace(of("sides", four, SIDES_PRIOR, frame.both), ordered=False),
+            Scale(name="drift", values=DRIFTS, prior=drift),
+            of("run", RUNS, RUNS_PRIOR, frame.runs > 1),
+            *(
+                Scale(
+                    name=name,
+                    values=(0.0, 1.0, 2.0, 3.0),
+                    prior=tuple(INPUTS_PRIOR[k % 2] * INPUTS_PRIOR[k // 2] for k in range(4)),
+                    ordered=False,
+                )
+                for name in frame.means
+            ),
+        )
+
+    def prior(self, node: Node) -> float:
+        """Return the logarithm of the prior of a node: what no law says is small."""
+        tau = RHO[node[1]] * self.sigma(node) / self.frame.size
+        return super().prior(node) - 0.5 * (tau / DELTA) ** 2
+
+    def sigma(self, node: Node) -> float:
+        """Return the noise of a node [N]."""
+        return self.frame.size * self.scales[0].values[node[0]]
+
+    def tau(self, node: Node) -> float:
+        """Return the deviation of what no law says at a node [N]."""
+        return RHO[node[1]] * self.sigma(node)
+
+    def begin(self) -> list[Node]:
+        """Return nodes over the range of the noise and of what no law says."""
+        noise = np.array(self.scales[0].values)
+        spread = np.ptp(np.log(self.reference(self.readings.rows))) > 0.5
+        more = (1 if self.frame.runs > 1 else 0, *(3 for _ in self.frame.means))
+        found = []
+        for sigma in (0.002, 0.006, 0.02, 0.06, 0.2):
+            at = int(np.argmin(np.abs(np.log(noise / sigma))))
+            for delta, growth, block in itertools.product(
+                (0, 3, 6), {0, int(spread)}, (0, 5) if self.repeats else (0,)
+            ):
+                found.append((at, delta, growth, block, 3 if self.frame.both else 0, 1, *more))
+        return found
+
+    def growth(self, rows: Rows, node: Node) -> Array:
+        """Return what the noise grows with at rows (n,)."""
+        if node[2] == 0:
+            return np.ones(len(rows.velocity))
+        return self.reference(rows) / self.frame.size
+
+    def random(self, rows: Rows) -> tuple[Array, NDArray[np.str_]]:
+        """Return the columns of what is always there (n, m), and the group of each (m,)."""
+        frame, found = self.frame, list[tuple[str, Array]]()
+        side, size = rows.direction, frame.size
+        grown = self.reference(rows) * side
+        ones, along = np.ones(len(side)), rows.velocity / frame.fastest
+        if frame.both:
+            found.append(("offset", size * ones))
+            u = rows.speed / frame.fastest
+            found.append(("viscous_direction", size * np.column_stack([u, np.sqrt(u) - u])))
+            if frame.loaded:
+                found.append(("offset", size * rows.load / frame.load))
+        found.append(("drift", grown[:, None] * drifts(rows.order)))
+        if frame.runs > 1:
+            found.append(("run", grown[:, None] * (rows.run[:, None] == np.arange(frame.runs))))
+        for name, mean in frame.means.items():
+            z = (rows.inputs[name] - mean) / TENS
+            found.append((f"level*{name}", size * frame.grown(rows) * side * z))
+            found.append((f"viscous*{name}", size * along * z))
+            bend = [grown * z * z, size * along * z * z, grown * z * np.log(np.abs(along) + 1e-3)]
+            found.append(("bend", BEND * np.column_stack(bend)))
+        process = frame.basis(rows)
+        found.append(("delta", process * side[:, None]))
+        if frame.loaded:
+            z = np.log(rows.load / frame.load)
+            found.append(("bend", BEND * np.column_stack([grown * z, 0.5 * grown * z * z])))
+            found.append(("delta", 0.4 * process * (side * z)[:, None]))
+        if frame.both:
+            found.append(("sides", process))
+        parts = [np.reshape(x, (len(side), -1)) for _, x in found]
+        names = [name for (name, _), x in zip(found, parts, strict=True) for _ in range(x.shape[1])]
+        return np.hstack(parts), np.array(names)
+
+    def deviations(self, node: Node) -> Array:
+        """Return prior deviations of the random coefficients (m,) at a node."""
+        named = SIDES[node[4]]
+        tau = max(self.tau(node), 1e-6 * self.sigma(node))
+        apart = APART * 0.6 * self.frame.size if "sides" in named else 0.0
+        sizes = {
+            "offset": APART if "offset" in named else ALIKE,
+            "viscous_direction": APART if "viscous_direction" in named else ALIKE,
+            "drift": DRIFTS[node[5]],
+            "run": RUNS[node[6]],
+            "bend": 1.0,
+            "delta": tau,
+            "sides": max(0.2 * tau, apart),
+        }
+        for name, own in zip(self.frame.means, node[len(SCALES) :], strict=True):
+            sizes[f"level*{name}"], sizes[f"viscous*{name}"] = INPUT[own % 2], INPUT[own // 2]
+        return np.array([sizes[name] for name in self.groups])
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        """Return the normal equations of a node: blocks by Woodbury's identity."""
+        x, sizes = self._law_columns(columns)
+        sigma = self.sigma(node)
+        alone = (node[2], node[3]) if not self.known else (node[2], node[3], node[0])
+        if alone not in self._grams:
+            self._grams[alone] = self._gram(node, x)
+        gram, volume, inner = self._grams[alone]
+        total = self.readings.total
+        volume += -total * math.log(sigma) - 0.5 * inner / sigma**2
+        return System(
+            gram=gram / sigma**2,
+            deviations=self.deviations(node),
+            volume=volume,
+            sizes=sizes,
+        )
+
+    def _law_columns(self, columns: Sequence[Column]) -> tuple[Array, Array]:
+        """Return columns of laws (n, p) of the size of the friction, and their factors (p,)."""
+        key = tuple(columns)
+        if self._laws is None or (self._laws[0] is not columns and self._laws[0] != key):
+            x = np.column_stack([law_column(one, self.readings.rows, self.frame) for one in key])
+            sizes = self.frame.size / (np.sqrt(np.mean(x * x, axis=0)) + 1e-300)
+            self._laws, self._grams = (key, x * sizes, sizes), {}
+        return self._laws[1], self._laws[2]
+
+    def _gram(self, node: Node, x: Array) -> tuple[Array, float, float]:
+        """Return the Gram matrix over the squared noise, minus half log |V|, and inner squares."""
+        readings, sigma = self.readings, self.sigma(node)
+        variance = self.growth(readings.rows, node) ** 2 / self.weights
+        w = readings.count / (variance + (readings.stated / sigma) ** 2)
+        columns = np.column_stack([self._columns, x, readings.friction])
+        weighted = columns * w[:, None]
+        gram = columns.T @ weighted
+        # readings of a cell have the determinant of their noise, not of their mean's
+        volume = 0.5 * float(np.sum(readings.count * np.log(w / readings.count)))
+        shared = BETA[node[3]] ** 2 * self.repeats + self.step**2 / 12.0 / sigma**2
+        if shared > 0.0:
+            sums = np.zeros((int(self.block.max()) + 1, columns.shape[1]))
+            np.add.at(sums, self.block, weighted)
+            inside = np.bincount(self.block, w)
+            factor = shared / (1.0 + shared * inside)
+            gram = gram - (sums * factor[:, None]).T @ sums
+            volume -= 0.5 * float(np.sum(np.log1p(shared * inside)))
+        inner = float(np.sum(readings.within * w / readings.count))
+        return gram, volume, inner
+
+    def left_out(self, node: Node, structure: Structure) -> Array:
+        """Return how far each reading is from what the others say (n,), in its deviations."""
+        readings = self.readings
+        laws = np.column_stack(
+            [np.zeros(len(readings.friction))]
+            + [law_column(one, readings.rows, self.frame) for one in structure]
+        )
+        laws = laws * self.frame.size / (np.sqrt(np.mean(laws**2, axis=0)) + 1e-300) * COEFFICIENT
+        x = np.hstack([self._columns * self.deviations(node), laws])
+        noise = (self.growth(readings.rows, node) * self.sigma(node)) ** 2
+        shared = (BETA[node[3]] * self.repeats * self.sigma(node)) ** 2 + self.step**2 / 12.0
+        same = self.block[:, None] == self.block
+        own = (noise / self.weights + readings.stated**2) / readings.count
+        covariance = x @ x.T + np.diag(own) + shared * same
+        inverse = np.linalg.inv(covariance)
+        left = (inverse @ readings.friction) / np.diag(inverse)
+        variance = 1.0 / np.diag(inverse) - noise * (1.0 / self.weights - 1.0) / readings.count
+        return np.asarray(np.abs(left) / np.sqrt(np.maximum(variance, 1e-30)))
+
+
+def drifts(order: Array) -> Array:
+    """Return courses over the order (n, 4): what settles, a line, and slow waves; 0 where any."""
+    p = np.where(np.isfinite(order), order, 0.5)
+    known = np.isfinite(order)[:, None]
+    courses = [
+        np.exp(-p / 0.25) - 0.25,
+        2.0 * p - 1.0,
+        0.3 * np.cos(2.0 * math.pi * p),
+        0.15 * np.cos(3.0 * math.pi * p),
+    ]
+    return np.where(known, np.column_stack(courses), 0.0)
+
+
+def blocks_of(readings: Readings) -> tuple[Integers, bool]:
+    """Return the number of the block of each reading (n,), and whether some have several."""
+    rows = readings.rows
+    parts = [
+        (np.log(rows.speed), NEAR),
+        (np.log(rows.load), NEAR_LOAD),
+        (rows.direction, 0.5),
+        (rows.run.astype(float), 0.5),
+        *((x, NEAR_LOAD * float(np.ptp(x)) + 1e-9) for x in rows.inputs.values()),
+    ]
+    groups = np.column_stack([_grouped(x, gap) for x, gap in parts])
+    block = np.unique(groups, axis=0, return_inverse=True)[1].ravel()
+    return block, bool(block.max() + 1 < len(block))
+
+
+def _grouped(x: Array, gap: float) -> Integers:
+    """Return the number of the group of values (n,): none spans more than a gap.
+
+    Examples
+    --------
+    >>> _grouped(np.array([1.0, 1.01, 1.5, 1.02]), 0.03).tolist()
+    [0, 0, 1, 0]
+    """
+    order = np.argsort(x, kind="stable")
+    found, start, number = np.empty(len(x), dtype=np.intp), -math.inf, -1
+    for row in order:
+        if x[row] > start + gap:
+            start, number = float(x[row]), number + 1
+        found[row] = number
+    return found
+
+
+def step_of(readings: Readings, frame: Frame) -> float:
+    """Return the step to which friction was rounded [N], if it is coarse; else 0.
+
+    It is the least difference between readings, if that divides all others.
+
+    Examples
+    --------
+    >>> v = np.linspace(0.1, 1.0, 8)
+    >>> rows = Rows(velocity=v, load=np.ones(8), inputs={}, run=np.zeros(8, int), order=v)
+    >>> readings = Readings.of(rows, np.round(2.0 + v, 1))
+    >>> round(step_of(readings, Frame.of(readings)), 6)
+    0.1
+    """
+    gaps = np.diff(np.unique(readings.friction))
+    if len(gaps) < 4 or np.any(readings.count > 1.0):
+        return 0.0
+    least = float(gaps.min())
+    steps = gaps / least
+    divides = np.all(np.abs(steps - np.round(steps)) < 1e-6 * np.maximum(1.0, steps))
+    return least if divides and least > 2e-3 * frame.size else 0.0
+
+
+def follows_speed(readings: Readings) -> bool:
+    """Return whether the order of the readings follows their speed, as in a sorted file."""
+    rows, n = readings.rows, len(readings.friction)
+    x = np.log(rows.speed)
+    order = np.arange(n) / n
+    columns = np.column_stack([rows.direction**k * x**j for k in (0, 1) for j in range(4)])
+    columns = columns / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-300)
+    left = order - columns @ np.linalg.lstsq(columns, order, rcond=None)[0]
+    return bool(1.0 - np.var(left) / np.var(order) > FOLLOWS)
+
+
+@dataclass(frozen=True, eq=False)
+class TableFit:
+    """A posterior of a table with its model."""
+
+    model: TableModel
+    posterior: Posterior
+    far: Array
+    """How far each reading is from what the others say (n,), in its deviations."""
+    draws: dict[tuple[int, int], list[Draws]] = field(default_factory=dict)
+
+
+def first_weights(readings: Readings, frame: Frame, smooth: Array) -> Array:
+    """Return weights (n,) by which a reading that is far from its neighbours hardly counts."""
+    left = np.abs(np.abs(readings.friction) - smooth)
+    middle = max(1.5 * float(np.median(left)) + 1e-9 * frame.size, 0.01 * frame.size)
+    z = left / middle
+    return np.where(z > 6.0, np.minimum(1.0, (3.0 / np.maximum(z, 1e-9)) ** 2), 1.0)
+
+
+def fitted(readings: Readings, families: Sequence[Family] | None = None) -> TableFit:
+    """Return the posterior of readings.
+
+    Parameters
+    ----------
+    readings : Readings
+        What was read.
+    families : sequence of Family, optional
+        Laws that are compared; those of the vocabulary if not given.
+    """
+    frame = Frame.of(readings)
+    grid = Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
+    known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
+    smooth = smoothed(readings, frame)
+    order = np.argsort(readings.rows.speed, kind="stable")
+    logs = np.log(readings.rows.speed[order])
+    over = (smooth / frame.grown(readings.rows))[order]
+    reference = Reference(
+        frame, lambda rows: np.interp(np.log(rows.speed), logs, over) * frame.grown(rows)
+    )
+    weights = first_weights(readings, frame, smooth)
+    model = TableModel(readings, frame, weights, reference)
+    structures, priors = structures_of(frame, grid, known)
+    posterior = Posterior(model, structures, priors, begin=model.begin(), most=0)
+    structures, priors = _refined(posterior, priors, grid, frame)
+    for turn in range(1, FINER):  # as finely as the readings tell shapes
+        posterior = Posterior(model, structures, priors, begin=[posterior.best], most=0)
+        again = _finer_still(posterior, priors, grid, frame, 3.0 ** -(turn + 1))
+        if len(again[0]) == len(structures):
+            break
+        structures, priors = again
+    begin, far = [posterior.best], np.zeros(len(weights))
+    for turn in range(TURNS):
+        if turn:
+            model = TableModel(readings, frame, weights, reference)
+        posterior = Posterior(model, structures, priors, begin=begin, most=MOST if turn else FIRST)
+        if not turn:
+            structures, priors = _kept(posterior, priors)
+        begin, before = [posterior.best], weights
+        best = posterior.nodes.index(posterior.best)
+        structure = posterior.structures[int(np.argmax(posterior.weights[best]))]
+        far = model.left_out(posterior.best, structure)
+        bound = SUSPECT[0] + SUSPECT[1] / max(len(far) - 3, 1)
+        weights = np.where(far > bound, (FREEDOM + 1.0) / (FREEDOM + far**2), 1.0)
+        reference = Reference(frame, _curve_at(posterior, model, structure))
+        if turn and np.allclose(before, weights, atol=0.15):
+            break
+    return TableFit(model, posterior, far)
+
+
+def _refined(
+    posterior: Posterior, priors: Array, grid: Grid, frame: Frame
+) -> tuple[list[Structure], Array]:
+    """Return the best structures with their neighbours, and the best of each other family."""
+    value = np.log(posterior.shares + 1e-300)
+    order = np.argsort(-value, kind="stable")
+    near = [int(k) for k in order if value[k] > value[order[0]] - BEHIND][:KEPT]
+    found: dict[Structure, float] = {}
+    for k in near:
+        many = finer(posterior.structures[k], grid, frame)
+        for one in many:
+            found.setdefault(one, float(priors[k]) - math.log(len(many)))
+    families = {family_of(posterior.structures[k]) for k in near}
+    for k in order:
+        family = family_of(posterior.structures[k])
+        if family not in families:
+            families.add(family)
+            found[posterior.structures[k]] = float(priors[k])
+    return [*found], np.array([*found.values()])
+
+
+def _finer_still(
+    posterior: Posterior, priors: Array, grid: Grid, frame: Frame, part: float
+) -> tuple[list[Structure], Array]:
+    """Return structures with those of families whose shapes are told to a step refined."""
+    shares, found = posterior.shares, dict(zip(posterior.structures, priors.tolist(), strict=True))
+    of: dict[Family, list[int]] = {}
+    for k, one in enumerate(posterior.structures):
+        of.setdefault(family_of(one), []).append(k)
+    for places in of.values():
+        own = shares[places]
+        if own.sum() < LEAST_SHARE or own.sum() ** 2 > RESOLVED * np.sum(own**2):
+            continue
+        order = np.argsort(-own, kind="stable")
+        enough = int(np.searchsorted(np.cumsum(own[order]), 0.99 * own.sum())) + 1
+        for k in np.array(places)[order[:enough]]:
+            many = finer(posterior.structures[k], grid, frame, part)
+            if len(many) > 1:
+                prior = found[posterior.structures[k]] - math.log(len(many))
+                found |= dict.fromkeys(many, prior)
+    return [*found], np.array([*found.values()])
+
+
+def _kept(posterior: Posterior, priors: Array) -> tuple[list[Structure], Array]:
+    """Return the structures that have a share, and the best of each family."""
+    value = np.log(posterior.shares + 1e-300)
+    order = np.argsort(-value, kind="stable")
+    kept = [int(k) for k in order if value[k] > value[order[0]] - LOST][:KEPT]
+    families = {family_of(posterior.structures[k]) for k in kept}
+    for k in order:
+        family = family_of(posterior.structures[k])
+        if family not in families:
+            families.add(family)
+            kept.append(int(k))
+    return [posterior.structures[k] for k in kept], priors[kept]
+
+
+def _curve_at(
+    posterior: Posterior, model: TableModel, structure: Structure
+) -> Callable[[Rows], Array]:
+    """Return the law with what no law says at the best node, as a function of rows."""
+    law, random = posterior.estimate(posterior.best, structure)
+    delta = np.where(model.groups == "delta", random, 0.0)
+    frame, before = model.frame, model
+
+    def curve(rows: Rows) -> Array:
+        found = np.zeros(len(rows.velocity))
+        for column, c in zip(structure, law, strict=True):
+            found += c * law_column(column, rows, frame)
+        process = frame.basis(rows) * rows.direction[:, None]
+        parts = [process]
+        if frame.loaded:
+            parts.append(0.4 * process * np.log(rows.load / frame.load)[:, None])
+        return np.asarray(found + np.hstack(parts) @ delta[before.groups == "delta"])
+
+    return curve

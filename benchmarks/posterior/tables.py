@@ -1,0 +1,735 @@
+"""A measured table of friction as a problem of the judgement: readings, curves, laws, findings."""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.posterior.judgement import Candidates, Finding, Points, Problem
+from benchmarks.posterior.nodes import Array, Column, Draws, Family, Structure
+from benchmarks.posterior.projection import Free, Rung, Shaped, shapes_to_draw
+from benchmarks.posterior.table_model import (
+    BETA,
+    BEYOND,
+    FEW_SPEEDS,
+    RHO,
+    RUNS,
+    SCALES,
+    SIDES,
+    Readings,
+    Rows,
+    TableFit,
+    TableModel,
+    family_of,
+    fitted,
+    law_column,
+    structures_of,
+)
+from benchmarks.posterior.vocabulary import (
+    FAMILIES,
+    FLOW_DIRECTIONS,
+    PARTS,
+    Grid,
+    flow_direction,
+    parameters_of,
+)
+from stickslip.data import Measurement
+from stickslip.errors import InputError
+from stickslip.identify.fits import stretches_of
+from stickslip.identify.laws import CHANGING, FLOWS, POINTS, TITLES, Composition, compose
+from stickslip.mechanisms import Mechanism
+from stickslip.show.formatting import percent, quantity
+
+FEWEST = 5
+"""Readings that a table must have."""
+ASKED = 40
+"""Speeds of each direction at which the band is stated."""
+GAP = 1.05
+"""Ratio of neighbouring speeds from which laws are compared half-way between them too."""
+MANY = 200
+"""Rows from which laws are compared at the rows alone."""
+BELOW_NOISE = 0.7
+"""Deviation of what no law says over the noise up to which a law is exact."""
+NEW = 2.0
+"""Degrees of freedom, at least, with which another specimen differs from those measured."""
+REST = 0.8
+"""Part of the friction at the next speeds below which a slow reading may be one at rest ..."""
+REST_PRIOR = 0.05
+"""... and the prior of each: friction of a body at rest is anything up to its break-away."""
+BESIDE_SLOWEST = 5
+"""Readings at the next speeds with which slow ones are compared."""
+OUTLYING = 6.0
+"""Deviations from which a reading is said to be far from the others."""
+MOST_RESTS = 4
+"""Readings that may be at rest, in each direction."""
+MORE_TITLES: Mapping[str, str] = {
+    "tanh": "level that is smooth in the velocity (tanh)",
+    "logarithmic": "logarithm of the speed",
+    "hersey": "static surplus that fades with speed over load (Hersey number)",
+    "stribeck_sides": TITLES["stribeck_direction"],
+    "power_direction": "power of the speed that differs by direction",
+}
+"""What terms are called that tables alone have."""
+DIRECTIONS: tuple[tuple[str, ...], ...] = (
+    (),
+    ("offset",),
+    ("offset", "viscous_direction"),
+    ("offset", "stribeck_sides"),
+    ("offset", "stribeck_sides", "viscous_direction"),
+)
+"""What of a law may differ by direction; under several loads a level, in place of an offset."""
+
+
+@dataclass(eq=False)
+class TableProblem(Problem):
+    """A table of friction with its posterior."""
+
+    table: Readings
+    fit: TableFit
+    turning: bool = False
+    rests: "NDArray[np.intp] | None" = None
+    """Rows that are taken to be at rest."""
+    families: Sequence[Family] | None = None
+
+    def __post_init__(self) -> None:
+        self.posterior = self.fit.posterior
+        self.size = self.fit.model.frame.size
+        self.load = self.fit.model.frame.load
+
+    @property
+    def model(self) -> TableModel:
+        """Readings with weights."""
+        return self.fit.model
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        measurement: Measurement,
+        families: Sequence[Family] | None = None,
+    ) -> "TableProblem":
+        """Return the problem of a measured table; readings at rest are left out.
+
+        Examples
+        --------
+        >>> from stickslip import Axis
+        >>> v = np.linspace(0.1, 1.0, 10)
+        >>> table = Measurement(velocity=v, friction=2.0 + v)
+        >>> len(TableProblem.of(Axis(inertia=1.0), table).table.friction)
+        10
+        """
+        table = readings_of(mechanism, measurement)
+        known = None if families is None else [(), *map(parts_of, families)]
+        turning = measurement.turning
+        fit = fitted(table, known)
+        slow = slow_rows(table)
+        if len(slow):
+            kept = np.ones(len(table.friction), dtype=bool)
+            kept[slow] = False
+            if _moves(table.where(kept).rows):
+                other = fitted(table.where(kept), known)
+                size = np.abs(np.median(np.abs(table.friction[kept])))
+                resting = len(slow) * (math.log(REST_PRIOR) - math.log(2.0 * size))
+                if other.posterior.evidence + resting > fit.posterior.evidence:
+                    table, fit = table.where(kept), other
+                    return cls(table, fit, turning=turning, rests=slow, families=families)
+        return cls(table, fit, turning=turning, families=families)
+
+    def title(self, term: str) -> str:
+        """Return what a term is called in a sentence."""
+        if "*" in term:
+            part, _, of = term.partition("*")
+            return CHANGING[part].format(of)
+        return MORE_TITLES.get(term) or TITLES[term]
+
+    def speed_of(self, place: int) -> float:
+        """Return the velocity of a place at which laws are compared [m/s]."""
+        return float(self.places().velocity[place])
+
+    # ---- rows -------------------------------------------------------------------------------
+
+    def at(self, velocity: Any, load: Any = None, inputs: Mapping[str, Any] | None = None) -> Rows:
+        """Return rows at velocities (n,); load and inputs are the usual ones if not given."""
+        frame = self.model.frame
+        v = np.atleast_1d(np.asarray(velocity, dtype=float))
+        ones, given = np.ones(len(v)), inputs or {}
+        return Rows(
+            velocity=v,
+            load=ones * (frame.load if load is None else load),
+            inputs={name: ones * given.get(name, mean) for name, mean in frame.means.items()},
+            run=np.full(len(v), -1),
+            order=np.full(len(v), np.nan),
+        )
+
+    def asked(self) -> Rows:
+        """Return the rows over which the band is stated: each measured direction, at mean load."""
+        v = self.table.rows.velocity
+        grids = [
+            np.sign(one[0]) * np.geomspace(np.abs(one).min(), np.abs(one).max(), ASKED)
+            for one in (v[v < 0.0], v[v > 0.0])
+            if len(np.unique(one)) >= FEW_SPEEDS
+        ]
+        return self.at(np.sort(np.concatenate(grids)))
+
+    def like(self, rows: Rows) -> Rows:
+        """Return rows of another table as this one sees them: of a new run, at any time."""
+        found = self.at(rows.velocity, rows.load, rows.inputs)
+        return replace(found, run=np.full(len(rows.velocity), -2))
+
+    def places(self) -> Rows:
+        """Return the rows as measured, and half-way between neighbours of a direction and load."""
+        rows = self.table.rows
+        own = self.at(rows.velocity, rows.load, rows.inputs)
+        if len(rows.velocity) >= MANY:
+            return own
+        marks = [rows.direction, np.round(np.log(rows.load), 2)]
+        marks += [np.round(x, 6) for x in rows.inputs.values()]
+        group = np.unique(np.column_stack(marks), axis=0, return_inverse=True)[1].ravel()
+        low, high = list[int](), list[int]()
+        for k in range(int(group.max()) + 1):
+            at = np.flatnonzero(group == k)
+            at = at[np.argsort(rows.speed[at], kind="stable")]
+            apart = rows.speed[at[1:]] > GAP * rows.speed[at[:-1]]
+            low += at[:-1][apart].tolist()
+            high += at[1:][apart].tolist()
+        a, b = np.array(low, dtype=np.intp), np.array(high, dtype=np.intp)
+
+        def with_middles(x: Array, ratio: bool) -> Array:
+            middle = np.sqrt(x[a] * x[b]) if ratio else 0.5 * (x[a] + x[b])
+            return np.concatenate([x, middle])
+
+        speed = with_middles(rows.speed, ratio=True)
+        direction = np.concatenate([rows.direction, rows.direction[b]])
+        return self.at(
+            direction * speed,
+            with_middles(rows.load, ratio=True),
+            {name: with_middles(x, ratio=False) for name, x in rows.inputs.items()},
+        )
+
+    def scale(self, rows: Rows) -> Array:
+        """Return how friction grows with the load at rows (n,)."""
+        return self.model.frame.grown(rows)
+
+    # ---- laws -------------------------------------------------------------------------------
+
+    def tied(self, structure: Shaped) -> Shaped:
+        """Return a structure whose shapes agree: one power of the load for all that follow it."""
+        own = super().tied(structure)
+        powers = [s[-1] for n, s in own if n in PARTS and len(s) > len(PARTS[n].shapes)]
+        return [
+            (n, (*s[:-1], powers[0]) if n in PARTS and len(s) > len(PARTS[n].shapes) else s)
+            for n, s in own
+        ]
+
+    def columns(self, column: tuple[str, Any], rows: Rows) -> list[Array]:
+        """Return the columns of a term: parts of laws, and what differs."""
+        name, shape = column
+        frame = self.model.frame
+        if name == "offset":
+            return [np.ones(len(rows.velocity))]
+        if name == "level_direction":
+            return [np.asarray(rows.load / frame.load)]
+        if name in FLOW_DIRECTIONS:
+            return [rows.speed ** (shape[0] if shape else 1.0)]
+        if name == "stribeck_sides":
+            surplus = law_column(("stribeck", shape), rows, frame)
+            return [surplus, rows.direction * surplus]
+        if "*" in name:
+            part, _, of = name.partition("*")
+            return [law_column((part, ()), rows, frame) * (rows.inputs[of] - frame.means[of])]
+        return [law_column(column, rows, frame)]
+
+    @cached_property
+    def _grid(self) -> Grid:
+        frame = self.model.frame
+        return Grid(slowest=frame.slowest, fastest=frame.fastest, fine=2.0 if frame.loaded else 3.0)
+
+    def candidates(self) -> list[Candidates]:
+        """Return the families on which curves are projected, with their structures."""
+        known = [tuple(one.split()) for one in FAMILIES]
+        if self.families is not None:
+            known = [*dict.fromkeys(map(parts_of, self.families))]
+        every, _ = structures_of(self.model.frame, self._grid, [one for one in known if one])
+        laws: dict[Family, dict[Structure, None]] = {}
+        for one in [*every, *(one for one in self.posterior.structures if one)]:
+            laws.setdefault(family_of(one), {})[one] = None
+        found = []
+        for family, structures in laws.items():
+            for beside in self._besides(family):
+                whole = [self._beside(one, beside) for one in structures]
+                names = family_of(whole[0])
+                if not self._is_compared(names):
+                    continue
+                count = self._count(structures) + len(beside) + ("stribeck_sides" in beside)
+                found.append(Candidates(family=names, structures=whole, parameters=count))
+        return found
+
+    def _is_compared(self, family: Family) -> bool:
+        """Return whether a family is one that is asked for; an offset may stand beside any."""
+        if self.families is None:
+            return True
+        own = {*family} - {"offset"}
+        return any({*one} - {"offset"} == own for one in self.families)
+
+    def _count(self, structures: Sequence[Structure] | Mapping[Structure, None]) -> int:
+        """Return the number of parameters of a family of laws."""
+        first = next(iter(structures))
+        names = tuple("stribeck" if name == "hersey" else name for name, _ in first)
+        powers = any(
+            len(shape) > len(PARTS[name].shapes) and shape[-1] != 1.0
+            for one in structures
+            for name, shape in one
+            if name in PARTS
+        )
+        return parameters_of(names) + ("adhesion" in names) + int(powers)
+
+    def _besides(self, family: Family) -> list[tuple[str, ...]]:
+        """Return what may stand beside the parts of a law: directions, effects of inputs."""
+        frame = self.model.frame
+        sides: list[tuple[str, ...]] = [()]
+        if frame.both:
+            other = {"viscous_direction": flow_direction(family)}
+            other |= {"offset": "level_direction"} if frame.loaded else {}
+            sides = [
+                tuple(other.get(x, x) for x in one)
+                for one in DIRECTIONS
+                if ("stribeck_sides" not in one or "stribeck" in family)
+                and ("viscous_direction" not in one or {"viscous", "power"} & {*family})
+            ]
+        inputs = [
+            tuple(f"{part}*{name}" for part in parts)
+            for name in frame.means
+            for parts in (("level",), ("viscous",), ("level", "viscous"))
+            if {*parts} <= {*family}
+        ]
+        by_input = [(), *inputs] if len(frame.means) < 2 else self._products(family)
+        return [(*side, *of) for side, of in itertools.product(sides, by_input)]
+
+    def _products(self, family: Family) -> list[tuple[str, ...]]:
+        """Return the effects of several inputs together."""
+        each = [
+            [
+                tuple(f"{part}*{name}" for part in parts)
+                for parts in ((), ("level",), ("viscous",), ("level", "viscous"))
+                if {*parts} <= {*family}
+            ]
+            for name in self.model.frame.means
+        ]
+        return [tuple(itertools.chain(*one)) for one in itertools.product(*each)]
+
+    @staticmethod
+    def _beside(structure: Structure, beside: Sequence[str]) -> Structure:
+        """Return a law with what stands beside it, in the order of names."""
+        shapes = dict(structure)
+        own = {"stribeck_sides": shapes.get("stribeck", ())}
+        own["power_direction"] = shapes.get("power", ())[:1]
+        kept = [one for one in structure if "stribeck_sides" not in beside or one[0] != "stribeck"]
+        more = [(name, own.get(name, ())) for name in beside]
+        return tuple(sorted([*kept, *more], key=lambda one: one[0]))
+
+    def free(self, rung: Rung) -> tuple[list[Free], list[Structure]]:
+        """Return the entries of shapes that draws have of their own, and structures to begin at."""
+        frame = self.model.frame
+        return shapes_to_draw(rung.structure, frame.slowest, frame.fastest)
+
+    def exact(self) -> float:
+        """Return the probability that what no law says is below the noise."""
+        small = [one <= BELOW_NOISE for one in RHO]
+        return float(self.posterior.scale("delta")[small].sum())
+
+    def composition(
+        self, structure: Shaped, coefficients: Array, *, offset: bool = False
+    ) -> Composition:
+        """Return the law that a structure with coefficients (k, p) is, over the mean load."""
+        load, at = self.model.frame.load, 0
+        terms: dict[str, tuple[Any, Array]] = {}
+        rig: dict[str, Array] = {}
+        for name, shape in structure:
+            size = 2 if name == "stribeck_sides" else 1
+            own, at = coefficients[:, at : at + size], at + size
+            part = PARTS.get(name)
+            entries = len(part.shapes) if part else len(shape)
+            if part is not None and len(shape) > entries:
+                rig["load_exponent"] = np.broadcast_to(shape[entries], len(own)).astype(float)
+            flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
+            if name == "offset" and offset:
+                differs = own / load + terms.get("level_direction", ((), 0.0))[1]
+                terms["level_direction"] = (), differs
+            elif name == "level_direction":
+                terms[name] = (), own / load + terms.get(name, ((), 0.0))[1]
+            elif name in ("offset", "adhesion"):
+                rig[name] = own[:, 0]
+            elif name == "hersey":  # the law at the mean load
+                terms["stribeck"] = shape, own / load
+            else:
+                terms[name] = shape[:entries], own if flows else own / load
+        if "adhesion" in rig:  # part of the level at the mean load
+            shape, own = terms["level"]
+            terms["level"] = shape, own + rig["adhesion"][:, None] / load
+        found = compose(terms, self.model.frame.means, len(coefficients))
+        if "power_direction" in terms:  # no law of stickslip.friction has it
+            found = replace(found, text="", instead="")
+        return replace(found, rig=rig, load=load)
+
+    # ---- weights ----------------------------------------------------------------------------
+
+    def _family(self, structure: Structure, node: tuple[int, ...]) -> Family:
+        """Return the family of a structure at a node: with what differs by direction or inputs."""
+        frame, names = self.model.frame, {name for name, _ in structure}
+        if frame.both:
+            for one in SIDES[node[4]]:
+                if one == "sides" and "stribeck" in names:
+                    names = (names - {"stribeck"}) | {"stribeck_sides"}
+                elif one == "viscous_direction" and names & {"viscous", "power"}:
+                    names = names | {flow_direction(names)}
+                elif one == "offset":
+                    names = names | {"level_direction" if frame.loaded else "offset"}
+        for name, own in zip(frame.means, node[len(SCALES) :], strict=True):
+            parts = (("level", own % 2), ("viscous", own // 2))
+            names |= {f"{part}*{name}" for part, used in parts if used and part in names}
+        return tuple(sorted(names))
+
+    @cached_property
+    def _families(self) -> "NDArray[np.object_]":
+        """Families of nodes and structures (k, s)."""
+        marks = [(node[4], *node[len(SCALES) :]) for node in self.posterior.nodes]
+        rows: dict[tuple[int, ...], list[Family]] = {}
+        found = np.empty(self.posterior.weights.shape, dtype=object)
+        for k, (node, mark) in enumerate(zip(self.posterior.nodes, marks, strict=True)):
+            if mark not in rows:
+                rows[mark] = [self._family(one, node) for one in self.posterior.structures]
+            for s, family in enumerate(rows[mark]):
+                found[k, s] = family
+        return found
+
+    def masses(self, tolerance: float) -> tuple[dict[Family, float], dict[Family, float]]:
+        """Return the probability of each family, and that with little that no law says."""
+        every: dict[Family, float] = {}
+        adequate: dict[Family, float] = {}
+        for k, node in enumerate(self.posterior.nodes):
+            small = self.model.tau(node) <= tolerance * self.size
+            for family, p in zip(
+                self._families[k], self.posterior.weights[k].tolist(), strict=True
+            ):
+                if p > 1e-7:
+                    every[family] = every.get(family, 0.0) + p
+                    if small:
+                        adequate[family] = adequate.get(family, 0.0) + p
+        return every, adequate
+
+    def holds(self, family: Family) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which a family holds."""
+        return np.array([[one == family for one in row] for row in self._families], dtype=bool)
+
+    def nothing(self) -> "NDArray[np.bool_]":
+        """Return the nodes and structures (k, s) at which there is no friction."""
+        none = np.array([not one for one in self.posterior.structures])
+        still = np.array([node[1] == 0 for node in self.posterior.nodes])
+        return np.asarray(still[:, None] & none)
+
+    # ---- curves -----------------------------------------------------------------------------
+
+    def _law(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return the laws of draws at rows (k, n)."""
+        columns: dict[Column, Array] = {}
+        found = []
+        for one in draws:
+            curve = np.zeros((one.random.shape[1], len(rows.velocity)))
+            for column, c in zip(one.structure, one.law, strict=True):
+                if column not in columns:
+                    columns[column] = law_column(column, rows, self.model.frame)
+                curve += np.outer(c, columns[column])
+            found.append(curve)
+        return np.vstack(found)
+
+    def steady(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return drawn curves alone (k, n): midway, in the mean of the runs."""
+        x, group = self.model.random(rows)
+        x = x * ~np.isin(group, ("drift", "run"))
+        return self._law(rows, draws) + np.vstack([one.random.T @ x.T for one in draws])
+
+    def friction(self, rows: Rows, draws: Sequence[Draws], *, new: bool = False) -> Array:
+        """Return what friction is in draws (k, n): early, midway or late, in any or a new run."""
+        rng = np.random.default_rng(7)
+        curves = self._law(rows, draws)
+        random = np.hstack([one.random for one in draws])
+        when = rng.integers(3, size=len(curves))
+        stated = np.isfinite(rows.order)
+        for k, time in enumerate((0.0, 0.5, 1.0)):
+            own = replace(rows, order=np.where(stated, rows.order, time))
+            x, group = self.model.random(own)
+            curves[when == k] += random[:, when == k].T @ x.T
+        if self.model.frame.runs > 1 and not np.all(rows.run >= 0):
+            curves += self._of_runs(rows, draws, random[group == "run"], new, rng)
+        return np.asarray(curves + self._beyond(rows, draws, curves, rng))
+
+    def _of_runs(
+        self,
+        rows: Rows,
+        draws: Sequence[Draws],
+        effects: Array,
+        new: bool,
+        rng: np.random.Generator,
+    ) -> Array:
+        """Return what a run adds (k, n): one of those measured, or another one."""
+        runs, count = len(effects), effects.shape[1]
+        which = rng.integers(runs, size=count)
+        sizes = np.concatenate([np.full(one.random.shape[1], RUNS[one.node[6]]) for one in draws])
+        other = sizes * rng.standard_t(max(runs - 1.0, NEW), size=count)
+        is_new = new or np.all(rows.run == -2)
+        effect = other if is_new else effects[which, np.arange(count)]
+        return np.asarray(np.outer(effect, self.model.reference(rows) * rows.direction))
+
+    def _beyond(
+        self, rows: Rows, draws: Sequence[Draws], curves: Array, rng: np.random.Generator
+    ) -> Array:
+        """Return what friction may do beyond the measured speeds (k, n)."""
+        frame, logs = self.model.frame, np.log(rows.speed)
+        far = (
+            np.maximum(math.log(frame.slowest) - logs, 0.0),
+            np.maximum(logs - math.log(frame.fastest), 0.0),
+        )
+        tau = np.concatenate(
+            [np.full(one.random.shape[1], self.model.tau(one.node)) for one in draws]
+        )
+        found = np.zeros_like(curves)
+        for own in far:
+            e = rng.normal(size=(2, len(curves)))
+            side = np.where(rows.velocity > 0.0, e[0][:, None], (0.9 * e[0] + 0.44 * e[1])[:, None])
+            side = side if frame.both else e[0][:, None]
+            size = BEYOND[0] * np.abs(curves) + BEYOND[1] * tau[:, None] * frame.grown(rows)
+            found += rows.direction * side * size * own
+        return found
+
+    def _noise(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return noise of new readings in draws (k, n)."""
+        rng = np.random.default_rng(11)
+        model, n = self.model, len(rows.velocity)
+        found = []
+        for one in draws:
+            shape = (one.random.shape[1], n)
+            noise = rng.standard_t(6.0, size=shape) * math.sqrt(4.0 / 6.0)
+            own = model.sigma(one.node) * model.growth(rows, one.node) * noise
+            own = own + BETA[one.node[3]] * model.repeats * model.sigma(one.node) * rng.normal(
+                size=shape
+            )
+            own = own + float(np.median(self.table.stated)) * rng.normal(size=shape)
+            found.append(own + model.step * (rng.random(shape) - 0.5))
+        return np.vstack(found)
+
+    def readings(self, rows: Rows, draws: Sequence[Draws]) -> Array:
+        """Return new readings in draws (k, n)."""
+        return self.friction(rows, draws) + self._noise(rows, draws)
+
+    def points(self, rung: Rung) -> Points:
+        """Return the readings."""
+        rows = self.table.rows
+        return Points(
+            velocity=rows.velocity,
+            friction=self.table.friction,
+            load=rows.load,
+            weights=self.model.weights,
+        )
+
+    # ---- what stands beside the law ---------------------------------------------------------
+
+    def findings(self, draws: Sequence[Draws]) -> list[Finding]:
+        """Return drifts and differences between runs, with their probability."""
+        found = [self._drift(draws)]
+        if self.model.frame.runs > 1:
+            found.append(self._differences(draws))
+        return [one for one in found if one.probability > 0.5]
+
+    def _drift(self, draws: Sequence[Draws]) -> Finding:
+        """Return what friction changes by from the first reading to the last."""
+        rows, frame = self.table.rows, self.model.frame
+        middle = float(np.exp(np.median(np.log(rows.speed))))
+        at = self.at([middle if (rows.velocity > 0.0).any() else -middle])
+        ends = []
+        for time in (0.0, 1.0):
+            x, group = self.model.random(replace(at, order=np.full(1, time)))
+            x = x * ~np.isin(group, ("run",))
+            curve = self._law(at, draws) + np.vstack([one.random.T @ x.T for one in draws])
+            ends.append(np.abs(curve[:, 0]))
+        change = (ends[1] - ends[0]) / np.maximum(np.abs(np.median(ends[0])), 1e-3 * frame.size)
+        low, high = np.quantile(change, (0.025, 0.975)).tolist()
+        unit = "N m" if self.turning else "N"
+        first, last = (quantity(float(np.median(one)), unit, 3) for one in ends)
+        verb = "falls" if np.median(change) < 0.0 else "rises"
+        return Finding(
+            term="drift",
+            title="drift in the order of measuring",
+            probability=1.0 - float(self.posterior.scale("drift")[0]),
+            size=float(np.median(change)),
+            low=low,
+            high=high,
+            sentence=f"Friction {verb} over the readings, from {first} at the first to {last} at"
+            " the last.",
+        )
+
+    def _differences(self, draws: Sequence[Draws]) -> Finding:
+        """Return by how much friction differs from run to run."""
+        effects = np.hstack([one.random for one in draws])[self.model.groups == "run"]
+        apart = np.std(effects, axis=0, ddof=1)
+        low, high = np.quantile(apart, (0.025, 0.975)).tolist()
+        return Finding(
+            term="run",
+            title="differences between runs",
+            probability=1.0 - float(self.posterior.scale("run")[0]),
+            size=float(np.median(apart)),
+            low=low,
+            high=high,
+            sentence=f"The {self.model.frame.runs} runs differ by"
+            f" {percent(float(np.median(apart)))} of friction (standard deviation, 95 %"
+            f" {percent(low)} to {percent(high)}).",
+        )
+
+    def curve_rows(self) -> Rows:
+        """Return rows through which a curve is drawn as a law."""
+        frame = self.model.frame
+        side = 1.0 if (self.table.rows.velocity > 0.0).any() else -1.0
+        return self.at(side * np.geomspace(frame.slowest, frame.fastest, POINTS))
+
+    def offered(self) -> Rows:
+        """Return the readings that may be proposed: at the asked speeds."""
+        return self.asked()
+
+    def noise(self, rows: Rows) -> Array:
+        """Return the standard deviation of a reading of another block and run at rows (n,)."""
+        found = np.zeros(len(rows.velocity))
+        for node, p in zip(self.posterior.nodes, self.posterior.weights.sum(axis=1), strict=True):
+            if p > 1e-3:
+                own = self.model.sigma(node) * self.model.growth(rows, node)
+                shared = BETA[node[3]] * self.model.repeats * self.model.sigma(node)
+                run = RUNS[node[6]] * self.model.reference(rows) * (self.model.frame.runs > 1)
+                found += p * (own**2 + shared**2 + run**2)
+        return np.sqrt(found + float(np.median(self.table.stated)) ** 2)
+
+    def scatter(self, rung: Rung) -> float:
+        """Return the standard deviation of the readings about a law [N], outliers as they count."""
+        rows = self.table.rows
+        at = self.at(rows.velocity, rows.load, rows.inputs)
+        left = self.table.friction - self.design(rung.structure, at) @ rung.coefficients
+        squares = left**2 * self.table.count + self.table.within
+        return math.sqrt(
+            float(np.sum(self.model.weights * squares))
+            / float(np.sum(self.model.weights * self.table.count))
+        )
+
+    @property
+    def outliers(self) -> dict[int, float]:
+        """Readings that are far from the others, with how many deviations."""
+        if np.any(self.table.count > 1.0):
+            return {}
+        far = np.flatnonzero(self.fit.far > OUTLYING)
+        return {int(row): float(self.fit.far[row]) for row in far}
+
+
+def parts_of(family: Family) -> Family:
+    """Return the parts of a law among the terms of a family.
+
+    Examples
+    --------
+    >>> parts_of(("level", "offset", "stribeck_sides", "viscous"))
+    ('level', 'stribeck', 'viscous')
+    """
+    names = ("stribeck" if name in ("hersey", "stribeck_sides") else name for name in family)
+    return tuple(sorted({name for name in names if name in PARTS}))
+
+
+def readings_of(mechanism: Mechanism, measurement: Measurement) -> Readings:
+    """Return the readings of a measured table that slide."""
+    segments = stretches_of(mechanism, measurement)
+    parts, frictions, stated = list[Rows](), list[Array](), list[Array]()
+    begun, total = 0, sum(len(one.friction) for one in segments)
+    for segment in segments:
+        path, count = segment.path, len(segment.friction)
+        v = path.velocity
+        # sweeps under other loads or temperatures differ by these
+        same = not any(np.ptp(x) > 0.0 for x in (path.load, *path.inputs.values()))
+        own = len(segments) == 1 and same
+        run = sweeps_of(v) if own else np.full(count, segment.record)
+        order = np.arange(begun, begun + count) / max(total - 1, 1)
+        rows = Rows(velocity=v, load=path.load, inputs=path.inputs, run=run, order=order)
+        parts.append(rows.where(v != 0.0))
+        frictions.append(segment.friction[v != 0.0])
+        stated.append(np.full(int(np.sum(v != 0.0)), _stated(measurement, segment.record)))
+        begun += count
+    rows = joined_rows(parts)
+    if len(rows.velocity) < FEWEST:
+        raise InputError(
+            f"a table of friction needs at least {FEWEST} readings that slide, and this has"
+            f" {len(rows.velocity)}: measure friction at more speeds."
+        )
+    if not _moves(rows):
+        most = max(len(np.unique(rows.velocity[rows.direction == way])) for way in (-1.0, 1.0))
+        raise InputError(
+            f"a law of friction over speed needs at least {FEW_SPEEDS} speeds in one direction,"
+            f" and this table has {most}: measure friction at more speeds."
+        )
+    return Readings.of(rows, np.concatenate(frictions), np.concatenate(stated))
+
+
+def _stated(measurement: Measurement, index: int) -> float:
+    """Return the standard uncertainty that is stated of the friction of a record [N]; 0 if none."""
+    record = measurement.records()[index]
+    return float(record.uncertainty.get("friction", 0.0))
+
+
+def _moves(rows: Rows) -> bool:
+    """Return whether there are several speeds in a direction."""
+    ways = [rows.velocity[rows.direction == way] for way in (-1.0, 1.0)]
+    return max(len(np.unique(one)) for one in ways) >= FEW_SPEEDS and len(rows.velocity) >= FEWEST
+
+
+def joined_rows(parts: Sequence[Rows]) -> Rows:
+    """Return the rows of several tables; only inputs that all have are kept."""
+    names = set.intersection(*(set(one.inputs) for one in parts))
+    return Rows(
+        velocity=np.concatenate([one.velocity for one in parts]),
+        load=np.concatenate([one.load for one in parts]),
+        inputs={
+            name: x
+            for name in sorted(names)
+            if np.ptp(x := np.concatenate([one.inputs[name] for one in parts])) > 0.0
+        },
+        run=np.concatenate([one.run for one in parts]),
+        order=np.concatenate([one.order for one in parts]),
+    )
+
+
+def sweeps_of(velocity: Array) -> "NDArray[np.intp]":
+    """Return the number of the sweep of each row (n,), if each meets all speeds once.
+
+    Examples
+    --------
+    >>> sweeps_of(np.array([0.1, 0.2, 0.3, 0.1, 0.2, 0.3])).tolist()
+    [0, 0, 0, 1, 1, 1]
+    >>> sweeps_of(np.array([0.1, 0.1, 0.2, 0.2, 0.3, 0.3])).tolist()
+    [0, 0, 0, 0, 0, 0]
+    """
+    known, count = np.unique(velocity), len(velocity)
+    sweeps = np.arange(count) // len(known)
+    parts = [velocity[sweeps == k] for k in range(int(sweeps[-1]) + 1)]
+    alike = all(np.array_equal(np.sort(one), known) for one in parts)
+    return sweeps if alike and len(parts) > 1 and len(known) > 2 else np.zeros(count, dtype=int)
+
+
+def slow_rows(table: Readings) -> "NDArray[np.intp]":
+    """Return the slowest rows of each direction whose friction is below that at the next speeds."""
+    rows, found = table.rows, list[int]()
+    for way in (-1.0, 1.0):
+        at = np.flatnonzero(rows.direction == way)
+        at = at[np.argsort(rows.speed[at], kind="stable")]
+        size = np.abs(table.friction[at])
+        for count in range(min(MOST_RESTS, len(at) - BESIDE_SLOWEST), 0, -1):
+            bound = REST * np.median(size[count : count + BESIDE_SLOWEST])
+            if np.all(size[:count] < bound):
+                found += at[:count].tolist()
+                break
+    return np.array(sorted(found), dtype=np.intp)

@@ -1,0 +1,158 @@
+"""The posterior against closed forms: weights, draws and nodes of small linear models."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from benchmarks.posterior.nodes import (
+    COEFFICIENT,
+    Column,
+    Model,
+    Node,
+    Posterior,
+    Scale,
+    System,
+    eliminated,
+    inverted,
+    neighbours,
+)
+from scipy.stats import multivariate_normal
+
+X = np.linspace(-1.0, 1.0, 12)
+COLUMNS = {("level", ()): np.ones(12), ("viscous", ()): X, ("bend", ()): X**2}
+Z = np.column_stack([np.sin(3.0 * X), np.cos(5.0 * X)])
+NOISES, SPREADS = (0.05, 0.1, 0.2), (0.01, 0.5)
+
+
+class Linear(Model):
+    """A line with two random columns, whose covariance is known in full."""
+
+    signed = frozenset({"level", "viscous", "bend"})
+    scales = (
+        Scale(name="noise", values=NOISES, prior=(0.2, 0.5, 0.3)),
+        Scale(name="spread", values=SPREADS, prior=(0.6, 0.4)),
+    )
+
+    def __init__(self, y: np.ndarray) -> None:
+        self.y = y
+
+    def system(self, node: Node, columns: Sequence[Column]) -> System:
+        noise = NOISES[node[0]]
+        x = np.column_stack([COLUMNS[one] for one in columns])
+        every = np.column_stack([Z, x, self.y]) / noise
+        return System(
+            gram=every.T @ every,
+            deviations=np.full(2, SPREADS[node[1]]),
+            volume=-len(self.y) * math.log(noise),
+            sizes=np.ones(len(columns)),
+        )
+
+    def covariance(self, node: Node, structure: Sequence[Column]) -> np.ndarray:
+        """Return the covariance of the response (n, n) under a law."""
+        own = np.column_stack([np.zeros(12), *(COLUMNS[one] for one in structure)])
+        noise, spread = NOISES[node[0]], SPREADS[node[1]]
+        return noise**2 * np.eye(12) + spread**2 * Z @ Z.T + COEFFICIENT**2 * own @ own.T
+
+
+LAWS = ((), (("level", ()),), (("level", ()), ("viscous", ())), (("bend", ()),))
+
+
+@pytest.fixture
+def model() -> Linear:
+    random = np.random.default_rng(4)
+    return Linear(0.7 + 0.4 * X + 0.1 * random.normal(size=12))
+
+
+def every_node() -> list[Node]:
+    return [(a, b) for a in range(3) for b in range(2)]
+
+
+def test_weights_are_those_of_the_marginal_likelihood_in_full(model: Linear) -> None:
+    posterior = Posterior(model, LAWS, np.log([0.1, 0.4, 0.3, 0.2]), begin=every_node(), most=0)
+    exact = np.array(
+        [
+            [
+                multivariate_normal.logpdf(model.y, cov=model.covariance(node, law))
+                + model.prior(node)
+                + math.log(prior)
+                for law, prior in zip(LAWS, (0.1, 0.4, 0.3, 0.2), strict=True)
+            ]
+            for node in posterior.nodes
+        ]
+    )
+    # what is left out is the same constant for all
+    exact = np.exp(exact - exact.max())
+    np.testing.assert_allclose(posterior.weights, exact / exact.sum(), rtol=1e-8, atol=1e-12)
+
+
+def test_draws_have_the_mean_and_covariance_of_the_normal_distribution(model: Linear) -> None:
+    posterior = Posterior(model, LAWS[2:3], np.zeros(1), begin=[(1, 1)], most=0)
+    (draws,) = posterior.draws(20000)
+    x = np.column_stack([Z, *COLUMNS.values()])[:, :4]
+    precision = x.T @ x / 0.1**2 + np.diag(
+        1.0 / np.array([0.5, 0.5, COEFFICIENT, COEFFICIENT]) ** 2
+    )
+    mean = np.linalg.solve(precision, x.T @ model.y / 0.1**2)
+    found = np.vstack([draws.random, draws.law])
+    deviation = np.sqrt(np.diag(np.linalg.inv(precision)))
+    # 20,000 draws: means to 1/141 of a deviation, twice over three standard errors
+    np.testing.assert_allclose(found.mean(axis=1), mean, atol=0.03 * deviation.max())
+    np.testing.assert_allclose(
+        np.cov(found), np.linalg.inv(precision), atol=0.05 * deviation.max() ** 2
+    )
+
+
+def test_the_visit_finds_the_nodes_that_have_weight(model: Linear) -> None:
+    priors = np.zeros(len(LAWS))
+    every = Posterior(model, LAWS, priors, begin=every_node(), most=0)
+    walked = Posterior(model, LAWS, priors, begin=[(2, 0)], most=100)
+    # nodes that are never opened have less than a hundredth of the best each
+    np.testing.assert_allclose(walked.shares, every.shares, atol=0.03)
+
+
+def test_shares_do_not_depend_on_the_order_of_laws(model: Linear) -> None:
+    one = Posterior(model, LAWS, np.zeros(4), begin=every_node(), most=0)
+    other = Posterior(model, LAWS[::-1], np.zeros(4), begin=every_node(), most=0)
+    np.testing.assert_allclose(one.shares, other.shares[::-1], rtol=1e-9)
+
+
+def test_coefficients_that_cannot_be_negative_are_not_drawn_so() -> None:
+    class Positive(Linear):
+        signed = frozenset[str]()
+
+    model = Positive(0.02 + 0.1 * np.random.default_rng(1).normal(size=12))
+    posterior = Posterior(model, LAWS[1:3], np.zeros(2), begin=every_node(), most=0)
+    assert all(np.all(one.law >= 0.0) for one in posterior.draws(200))
+
+
+def test_draws_repeat_and_are_as_many_as_asked_for(model: Linear) -> None:
+    posterior = Posterior(model, LAWS, np.zeros(4), begin=every_node(), most=0)
+    first, again = posterior.draws(150, seed=2), posterior.draws(150, seed=2)
+    assert sum(one.law.shape[1] for one in first) == 150
+    for a, b in zip(first, again, strict=True):
+        np.testing.assert_array_equal(a.random, b.random)
+
+
+def test_neighbours_step_along_ordered_scales_and_jump_along_others() -> None:
+    scales = (
+        Scale(name="a", values=(1.0, 2.0, 3.0, 4.0), prior=(0.25,) * 4),
+        Scale(name="b", values=(0.0, 1.0, 2.0), prior=(0.4, 0.3, 0.3), ordered=False),
+    )
+    assert [*neighbours(scales, (0, 0))] == [(1, 0), (0, 1), (0, 2)]
+
+
+def test_sweeps_invert_small_matrices() -> None:
+    random = np.random.default_rng(0)
+    roots = random.normal(size=(7, 3, 5))
+    matrices = np.einsum("sik,sjk->sij", roots, roots) + np.eye(3)
+    found, logarithms = inverted(matrices)
+    np.testing.assert_allclose(found, np.linalg.inv(matrices), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(logarithms, np.linalg.slogdet(matrices)[1], rtol=1e-12)
+
+
+def test_a_random_column_with_no_room_changes_nothing() -> None:
+    gram = np.array([[4.0, 1.0, 2.0], [1.0, 3.0, 1.0], [2.0, 1.0, 5.0]])
+    closed = System(gram=gram, deviations=np.full(1, 1e-9), volume=0.0, sizes=np.ones(1))
+    _, left = eliminated(closed)
+    np.testing.assert_allclose(left, gram[1:, 1:], rtol=1e-12)

@@ -1,0 +1,164 @@
+"""Records of one coordinate by the posterior: rows, memory, laws, inertia, readings."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from benchmarks.posterior.judgement import Judgement
+from benchmarks.posterior.nodes import Column, Model, Node, Posterior, Scale, System
+from benchmarks.posterior.record_columns import Memory, relaxed
+from benchmarks.posterior.record_problem import RecordProblem
+from benchmarks.posterior.record_rows import continued, cutoff_of
+
+from stickslip.identify.problems.record_signals import Record
+
+INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
+
+
+def driven(seed: int = 1, *, duration: float = 10.0, level: float = LEVEL) -> Record:
+    """Return a record at 500 Hz of an axis with level and viscous friction."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, duration, 0.002)
+    x, v, a = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    for size, f in zip((0.04, 0.012, 0.003), (0.35, 1.3, 3.1), strict=True):
+        w, phase = 2.0 * math.pi * f, rng.uniform(0.0, 6.0)
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w * w * np.sin(w * t + phase)
+    force = INERTIA * a + level * np.sign(v) + VISCOUS * v
+    return Record(
+        time=t,
+        position=x + 1e-6 * rng.normal(size=len(t)),
+        force=force + 0.02 * level * rng.normal(size=len(t)),
+    )
+
+
+@functools.cache
+def judged() -> Judgement:
+    return Judgement(RecordProblem([driven()]))
+
+
+def test_a_counter_that_is_reset_goes_on() -> None:
+    x = np.cumsum(np.full(200, 0.01))
+    np.testing.assert_allclose(continued(np.mod(x, 0.5)), x, atol=1e-12)
+
+
+def test_a_level_lags_along_the_way_as_in_a_first_order_equation() -> None:
+    way = np.linspace(0.0, 3.0, 400)
+    level = relaxed(way, 0.5, np.full((400, 1), 2.0))[:, 0]
+    np.testing.assert_allclose(level, 2.0 * (1.0 - np.exp(-way / 0.5)), rtol=1e-12, atol=1e-14)
+
+
+def test_a_level_stays_at_rest_and_turns_with_the_way() -> None:
+    way = np.array([0.0, 50.0, 50.0, 0.0])
+    level = relaxed(way, 1.0, np.ones((4, 1)))[:, 0]
+    np.testing.assert_allclose(level, [0.0, 1.0, 1.0, -1.0], atol=1e-12)
+
+
+def test_the_cutoff_is_above_the_frequency_of_the_motion() -> None:
+    t = np.arange(0.0, 10.0, 0.002)
+    fast = Record(time=t, position=0.01 * np.sin(2.0 * math.pi * 8.0 * t), force=np.cos(50.0 * t))
+    assert cutoff_of(fast) > 5.0 * 8.0
+
+
+def test_level_viscous_friction_and_inertia_of_an_axis_are_in_their_intervals() -> None:
+    judgement = judged()
+    assert judgement.named.family == ("level", "viscous")
+    found = {one.path: one for one in judgement.intervals}
+    level = found["friction.kinetic_coefficient"]
+    viscous = found["friction.viscous_coefficient"]
+    # intervals of 95 %: twice their half width leaves room for the one seed
+    for one, true in ((level, LEVEL), (viscous, VISCOUS)):
+        assert abs(one.value - true) < 2.0 * (one.high - one.low)
+        assert one.high - one.low < 0.05 * true
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    low, high = np.quantile(problem.rig(judgement.draws)["inertia"], (0.005, 0.995))
+    assert low < INERTIA < high
+    assert judgement.is_told
+
+
+def test_readings_of_another_run_with_a_level_of_its_own_are_in_their_band() -> None:
+    judgement = judged()
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    other = problem.like([driven(seed=2, duration=6.0, level=1.03 * LEVEL)])
+    band = judgement.reading_band(other)
+    inside = np.mean((band.low <= other.response) & (other.response <= band.high))
+    assert inside > 0.9
+
+
+def test_friction_is_not_told_where_force_and_motion_are_noise() -> None:
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 8.0, 0.004)
+    x = 1e-5 * np.sin(6.0 * t) + 1e-6 * rng.normal(size=len(t))
+    noise = Record(time=t, position=x, force=rng.normal(size=len(t)))
+    assert not Judgement(RecordProblem([noise])).is_told
+
+
+def test_in_one_direction_a_level_is_no_offset() -> None:
+    rng = np.random.default_rng(4)
+    t = np.arange(0.0, 12.0, 0.004)
+    v = 0.05 + 0.03 * np.sin(2.5 * t) + 0.01 * np.sin(9.0 * t)
+    x = 0.004 * np.cumsum(v)
+    force = 2.0 * np.gradient(v, t) + 4.0 + 20.0 * v + 0.02 * rng.normal(size=len(t))
+    one_way = Record(time=t, position=x + 1e-6 * rng.normal(size=len(t)), force=force)
+    problem = RecordProblem([one_way])
+    judgement = Judgement(problem)
+    assert problem.model.frame.sides == (1.0,)
+    assert judgement.named.family == ("level", "viscous")
+    values = {one.path: one.value for one in judgement.intervals}
+    assert values["friction.kinetic_coefficient"] == pytest.approx(4.0, rel=0.02)
+
+
+def test_a_bristle_without_length_has_the_direction() -> None:
+    problem = judged().problem
+    assert isinstance(problem, RecordProblem)
+    balance = problem.model.balance
+    for state, piece in zip(balance.states(Memory()), balance.pieces, strict=True):
+        assert np.array_equal(state, piece.direction)
+
+
+class Two(Model):
+    """A level measured twice, as two cutoffs do: the second time with less noise."""
+
+    scales = (
+        Scale(name="size", values=(0.1, 1.0), prior=(0.5, 0.5)),
+        Scale(name="cutoff", values=(1.0, 2.0), prior=(0.25, 0.75), ordered=False, judged=False),
+    )
+
+    def system(self, node: Node, columns: object) -> System:
+        x = np.ones((40, 1))
+        y = (3.0 + np.sin(np.arange(40.0)))[:, None]
+        every = np.hstack([x, x, y]) * (1.0, 30.0)[node[1]]
+        size = np.array([self.scales[0].values[node[0]]])
+        return System(gram=every.T @ every, deviations=size, volume=0.0, sizes=np.ones(1))
+
+
+def test_a_scale_that_is_not_judged_keeps_its_prior() -> None:
+    law: tuple[Column, ...] = (("level", ()),)
+    model = Two()
+    posterior = Posterior(model, [law], np.zeros(1), begin=[(0, 0), (0, 1)], most=10)
+    np.testing.assert_allclose(posterior.scale("cutoff"), (0.25, 0.75), rtol=1e-9)
+
+
+class Opposed(Model):
+    """Two columns that are nearly the same, of which the first would be below 0."""
+
+    scales = (Scale(name="size", values=(1e-3,), prior=(1.0,)),)
+
+    def system(self, node: Node, columns: object) -> System:
+        t = np.linspace(-1.0, 1.0, 50)
+        x = np.column_stack([0.0 * t, 1.0 + 0.01 * t, np.ones(50), 1.0 - 0.05 * t])
+        x *= 300.0
+        return System(gram=x.T @ x, deviations=np.ones(1), volume=0.0, sizes=np.ones(2))
+
+
+def test_where_a_coefficient_is_bounded_the_others_follow() -> None:
+    law: tuple[Column, ...] = (("level", ()), ("viscous", ()))
+    posterior = Posterior(Opposed(), [law], np.zeros(1), begin=[(0,)], most=1)
+    (draws,) = posterior.draws(50)
+    assert np.all(draws.law >= 0.0)
+    # the sum stays what was measured, 1, whatever is at its bound
+    np.testing.assert_allclose(draws.law.sum(axis=0), 1.0, atol=0.02)
