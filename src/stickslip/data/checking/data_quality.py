@@ -375,7 +375,9 @@ def _record(
     rubbed = isinstance(record.friction, np.ndarray)
     # What only asks for errors needs a motion only to compare it with friction.
     moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
-    enough = record.time.size >= signal_quality.FEWEST_SAMPLES
+    enough = isinstance(record.time, np.ndarray) and (
+        record.time.size >= signal_quality.FEWEST_SAMPLES
+    )
     if not grave:
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):

@@ -470,10 +470,10 @@ def jumps(record: Measurement) -> Iterator[Finding]:
     if time is None or record.position is None or time.size < FEWEST_SAMPLES:
         return
     position = np.asarray(record.values("position"))
-    usual = _repeats(position)
-    if usual > 1:  # of values that are held, from one to the next
+    repeats = _repeats(position)
+    if repeats > 1:  # of values that are held, from one to the next
         first = np.flatnonzero(np.diff(position, prepend=np.nan) != 0)
-        rows = np.union1d(first, np.maximum(first[1:] - usual, 0))
+        rows = np.union1d(first, np.maximum(first[1:] - repeats, 0))
         time, position = time[rows], position[rows]
     if time.size < FEWEST_SAMPLES:
         return

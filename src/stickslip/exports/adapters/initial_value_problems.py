@@ -253,7 +253,7 @@ class ModeProblem:
             self._put(state, layout.POINT)
             at, to = self._whole[layout.POINT], self._whole[layout.SAMPLED]
             exchange.take_over(at, self._w, self._whole)
-            guard_values(t, self._w, self._whole, at, to)
+            guard_values(t, float(t) - self._t, self._w, self._whole, at, to)
             self._known = (t, state, self._seen(layout.SAMPLED, self._whole[layout.N_GUARDS]))
         return self._known[2]
 

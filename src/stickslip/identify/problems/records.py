@@ -433,7 +433,8 @@ class RecordsProblem(Problem):
         self, structure: Structure, coefficients: Array, *, offset: bool = False
     ) -> Composition:
         """Return the law that a structure with coefficients (d, p) is, at the usual load."""
-        rig, memory = dict[str, Array](), (0.0, 0.0)
+        rig = dict[str, Array]()
+        memory: Shape = (0.0, 0.0)
         terms: dict[str, tuple[Shape, Array]] = {}
         names = {name for name, _ in structure}
         doubts = {path for path, one in self.records[0].unknown.items() if one.doubt}

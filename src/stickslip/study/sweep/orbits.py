@@ -295,8 +295,8 @@ class Shot:
     def strobes(self) -> Array:
         """Free states once a cycle, those at the start first (m, n)."""
         map_ = self.derivatives.map
-        times = np.arange(1, map_.cycles) * (self.period / map_.cycles)
-        return np.vstack([self.y, *(self.run.at(times)[:, list(map_.free)] if len(times) else ())])
+        times = np.arange(1.0, map_.cycles) * (self.period / map_.cycles)
+        return np.vstack([self.y, *(self.run.at(np.asarray(times, dtype=np.float64))[:, list(map_.free)] if len(times) else ())])
 
     @property
     def monodromy(self) -> Array:
