@@ -210,9 +210,9 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
         path, numbers, listed = _numbers(text)
         values = np.unique(numbers) if listed else np.empty(0)
         if not listed and len(numbers) == 3 and numbers[2].is_integer():
-            low, high, count = numbers
-            check_size(f"--vary {path}", int(count), "give fewer values")
-            values = np.linspace(low, high, max(int(count), 0))
+            count = max(int(numbers[2]), 0)
+            check_size(f"--vary {path}", count, "give fewer values")
+            values = np.linspace(*numbers[:2], count)
         if not path or not values.size:
             raise InputError(
                 "--vary takes PATH=LOW:HIGH:N or PATH=[VALUE, ...] in SI units, such as"

@@ -162,32 +162,27 @@ class BlockRegression:
         self._squares = np.array([y[rows] @ y[rows] for rows in self.problem.blocks])
         self._weighted = np.zeros((len(y), 0))
         self._total, self._moment = np.zeros((0, 0)), np.zeros(0)
-        self._parts = self._empty()
+        self._parts = self._grown(self._weighted)
         self._extend()
 
     def forget(self) -> None:
         """Let go of the Gram matrices by block, most of the memory; few structures make theirs."""
         self._parts = None
 
-    def _empty(self) -> _Parts:
-        none = len(self.problem.blocks), 0
-        part = np.zeros((*none, 0)), np.zeros(none)
-        return part, part
-
-    def _grown(self, parts: _Parts, a: Array) -> _Parts:
+    def _grown(self, a: Array, known: _Parts | None = None) -> _Parts:
         """Return Gram matrices and moments in each block, and of what is left out with it."""
-        problem, y = self.problem, self.problem.response * self.weights
-        inside = _extended(parts[0], a, y, problem.blocks)
+        problem, y, count = self.problem, self.problem.response * self.weights, len(self._count)
+        first, others = known or ((np.zeros((count, 0, 0)), np.zeros((count, 0))),) * 2
+        inside = _extended(first, a, y, problem.blocks)
         same = problem.excluded is problem.blocks
-        return inside, inside if same else _extended(parts[1], a, y, problem.excluded)
+        return inside, inside if same else _extended(others, a, y, problem.excluded)
 
     def _by_block(self, columns: NDArray[np.intp]) -> tuple[_Parts, NDArray[np.intp]]:
         """Return these for columns of any shape, and where in them the columns are."""
         if self._parts is not None:
             return self._parts, columns
         used, places = np.unique(columns, return_inverse=True)
-        parts = self._grown(self._empty(), self._weighted[:, used])
-        return parts, places.reshape(columns.shape)
+        return self._grown(self._weighted[:, used]), places.reshape(columns.shape)
 
     def _extend(self) -> None:
         """Make the parts of the Gram matrices that columns since the last time have."""
@@ -200,7 +195,7 @@ class BlockRegression:
         total, moment = _extended((self._total[None], self._moment[None]), a, y, everything)
         self._total, self._moment = total[0], moment[0]
         if self._parts is not None:
-            self._parts = self._grown(self._parts, a)
+            self._parts = self._grown(a, self._parts)
 
     def index(self, structure: Structure) -> NDArray[np.intp]:
         """Return the columns of a structure."""

@@ -610,7 +610,7 @@ class Curve:
         return tuple(self.point(point.shot, point.tangent * old / size) for point in points)
 
     def unscaled(self, shot: Shot) -> Array:
-        """Return what is unknown of an orbit, in its own units."""
+        """Return free states and parameter of an orbit (k + 1,)."""
         return np.array([*shot.y.tolist(), shot.value])
 
     def shoot(self, u: Array, most: float = np.inf) -> Shot:
@@ -1113,7 +1113,7 @@ class Curve:
     # -- events
 
     def event(self, kind: str, point: Point, index: int, sentence: str) -> Event:
-        """Return what happens at a point, sensed again if a run beside it is another."""
+        """Return an event, with the orbit there run again if it is only near a run."""
         shot = point.shot
         if shot.off.any():
             with suppress(SimulationError, InputError):  # beside a border the run may be another
