@@ -295,8 +295,9 @@ class Shot:
     def strobes(self) -> Array:
         """Free states once a cycle, those at the start first (m, n)."""
         map_ = self.derivatives.map
-        times = np.arange(1.0, map_.cycles) * (self.period / map_.cycles)
-        return np.vstack([self.y, *(self.run.at(np.asarray(times, dtype=np.float64))[:, list(map_.free)] if len(times) else ())])
+        times: Array = np.arange(1.0, map_.cycles) * (self.period / map_.cycles)
+        later = self.run.at(times)[:, list(map_.free)] if len(times) else ()
+        return np.vstack([self.y, *later])
 
     @property
     def monodromy(self) -> Array:
