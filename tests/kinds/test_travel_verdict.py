@@ -20,7 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identify.fits import durations, trials_of
+from stickslip.identify.fits import TravelModel, durations, trials_of
 from stickslip.identify.problems.travels import judged_travels, unexplained_error
 from stickslip.mechanisms import SoftStop, Torque
 from stickslip.mechanisms.drives import Sine
@@ -224,6 +224,17 @@ def test_draws_meet_the_readings_that_they_were_drawn_by(viscous):
     assert np.all(left < 2.5)
     again = judged_travels(BLOCK, trials_of(BLOCK, verdict.measurement, 10.0))
     assert np.array_equal(again.travels(judgement.settings), travels)  # nothing is left to chance
+
+
+def test_proposals_of_a_law_are_simulated_once_for_any_number_of_draws(monkeypatch):
+    law = Coulomb(kinetic_coefficient=0.2)
+    verdict = select(capsule(8.0), ["coulomb"], films(FILMED[:4], law), t_end=1.0)
+    judgement = verdict.judgement
+    few, many = judgement.drawn("coulomb", 40), judgement.drawn("coulomb", 80)
+    monkeypatch.setattr(TravelModel, "table", None)  # no further runs
+    again = judgement.drawn("coulomb", 40)
+    assert np.array_equal(again.unknowns, few.unknowns)
+    assert set(few.unknowns.ravel()) <= set(many.unknowns.ravel())
 
 
 def test_laws_that_travels_do_not_determine_are_refused_as_mechanisms():

@@ -192,6 +192,7 @@ class TravelJudgement:
         self.readings = np.maximum(self.readings, least)
         self.blocks = _settings(self.trials)
         self.counts = np.bincount(self.blocks)
+        self._weighed: dict[tuple[str, int], tuple[TravelDraws, Array]] = {}
 
     # ------------------------------------------------------------------ settings
     @cached_property
@@ -571,13 +572,26 @@ class TravelJudgement:
         if not name:
             return self._curve_drawn(count, rng)
         own = [one for one in self.solved if one.linear.name == name]
-        shares = np.asarray(softmax([one.evidence for one in own]))
         law = own[0].linear.structure.law
         wanted = PROPOSED * max(count, TRIED)
         if law.law.states or under_cycles(self.trials):
             wanted = TRIED
         if law.slow:
             wanted = min(wanted, max(SLOW, len(own)))
+        if (name, wanted) not in self._weighed:  # for any count, and runs take long
+            self._weighed[name, wanted] = self._proposals(own, wanted, rng)
+        draws, log = self._weighed[name, wanted]
+        least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
+        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
+        at = np.minimum(pick, len(log) - 1)
+        return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
+
+    def _proposals(
+        self, own: Sequence[Solved], wanted: int, rng: np.random.Generator
+    ) -> tuple[TravelDraws, Array]:
+        """Return draws about the solutions of a family, and log weights (d,), when simulated."""
+        shares = np.asarray(softmax([one.evidence for one in own]))
+        law = own[0].linear.structure.law
         rows, weights = [], []
         k = self.nuisances_count
         for one, n in zip(own, allotted(shares, wanted), strict=True):
@@ -601,13 +615,8 @@ class TravelJudgement:
         found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
         if _counting(found, 1.0) < 0.6 * len(found) / PROPOSED:
             draws = replace(draws, unknowns=self._met(draws, moved, rng))
-            points = np.hstack([draws.unknowns, draws.nuisances])
             found = log + self._likelihood(self._simulated(draws, self.trials, moved), freedom)
-        log = found
-        least = min(COUNTING, 1.0 + COUNTING * count / TRIED)
-        pick = np.searchsorted(np.cumsum(_tempered(log, least)), (np.arange(count) + 0.5) / count)
-        at = np.minimum(pick, len(points) - 1)
-        return TravelDraws(law=law, unknowns=draws.unknowns[at], nuisances=draws.nuisances[at])
+        return draws, found
 
     def _met(self, draws: TravelDraws, moved: Array, rng: np.random.Generator) -> Array:
         """Return unknowns (d, p) whose leading one meets the readings, drawn again by their errors.
