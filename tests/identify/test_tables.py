@@ -502,5 +502,5 @@ def test_a_table_that_needs_too_much_memory_is_refused_before_it_is_taken():
     load = 1630.0 * (1.0 + 0.002 * random.normal(size=800))  # if each is a block of its own
     problem = TableProblem.of(AXIS, Measurement(velocity=v, friction=0.05 * load, load=load))
     problem.blocks = problem.excluded = [np.arange(800) == k for k in range(800)]
-    with pytest.raises(InputError, match=r"in 800 blocks: .* GB of memory .*group the loads"):
+    with pytest.raises(InputError, match=r"in 800 blocks .* GB of memory.*group the loads"):
         Judgement.of(problem)

@@ -45,11 +45,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfcx, softmax, stdtrit
 
-from stickslip.errors import check_size
+from stickslip.errors import InputError
 from stickslip.identify.candidates import DIGITS
 from stickslip.identify.problem import Array, Column, Columns, Fitted, Mask, Problem, Structure
 from stickslip.identify.thresholds import THRESHOLDS
-from stickslip.show.formatting import count
+from stickslip.show.formatting import count, number
 
 RIDGE = math.sqrt(np.finfo(float).eps)
 """Ridge over the diagonal of a Gram matrix: alike columns share their coefficient."""
@@ -134,8 +134,12 @@ class BlockRegression:
         problem, rows = self.problem, len(self.problem.response)
         # Gram matrices stand beside their larger successors; rows also with their weights.
         memory = 8e-9 * columns * (2.3 * grams * columns + 3.0 * rows)
-        what = f"comparing laws on {count(rows, 'row')} in {count(len(problem.blocks), 'block')}"
-        check_size(what, memory, FEWER, unit="GB of memory", most=MOST_MEMORY)
+        if memory > MOST_MEMORY:
+            blocks = count(len(problem.blocks), "block")
+            raise InputError(
+                f"A comparison of laws on {count(rows, 'row')} in {blocks} would take"
+                f" {number(memory)} GB of memory, and may take {number(MOST_MEMORY)} GB: {FEWER}."
+            )
 
     def weigh(self, weights: Array, z: Array | None = None) -> None:
         """Set the weights of the rows (n,), which makes the Gram matrices.

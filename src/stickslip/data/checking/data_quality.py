@@ -211,10 +211,12 @@ def _findings(
     grave: bool = False,
 ) -> Iterator[Finding]:
     """Yield all findings; with ``grave`` only those of checks that can find errors."""
-    times, measurement = measurement.records()[0].time, as_readings(measurement)
-    if times is not None and measurement.kind == "friction-map":
-        yield motion.readings(times)
     records = measurement.records()
+    if records[0].time is not None:
+        measurement = as_readings(measurement)
+        if measurement.kind == "friction-map":
+            yield motion.readings(records[0].time)
+        records = measurement.records()
     if measurement.kind == "scalars":
         yield from coverage.settings(records, conditions)
         yield from () if grave else coverage.order_of_settings(records)

@@ -147,7 +147,7 @@ def motion_of(record: Measurement) -> Motion | None:
         # The same for the derivative, whose spectrum grows with the frequency squared.
         noise = blur * 2 * np.pi * np.sqrt(2 * corner**3 / 3) / dt
         moving = Motion(time=time, velocity=found, noise=float(noise), unit=unit, cutoff=cutoff)
-        corner, enough = corner / 2, SURE * noise <= HYSTERESIS * moving.fastest
+        corner, enough = corner / 2, SURE * noise <= SLOW * moving.fastest
         if enough or corner * time.size < PADDED:
             return moving
         # A coarse encoder has a filter so low that it takes off no more than its noise.

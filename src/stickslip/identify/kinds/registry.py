@@ -104,8 +104,8 @@ def as_judged(measurement: Measurement, asked: str | None = None) -> Measurement
     >>> as_judged(rows).kind, as_judged(rows, "balance").kind
     ('friction-map', 'series')
     """
-    of_tables = asked is None or asked in FrictionTableKind.routes
-    return as_readings(measurement) if of_tables else measurement
+    timed = measurement.kind == "series" and (asked is None or asked in FrictionTableKind.routes)
+    return as_readings(measurement) if timed else measurement
 
 
 def refuse_unused(kind: AnyKind, given: Mapping[str, str], request: Request) -> None:
