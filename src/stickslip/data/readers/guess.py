@@ -1130,7 +1130,7 @@ def _geared(found: Mapping[str, Found], gain: Mapping[str, float | str]) -> dict
 def _turns(
     found: Mapping[str, Found],
     motor_constant: float | str | None = None,
-    names: Sequence[str] = (),
+    headers: Sequence[str] = (),
 ) -> bool:
     """Whether an axis turns: by units, or by names where there are none."""
     for quantity, column in found.items():
@@ -1149,7 +1149,7 @@ def _turns(
         joint_in(name)[1] or (numbered(name)[1] and "q" in parts_of(name)) for name in moving
     ):
         return True  # coordinates of the joints of a robot
-    if sum(bool(PHASE.search(name.casefold())) for name in names) > 1:
+    if sum(bool(PHASE.search(name.casefold())) for name in headers) > 1:
         return True  # a motor by its phases
     place = found.get("position")
     if place is not None and place.unit and is_of(place.unit, "count") and "force" not in found:
