@@ -150,8 +150,8 @@ def test_a_model_of_any_length_is_read_or_refused_at_once(kind, tmp_path):
 
 def test_the_time_of_a_scene_grows_with_its_prims(tmp_path):
     file = tmp_path / "model.usda"
-    prims = 'def PhysicsRevoluteJoint "j" { }\n' * 50_000
+    prims = 'def PhysicsRevoluteJoint "j" { }\n' * 12_500
     file.write_text(f"#usda 1.0\n{prims}")
     with limited("prims"):
         *_, last = read_model(file, "physx").stage.prims
-    assert last.line == 50_001
+    assert last.line == 12_501
