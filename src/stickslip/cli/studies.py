@@ -212,7 +212,7 @@ def _axes(vary: Sequence[str]) -> dict[str, Array]:
         if not listed and len(numbers) == 3 and numbers[2].is_integer():
             count = max(int(numbers[2]), 0)
             check_size(f"--vary {path}", count, "give fewer values")
-            values = np.linspace(*numbers[:2], count)
+            values = np.linspace(numbers[0], numbers[1], count)
         if not path or not values.size:
             raise InputError(
                 "--vary takes PATH=LOW:HIGH:N or PATH=[VALUE, ...] in SI units, such as"
