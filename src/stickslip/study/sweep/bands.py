@@ -31,7 +31,7 @@ from stickslip.quantities import full_path, parameters, vary
 from stickslip.show.display import OnAxes, Summary, Tabular
 from stickslip.show.formatting import number
 from stickslip.study.sweep import design
-from stickslip.study.sweep.parameter_grid import early_ends
+from stickslip.study.sweep.parameter_grid import NOT_IN_BAND, early_ends
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -319,7 +319,7 @@ def band_of(
 
 def left_out(status: NDArray[np.object_]) -> tuple[str, ...]:
     """Return why runs with draws ended early, which a band leaves out: a sentence a reason."""
-    return early_ends(status, "The band leaves them out.", noun="draws")
+    return early_ends(status, NOT_IN_BAND, noun="draws")
 
 
 def draws_of(

@@ -278,10 +278,9 @@ class VelocityBand(OnAxes, Tabular):
 
     def early_ends(self) -> tuple[str, ...]:
         """Return where laws have no velocity, and why: a sentence for each reason."""
-        noun, lacks = f"runs with {len(self.velocities)} laws", "The band leaves them out."
-        return early_ends(
-            self.status.T, lacks, {self.path: self.values}, {self.path: self.unit}, noun
-        )
+        axes, units = {self.path: self.values}, {self.path: self.unit}
+        noun = f"runs with {len(self.velocities)} laws"
+        return early_ends(self.status.T, grid.NOT_IN_BAND, axes, units, noun)
 
     @property
     def low(self) -> Array:

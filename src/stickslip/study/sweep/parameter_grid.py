@@ -230,6 +230,10 @@ def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
         order = order[~together]
 
 
+#: What a band does with runs that ended early.
+NOT_IN_BAND = "The band leaves them out."
+
+
 def early_ends(
     status: NDArray[np.object_],
     lacks: str,
