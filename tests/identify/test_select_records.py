@@ -432,6 +432,33 @@ def test_constants_of_a_motor_in_which_the_balance_is_bent_are_refused():
         select(SERVO, None, record, vary=["friction.*", "mechanism.drive.torque_constant"])
 
 
+@pytest.mark.parametrize(
+    ("gain", "mass", "viscous", "level"), [(10.0, 0.06, 0.25, 0.02), (100.0, 1.0, 4.0, 0.5)]
+)
+def test_a_controller_of_the_position_passes_for_no_spring_and_no_delay(gain, mass, viscous, level):
+    """The force is a line over the position: a spring of negative stiffness would explain it."""
+    resting, moving = 1000, 3000  # at 1 kHz
+    z, v, positions, forces = 0.0, 0.0, [0.0] * resting, [0.0] * resting
+    for _ in range(moving):
+        seen = 4.84e-5 * round(z / 4.84e-5)
+        positions.append(z)
+        forces.append(gain * (0.2 - seen))
+        for _ in range(10):
+            net, way = forces[-1] - viscous * v, np.sign(v or forces[-1])
+            after = v + 1e-4 * (net - level * way) / mass
+            held = abs(net) <= level and (v == 0.0 or v * after < 0.0)
+            v = 0.0 if held else after
+            z += 1e-4 * v
+    time = 1e-3 * np.arange(len(positions))
+    record = Measurement(time=time, position=np.array(positions), force=np.array(forces))
+    verdict = select(Axis(inertia=1.0), None, record, vary=["friction.*", "mechanism.inertia"])
+    assert verdict.best.name == "coulomb-viscous"
+    found = {one.path.rpartition(".")[2]: one for one in verdict.parameters}
+    assert found["inertia"].value == pytest.approx(mass, rel=0.005)
+    assert found["viscous_coefficient"].value == pytest.approx(viscous, rel=0.05)
+    assert found["kinetic_coefficient"].value == pytest.approx(level, rel=0.1)
+
+
 def test_a_cart_is_judged_by_what_its_pendulum_does_to_it():
     cart = PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=2.0, pivot_damping=0.02,

@@ -455,13 +455,14 @@ def noise_weights(
     fitted = regression.fit(structure).fitted
     if problem.independent:
         residual, _ = _student_fit(regression, structure, np.ones(len(fitted)))
-        residual = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
     else:
         # e / (1 - h) is held out, e is left, and e / sqrt(1 - h) has the variance of the noise
         left = problem.response - fitted
         residual = np.sqrt(np.abs(regression.held_out(structure) * left))
     scales = () if even else problem.scales(fitted)
-    deviation = np.exp(_growth(residual, scales, problem.parameters(structure)))
+    # how noise grows is no matter of a few rows
+    near = np.minimum(residual, THRESHOLDS.outlying * np.median(residual))
+    deviation = np.exp(_growth(near, scales, problem.parameters(structure)))
     if problem.independent:
         u, typical = _student_fit(regression, structure, deviation)
     else:

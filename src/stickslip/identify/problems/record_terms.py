@@ -298,8 +298,10 @@ def terms_of(  # noqa: C901  # a vocabulary is a list
              columns=law(lambda r, s: _fading(r.clock, s[0])),
              shapes=[(x,) for x in RUNNING_IN], steps=(1.5,),
              title="offset that changes with time", rank=15),
-        Term(name="spring", role="rig", columns=law(lambda r, _: r.stretch), title="spring",
-             rank=15),
+        # a controller that acts on the position is a spring of negative stiffness, and explains the
+        # force without a mass
+        Term(name="spring", role="rig", columns=law(lambda r, _: r.stretch), nonnegative=True,
+             title="spring", rank=15),
         Term(name="bow", role="rig", columns=law(lambda r, _: r.place**2), rank=16,
              title="force that bends with the place"),
         Term(name="curve", role="curve", columns=curve, shapes=(), cost=5,
