@@ -156,7 +156,7 @@ REVEALED = (
     "Status",
     "DataFrame",
     "ndarray[tuple[Any, ...], dtype[float64]] | float | None",
-    "Mapping[str, float]",
+    "Mapping[str, ndarray[tuple[Any, ...], dtype[float64]] | float]",
     "Measurement",
     "Measurement | None",
     "Fit[Coulomb]",

@@ -340,12 +340,12 @@ def _picked(record: Measurement, rows: slice) -> Measurement:
         for name in ("time", *SAMPLED)
         if isinstance(getattr(record, name), np.ndarray)
     }
-    inputs = {
-        name: array[rows] if isinstance(array, np.ndarray) else array
-        for name, array in record.inputs.items()
-    }
+    inputs, doubts = (
+        {name: x[rows] if isinstance(x, np.ndarray) else x for name, x in held.items()}
+        for held in (record.inputs, record.uncertainty)
+    )
     joints = {name: _picked(joint, rows) for name, joint in record.joints.items()}
-    return replace(record, **columns, inputs=inputs, joints=joints)
+    return replace(record, **columns, inputs=inputs, uncertainty=doubts, joints=joints)
 
 
 def between_gaps(record: Measurement) -> tuple[Measurement, ...]:

@@ -24,7 +24,6 @@ from stickslip.quantities import Converted, Given, Numbers, Quantity, has_unit, 
 from stickslip.show.described import Described
 from stickslip.show.display import InPanels, Summary, Tabular
 from stickslip.show.formatting import joined, number, span
-from stickslip.show.formatting import quantity as with_unit
 from stickslip.units import converted, number_in, pint_magnitude
 
 if TYPE_CHECKING:
@@ -197,7 +196,9 @@ Moving: TypeAlias = Converted[Given | Numbers | Mapping[str, Numbers] | None, Ar
 ByInput: TypeAlias = Converted[
     Mapping[str, Given | Numbers | Mapping[str, Given | Numbers]], Mapping[str, Array | float]
 ]
-ByQuantity: TypeAlias = Converted[Given | Mapping[str, Given], Mapping[str, float]]
+ByQuantity: TypeAlias = Converted[
+    Given | Numbers | Mapping[str, Given | Numbers], Mapping[str, Array | float]
+]
 # defaults, whose type a type checker need not compare with what is kept
 ABSENT: Any = None
 NONE_STATED: Any = field(default_factory=dict)
@@ -226,6 +227,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     }
 )
 """What can be measured, by name; the second unit is that of an axis that turns."""
+
+STATED = "friction_uncertainty"
+"""Column of a file with the standard uncertainty of each reading of friction."""
 
 ELECTRIC = ("current", "voltage")
 """What drives a motor, and no mechanism without one."""
@@ -330,9 +334,9 @@ class Measurement(Tabular, InPanels):
     travel_per_cycle : float or array (n,), optional
         Instead of a travel: way over as many whole cycles of the drives as end by ``t_end``, from
         time 0, over their number [m].
-    uncertainty : mapping of str to float, optional
-        By quantity, above 0. A plain float is accepted where there is exactly one quantity, and
-        kept as a mapping.
+    uncertainty : mapping of str to float or array (n,), optional
+        By quantity: a number above 0, or one from 0 for each of its values. Without a mapping, that
+        of the only quantity; it is kept as a mapping.
     uncertainty_kind : {"standard", "rounding", "interval"}
         What the uncertainty is: a standard error; half a last digit, so that the true value lies
         within it; or the half width of an interval.
@@ -382,6 +386,11 @@ class Measurement(Tabular, InPanels):
     >>> one = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> one.kind, one.quantities(), one.uncertainty
     ('scalars', ('travel',), {'travel': 0.005})
+    >>> table = Measurement(
+    ...     velocity=[0.1, 0.2], friction=[2.5, 2.6], uncertainty={"friction": [0.05, 0.1]}
+    ... )
+    >>> table.uncertainty["friction"]
+    array([0.05, 0.1 ])
     >>> both = Measurement(
     ...     trials=(
     ...         Measurement(travel=0.072, overrides={"mechanism.compression": 0.06}),
@@ -668,6 +677,10 @@ class Measurement(Tabular, InPanels):
                 first, _, joint = name.partition(".")
                 held = getattr(record.joints[joint] if joint else record, first)
                 columns[f"{name} [{record.unit(name)}]"] = held
+                doubt = record.uncertainty.get(name)
+                if isinstance(doubt, np.ndarray) or (doubt and name == "friction"):
+                    stated = "uncertainty" if name in TRAVELS else f"{name}_uncertainty"
+                    columns[f"{stated} [{record.unit(name)}]"] = doubt
             for joint, measured in {"": record, **record.joints}.items():
                 for name, held in measured.inputs.items():
                     unit = unit_of_input(name, turning=record.turning)
@@ -715,9 +728,10 @@ class Measurement(Tabular, InPanels):
         values = np.concatenate([np.atleast_1d(record.values(quantity_name)) for record in found])
         text = span(float(values.min()), float(values.max()), self.unit(quantity_name))
         doubts = {
-            with_unit(record.uncertainty[quantity_name], self.unit(quantity_name))
+            span(float(np.min(doubt)), float(np.max(doubt)), self.unit(quantity_name))
             for record in found
-            if quantity_name in record.uncertainty
+            for doubt in [record.uncertainty.get(quantity_name)]
+            if doubt is not None
         }
         kind = found[0].uncertainty_kind
         return f"{text}, uncertainty {' or '.join(sorted(doubts))} ({kind})" if doubts else text
@@ -762,6 +776,18 @@ class Measurement(Tabular, InPanels):
             if condition_name(full) == name and not isinstance(value, str):
                 return float(converted(value, condition_unit(full) or unit, unit))
         return None
+
+    def usual_uncertainty(self, quantity: str) -> float:
+        """Return the stated uncertainty of a quantity as one number; 0 if none is stated.
+
+        Of uncertainties by reading it is the root mean square.
+
+        Examples
+        --------
+        >>> Measurement(travel=[0.2, 0.3], uncertainty=[0.003, 0.004]).usual_uncertainty("travel")
+        0.0035...
+        """
+        return float(np.sqrt(np.mean(np.square(self.uncertainty.get(quantity, 0.0)))))
 
     def values(self, quantity: str) -> Array | float:
         """Return a quantity with its sensor offset subtracted.
@@ -1070,7 +1096,7 @@ def _present(where: str, name: str, known: tuple[str, ...]) -> None:
         raise UnknownNameError(f"quantity in {where}", name, known)
 
 
-def _uncertainty(record: Measurement) -> dict[str, float]:
+def _uncertainty(record: Measurement) -> dict[str, Array | float]:
     given: Any = record.uncertainty
     present = record.quantities()
     if not isinstance(given, Mapping):
@@ -1080,15 +1106,30 @@ def _uncertainty(record: Measurement) -> dict[str, float]:
                 f" ({', '.join(present)}), got {given!r}."
             )
         given = {present[0]: given}
-    checked = {}
+    checked: dict[str, Array | float] = {}
     for name, value in given.items():
         _present("uncertainty", name, present)
         known = quantity_called(name)
-        quantity = Quantity(f"u_{known.symbol}", known.unit, above=0)
-        checked[name] = quantity.check("Measurement.uncertainty", name, value)
-        if name in TRAVELS:
-            _check_size("Measurement.uncertainty", name, checked[name], quantity)
+        quantity = Quantity(f"u_{known.symbol}", known.unit, above=0, or_unit=known.or_unit)
+        checked[name] = doubt = _numbers(f"uncertainty.{name}", quantity, value, record.turning)
+        if isinstance(doubt, np.ndarray):
+            _check_doubts(record, name, doubt, quantity)
+        for one in np.atleast_1d(doubt) if name in TRAVELS else ():
+            _check_size("Measurement.uncertainty", name, float(one), quantity)
     return checked
+
+
+def _check_doubts(record: Measurement, name: str, doubt: Array, quantity: Quantity) -> None:
+    """Refuse uncertainties that are not one from 0 for each value of a quantity."""
+    first, _, joint = name.partition(".")
+    size = np.size(getattr(record.joints[joint] if joint else record, first))
+    bad = np.flatnonzero(doubt < 0.0)
+    if doubt.size != size or bad.size:
+        got = f"{doubt[bad[0]]:g} at index {bad[0]}" if bad.size else f"{doubt.size} numbers"
+        raise ParameterError(
+            f"Measurement.uncertainty.{name} ({quantity.symbol}) [{record.unit(name)}] must be a"
+            f" number above 0, or {size} from 0, one for each, got {got}: correct or leave it out."
+        )
 
 
 def _check_size(owner: str, name: str, value: float, quantity: Quantity) -> None:
@@ -1137,7 +1178,7 @@ def _check_trials(whole: Measurement) -> None:
     # Beside trials these would silently have no effect.
     arrays = [name for name in ("time", *QUANTITIES) if getattr(whole, name) is not None]
     settings = ("uncertainty", "overrides", "conditions", "inputs", "initial", "offset", "joints")
-    own = arrays + [name for name in settings if getattr(whole, name)]
+    own = arrays + [name for name in settings if np.ndim(x := getattr(whole, name)) or x]
     if own:
         raise InputError(
             f"Measurement.{own[0]} is given beside trials: give it for each trial instead."

@@ -86,7 +86,7 @@ class PaperValues:
         return cls(
             rig=mechanism,
             measured=float(first.travel or 0.0),
-            uncertainty=float(first.uncertainty.get("travel", 0.0)),
+            uncertainty=first.usual_uncertainty("travel"),
             rounded=first.uncertainty_kind == "rounding",
             mu_k=lugre.kinetic_coefficient,
             mu_s=lugre.static_coefficient,

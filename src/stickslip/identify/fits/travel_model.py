@@ -165,7 +165,7 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
                 ),
                 initial=record.initial,
                 travel=scale * float(value),
-                half_width=scale * record.uncertainty.get(name, 0.0),
+                half_width=scale * record.usual_uncertainty(name),
                 quantity=name,
                 scale=scale,
                 cycles=cycles,

@@ -233,7 +233,7 @@ def _travels(axes: Axes, measurement: data.Measurement) -> None:
         axes.errorbar(
             np.full(found.size, place),
             factor * found,
-            yerr=doubt or None,
+            yerr=doubt if np.any(doubt) else None,
             fmt="o",
             color=theme.DATA,
             markersize=5.0,

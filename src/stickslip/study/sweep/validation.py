@@ -575,12 +575,12 @@ def _record(
 
     read = values - predicted
     zero = float(origin(read)[0])
-    stated = record.uncertainty.get(compared)
+    stated = record.usual_uncertainty(compared)
     # Half widths of rounding, or of a 95 % interval, are no standard deviations yet.
     kinds = {"rounding": math.sqrt(3.0), "interval": Z95}
     noise = (
         noise_of(read, step_of(values))
-        if stated is None
+        if not stated
         else stated / kinds.get(record.uncertainty_kind, 1.0)
     )
     shift, shifted = _shifted(run, column, t, values, origin, cycle_or_none(mechanism))
@@ -608,7 +608,7 @@ def _record(
         step = step_of(values)
         noises = (  # that of each as it would have been estimated
             np.full(len(others), noise)
-            if stated is not None
+            if stated
             else np.array([noise_of(row, step) for row in with_noise])
         )
         # where all draws agree, as at the start, nothing but this keeps rounding from counting
@@ -625,7 +625,7 @@ def _record(
         predicted=predicted,
         origin=zero,
         noise=noise,
-        noise_stated=stated is not None,
+        noise_stated=stated > 0.0,
         band=band,
         wide=wide,
         as_large=as_large,
