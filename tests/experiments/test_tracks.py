@@ -260,7 +260,7 @@ def test_a_rig_file_names_two_columns(write):
 def test_the_schema_of_rig_files_allows_two_columns_and_columns_by_joint():
     columns = rig_schema()["$defs"]["DataTable"]["properties"]["columns"]
     kinds = columns["additionalProperties"]["anyOf"]
-    assert [kind["type"] for kind in kinds] == ["string", "array", "object"]
+    assert [kind["type"] for kind in kinds] == ["string", "array", "object", "number"]
     assert kinds[1]["minItems"] == kinds[1]["maxItems"] == 2
 
 

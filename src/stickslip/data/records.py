@@ -18,6 +18,7 @@ from stickslip.data.measurement import (
     BY_JOINT,
     ELECTRIC,
     SAMPLED,
+    STATED,
     TRAVELS,
     Array,
     Measurement,
@@ -29,9 +30,11 @@ from stickslip.data.measurement import (
     unit_of_input,
 )
 from stickslip.data.readers.columns import (
+    INTERVAL,
     Column,
     Reading,
     check_columns,
+    is_half_width,
     is_voltage,
     motor_constants,
     spelled,
@@ -258,6 +261,23 @@ class Scaling:
             f" {cure}."
         )
 
+    def stated(self, raw: Array, found: Mapping[str, Array], turning: bool) -> Array:
+        """Return the uncertainties (n,) of readings of friction in SI, found with other columns.
+
+        Without a unit of their own they are in that of the readings. In that, or in one of its
+        kind, the gain of the readings makes SI of them as well; % of another one are shares.
+        """
+        own, unit = (self.frame.units.get(name) for name in (STATED, "friction"))
+        target = "N m" if turning else "N"
+        if own == "%" != unit:
+            return np.asarray(raw / 100.0 * np.abs(found["friction"]))
+        if own is not None and not is_half_width(own):
+            if unit is None or not is_of(own, unit):
+                return self.frame.scaled(STATED, raw, target)
+            raw = raw * factor(own, unit)
+        load = found["load"] - self.load_offset if "load" in found else self.load
+        return np.copysign(self._one("friction", raw, target, load), raw)
+
     def _targets(self, names: Iterable[str]) -> tuple[dict[str, str], bool]:
         """Return the SI units of columns: those of an axis that turns, or of a straight one.
 
@@ -354,7 +374,9 @@ def load_measurement(
         negative gain turns it. Its time may also be called ``t``, and of a column
         ``track/x`` the last part is enough where there is one track. Where no column has times,
         ``"time"`` is the rate of the rows, as ``"50 Hz"``, or the time between them, as
-        ``"0.5 ms"``.
+        ``"0.5 ms"``. ``"friction_uncertainty"`` is the column with the standard uncertainty of each
+        reading of friction, in its unit if it has none of its own, or a constant, as ``"0.1 N"``;
+        half-widths are divided by 1.96 where the header says 95 %.
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
     gain : mapping of str to float or str, optional
@@ -432,6 +454,10 @@ def load_measurement(
     }
     if uncertainty is not None:
         common["uncertainty"] = uncertainty
+        given = uncertainty.values() if isinstance(uncertainty, Mapping) else [uncertainty]
+        if any(map(np.ndim, given)):  # rows may be sorted or dropped
+            cure = f'one for each row stands in a column, as columns={{"{STATED}": "..."}}'
+            raise InputError(f"uncertainty must be numbers, the same for all rows: {cure}.")
     return _Files(reading=reading, common=common, mechanism=mechanism).measurement(path, name)
 
 
@@ -552,7 +578,7 @@ class _Files:
         joints = [*self._joint_columns(frame)]
         electric = () if motor_of(self.mechanism) else ELECTRIC
         sampled = (name for name in SAMPLED if name not in electric)
-        wanted = ("time", *sampled, *joints, SECOND)
+        wanted = ("time", *sampled, STATED, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
             if key not in (*wanted, TRIAL, *reading.motor_constant) and not is_beside(key):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
@@ -562,8 +588,8 @@ class _Files:
             quantity: frame.raw(quantity, holes=holes, repairable=True)
             for quantity in self._with_cells(frame, wanted)
         }
-        gains = gains_of(stated, raw)
-        if not set(raw) - {"time"}:
+        gains = gains_of(stated, {*raw} - {STATED})
+        if not set(raw) - {"time", STATED}:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
         beside = self._beside(frame)
@@ -590,6 +616,7 @@ class _Files:
             or reading.rotary,
             motors=reading.motor_constant,
         )
+        doubt = raw.pop(STATED, None)
         values, turning = scaling.scaled({k: x for k, x in raw.items() if not is_beside(k)})
         if line is not None and turning:
             raise InputError(
@@ -599,6 +626,11 @@ class _Files:
         if line is not None and line.length:
             line = line.scaled(float(np.ptp(values["position"])) / line.length)
         parts: dict[str, Any] = {**_nested(values), **self.common}
+        if doubt is not None and ("friction" in values or STATED in reading.columns):
+            half = is_half_width(frame.names[STATED])
+            doubt = scaling.stated(doubt, values, turning) / (INTERVAL if half else 1.0)
+            done += (f"half-widths of 95 % over {INTERVAL:g} as uncertainties",) * half
+            parts["uncertainty"] = {**parts.get("uncertainty", {}), "friction": doubt}
         return Measurement(
             **parts,
             inputs=self._inputs(frame, raw, turning),

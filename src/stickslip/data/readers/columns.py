@@ -20,27 +20,28 @@ from stickslip.units import CELSIUS, is_of, shown
 # Words in the names of columns that say what a column is not: a motion, or a force.
 
 WANTED: Final = (
-    "soll",
-    "set",
-    "setpoint",
-    "cmd",
-    "command",
-    "desired",
-    "demand",
-    "target",
-    "goal",
-    "ref",
-    "reference",
-    "vorgabe",
+    *("soll", "set", "setpoint", "cmd", "command", "desired", "demand", "target", "goal"),
+    *("ref", "reference", "vorgabe"),
 )
 """What names of wanted values contain: only a wanted position is read."""
+DOUBTING: Final = ("error", "fehler", "abweichung", "deviation", "uncertainty", "unsicherheit")
+"""How words end of columns that may state the standard uncertainty of each reading."""
+DOUBTS: Final = (
+    *("sd", "std", "stdev", "stddev", "stderr", "err", "se", "sem", "unc", "stabw", "dev", "sigma"),
+    *("σ", "plusminus"),
+)
+"""Such words as they stand; the last is that of the sign."""
+CONFIDENCE: Final = ("ci", "ki", "conf", "confidence", "konfidenz", "konfidenzintervall")
+"""Words of half-widths, which a level tells how to read."""
+OF_DOUBTS: Final = ("standard", "mean", "of", "the", "mess", "measurement", "half", "interval", "u")
+"""Words beside them that say no more."""
 OTHER: Final = (
-    *("error", "fehler", "abweichung", "deviation", "difference", "differenz", "schlepp"),
+    *(*DOUBTING, "difference", "differenz", "schlepp"),
     *("temperatur", "status", "enable", "freigabe"),
 )
 """What words of columns begin or end with that none of the quantities has."""
 OTHER_WORDS: Final = (
-    *("diff", "following", "lag", "er", "err", "temp", "temperature", "dev", "std", "pwm"),
+    *("diff", "following", "lag", "er", "temp", "temperature", "pwm", *DOUBTS, *CONFIDENCE),
 )
 """Such words as they stand."""
 LAST: Final = ("index", "power", "leistung", "diff", "err")
@@ -55,6 +56,12 @@ MOTION: Final = ("position", "velocity", "reference")
 """Quantities of a motion."""
 ROLLING: Final = ("rolling", "entrainment", "rollgeschwindigkeit")
 """Words of speeds at which surfaces pass together, without sliding."""
+_PLUS_MINUS: Final = re.compile(r"(?:±|\+/?[-−])(?!\s*\d)")  # before digits it is a range
+_HALF_WIDTH: Final = re.compile(
+    r"(?i)(?<![\d.,])95\s*%|(?:^|[\W_])(?:ci|ki|conf|u)[ _]?95(?!\d)|(?<!\d)95[ _]?ci(?![^\W_])"
+)
+INTERVAL: Final = 1.96
+"""Half-width of an interval of 95 % over the standard uncertainty, of a normal distribution."""
 _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss"})
 
 
@@ -78,6 +85,7 @@ def is_voltage(name: str) -> bool:
 
 def parts_of(name: str) -> list[str]:
     """Return the words in a name, umlauts written out."""
+    name = _PLUS_MINUS.sub(" plusminus ", name)
     spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name).casefold().translate(_WRITTEN_OUT)
     return [part for part in re.split(r"[\W\d_]+", spaced) if part]
 
@@ -109,12 +117,40 @@ def is_barred(parts: Sequence[str], quantity: str) -> bool:
     return bool(parts) and parts[-1].endswith(LAST)
 
 
+def is_half_width(header: str) -> bool:
+    """Whether a column of uncertainties says that they are half-widths of intervals of 95 %.
+
+    Examples
+    --------
+    >>> [is_half_width(name) for name in ("F ci95 (N)", "CI 95 %", "error (95 %)", "sd (N)")]
+    [True, True, True, False]
+    """
+    return _HALF_WIDTH.search(header) is not None
+
+
+def doubted(name: str) -> list[str] | None:
+    """Return what a name says beside that it is an uncertainty; None if it is that of none.
+
+    Examples
+    --------
+    >>> [doubted(name) for name in ("sd", "F ±", "Messfehler Kraft", "tracking error", "force")]
+    [[], ['f'], ['kraft'], ['tracking'], None]
+    """
+    parts = parts_of(name)
+    cut = [re.sub(f"(?:{'|'.join(DOUBTING)})$", "", part) for part in parts]
+    said = cut != parts or {*parts} & {*DOUBTS}
+    if not is_half_width(name) and ({*parts} & {*CONFIDENCE} or not said):
+        return None
+    return [part for part in cut if part and part not in (*DOUBTS, *CONFIDENCE, *OF_DOUBTS)]
+
+
 # Units that stand in the names of columns, and the kinds of units that a quantity has.
 
 UNITS: Final[Mapping[str, tuple[str, ...]]] = {
     "time": ("s",),
     "current": ("A",),
     "friction": ("N", "N m", "1"),
+    measurement.STATED: ("N", "N m", "1"),
     **{
         name: tuple(
             filter(None, (measurement.QUANTITIES[name].unit, measurement.QUANTITIES[name].or_unit))
@@ -291,6 +327,8 @@ def column_of(quantity: str, given: Any) -> Column:
     """
     if isinstance(given, str):
         return given
+    if quantity == measurement.STATED and isinstance(given, float | int):
+        return str(given)
     names = [name for name in given if isinstance(name, str)] if isinstance(given, PAIR) else []
     if quantity == "position" and len(set(names)) == 2 == len(given):
         return (names[0], names[1])
@@ -372,7 +410,7 @@ def check_columns(
     """
     electric = () if motor_of(mechanism) else measurement.ELECTRIC
     quantities = (name for name in measurement.QUANTITIES if name not in electric)
-    known = ("time", *quantities, *measurement.BESIDE, *OF_TRIALS, "trial")
+    known = ("time", *quantities, *measurement.BESIDE, *OF_TRIALS, "trial", measurement.STATED)
     for name in names:
         first, _, rest = str(name).partition(".")
         if name in (*known, *currents) or (

@@ -11,15 +11,16 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip import errors
+from stickslip.data.measurement import STATED
 from stickslip.data.readers import binary, csv_reader, robots
 from stickslip.data.readers.bags import BAGS, MCAP, METADATA, PARTS, read_bag, read_mcap
-from stickslip.data.readers.columns import Column, stated_unit, without_unit
+from stickslip.data.readers.columns import Column, is_half_width, stated_unit, without_unit
 from stickslip.data.readers.layout import Layout, regular_times, seconds_of, unit_in
 from stickslip.data.readers.table import TRIAL, Table
 from stickslip.data.readers.toml import check_file, check_path
 from stickslip.data.readers.tracks import SEPARATOR, seconds
 from stickslip.show.formatting import number
-from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
+from stickslip.units import CELSIUS, converted, factor, is_pixel, shown, split_number
 
 # The file formats that are read, each by one function: a new one is a file and an entry here.
 
@@ -373,6 +374,11 @@ def frame_of(
     times = regular_times(single.get("time"), len(data))
     if times is not None and single["time"] not in data.columns:
         data = data.assign(**{single["time"]: times})
+    stated = single.get(STATED, "")
+    constant = split_number(stated)
+    if constant is not None and not is_half_width(stated) and stated not in data.columns:
+        header = f"{stated} [{constant['unit'] or ''}]"
+        data = data.assign(**{header: float(constant["number"])})
     found = _named(file, data, first_row, single, units)
     return replace(found, remarks=tuple(remarks), lost=tuple(lost), rates=rates or {})
 
@@ -431,7 +437,11 @@ def _named(
 
 
 def _recognise(names: dict[str, str], units: dict[str, str | None], *, of_run: bool) -> None:
-    """Call the states of a run, and a time beside positions, by their quantities."""
+    """Call the states of a run, and what stands beside others, by their quantities."""
+    beside = f"{without_unit(names.get('friction', ''))}_uncertainty"
+    if beside in names:  # of cells such as 3.51 ± 0.1
+        names.setdefault(STATED, names.pop(beside))
+        units.setdefault(STATED, units.pop(beside))
     states = next((state for state in STATES if of_run and state.keys() <= names.keys()), {})
     for word, quantity in states.items():
         names[quantity], units[quantity] = names.pop(word), units.pop(word)

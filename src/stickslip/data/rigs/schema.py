@@ -51,8 +51,9 @@ def _table_of(kind: Mapping[str, Any]) -> dict[str, Any]:
 Gain = Annotated[Any, PlainValidator(read_gain), WithJsonSchema({"anyOf": NUMBER})]
 """A scale factor, perhaps with the unit that makes SI of that of a column."""
 PAIR = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
-Columns = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, PAIR, _table_of(TEXT)]})]
-"""A column, or the two with a position in a plane; `Reading`, which knows the quantity, checks."""
+Columns = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, PAIR, _table_of(TEXT), NUMBER[0]]})]
+"""A column, or the two with a position in a plane; a number in place of uncertainties; `Reading`,
+which knows the quantity, checks."""
 MotorConstant = Annotated[Any, WithJsonSchema({"anyOf": [*NUMBER, _table_of({"anyOf": NUMBER})]})]
 """A motor constant, or one for each joint; `Reading` checks them."""
 NameOrNames = Annotated[Any, WithJsonSchema({"anyOf": [TEXT, _table_of(TEXT)]})]
@@ -109,7 +110,8 @@ class ReadTable(rig_models.Table):
     columns: ByJoint[Columns] = Field(
         default={},
         description="quantity: name of its column, of a joint as `force.elbow`; `position`: two"
-        ' names for motion in a plane; `time`: a rate such as "50 Hz" if no column has times',
+        ' names for motion in a plane; `time`: a rate such as "50 Hz" if no column has times;'
+        ' `friction_uncertainty`: that of each reading of friction, or a number such as "0.1 N"',
     )
     units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
     gain: ByJoint[Gain] = Field(
