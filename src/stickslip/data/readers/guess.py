@@ -17,6 +17,7 @@ from stickslip.data.differentiation import are_steady_readings
 from stickslip.data.readers import layout as text_layout
 from stickslip.data.readers import robots
 from stickslip.data.readers.columns import (
+    INTERVAL,
     LONGEST_HEADER,
     ROLLING,
     STYLES,
@@ -27,7 +28,9 @@ from stickslip.data.readers.columns import (
     WANTED,
     Column,
     Reading,
+    doubted,
     is_barred,
+    is_half_width,
     is_unit_of,
     is_voltage,
     is_wanted,
@@ -60,18 +63,8 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "position": (
         *("position", "pos", "weg", "lage", "winkel", "angle", "ang", "displacement"),
-        "verschiebung",
-        *(
-            "lvdt",
-            "wegaufnehmer",
-            "auslenkung",
-            "stroke",
-            "hub",
-            "drehwinkel",
-            "lageistwert",
-            "travel",
-            "encoder",
-        ),
+        *("verschiebung", "lvdt", "wegaufnehmer", "auslenkung", "stroke", "hub", "drehwinkel"),
+        *("lageistwert", "travel", "encoder"),
         *("x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
     ),
     "velocity": (
@@ -341,10 +334,12 @@ def guess_data(
     named = [
         n for name in (columns or {}).values() for n in ([name] if isinstance(name, str) else name)
     ]
-    frame = read_frame(path, columns={}, units={}, layout=layout, also=named)
+    stated = {q: name for q, name in (columns or {}).items() if q == measurement.STATED}
+    frame = read_frame(path, columns=stated, units={}, layout=layout, also=named)
     frame = _timed(frame, columns or {})
     given = {quantity: frame.column(column) for quantity, column in (columns or {}).items()}
     found = assigned(frame, given, units or {}, by_current=motor_constant is not None)
+    doubt = found.pop(measurement.STATED, None)
     frame = _without_rate(frame, found)
     _check_enough(frame, found)
     servo, found = _of_servo(frame, found, units or {})
@@ -378,6 +373,7 @@ def guess_data(
     if "temperature" not in found:
         found |= changing_temperature(parts, conditions)
     found |= contact_inputs(frame, found)
+    found = _with_doubt(frame, found, doubt, table=times is None)
     alone = [column.name for column in found.values()] if len(parts) == 1 else []
     conditions = tuple(
         name
@@ -401,6 +397,7 @@ def guess_data(
     registers = [q for q, column in found.items() if servo is not None and column.why == servo.why]
     if servo is not None:
         gains |= {q: size for q, size in servo.gains.items() if q in registers}
+    sure = {*(units or {}), *(gain or {}), *registers, measurement.STATED}
     pressed = "load" in found and "load" not in (gain or {})
     pressed = pressed and bool(np.all(_numbers(frame, found["load"]) < 0.0))
     if pressed:
@@ -443,9 +440,7 @@ def guess_data(
             *([UPSIDE_DOWN] if backwards else []),
             *(servo.doubts(found, gain or {}) if servo is not None else ()),
             *([PRESSED.format(found["load"].name)] if pressed else []),
-            *_doubts(
-                frame, found, turning, {*(units or {}), *(gain or {}), *registers}, motor_constant
-            ),
+            *_doubts(frame, found, turning, sure, motor_constant),
             *_offered(conditions, found),
         ),
     )
@@ -1453,6 +1448,52 @@ def _conditions(frame: Frame, found: Mapping[str, Found], trial: str) -> tuple[s
         and _is_named(name, CONDITIONS)
         and bool(frame.data[frame.names[name]].notna().any())
     )
+
+
+def _with_doubt(
+    frame: Frame, found: dict[str, Found], doubt: Found | None, *, table: bool
+) -> dict[str, Found]:
+    """Return columns with that of stated uncertainties, given or known by its name in a table."""
+    table = table and {"velocity", "friction"} <= found.keys()
+    offers = [doubt] if doubt else [*_doubt_offers(frame, found["friction"])] if table else []
+    if not offers:
+        return found
+    first = max(offers, key=lambda offer: offer.score)
+    others = tuple(offer.name for offer in offers if offer is not first)
+    unit = None if _is_raw(first.unit) else first.unit  # then as the friction is
+    kept = {q: column for q, column in found.items() if column.name != first.name}
+    return {**kept, measurement.STATED: replace(first, unit=unit, others=others)}
+
+
+def _doubt_offers(frame: Frame, friction: Found) -> Iterator[Found]:
+    """Yield columns with a word of errors in their name, and beside it the friction or nothing.
+
+    Signed errors and codes of errors are none.
+    """
+    names = [*filter(None, frame.names)]
+    own = parts_of(_bare_and_unit(friction.name, frame.units.get(friction.name), "friction")[0])
+    forces = [[word] for q in ("friction", "force") for word in NAMES[q] if len(word) > 1]
+    for name in names:
+        half, stated = is_half_width(frame.names[name]), frame.units.get(name)
+        bare, unit = _bare_and_unit(name, stated, measurement.STATED)
+        if half and not is_half_width(bare):  # 95 % is no unit
+            bare, unit = f"{bare} 95 %", None
+        elif not bare or parts_of(unit or "") == own:  # ci is no curie, u(F) is not in farads
+            bare, unit = name, None
+        first, *rest = parts_of(bare) or [""]
+        of_force = rest == own or ("(" in bare and rest in [["f"], *forces])
+        left = own if first == "u" and of_force else doubted(bare)
+        # Without a unit, what stands before the friction may be of the velocity.
+        behind = unit is not None or names.index(name) > names.index(friction.name)
+        fits = unit in (None, friction.unit) or is_unit_of(unit or "", measurement.STATED)
+        if fits and left is not None and (left in (own, *forces) or (behind and not left)):
+            what = f"half-widths of 95 %, divided by {INTERVAL:g}"
+            why = f"by its name: {what if half else 'the standard uncertainty of each reading'}"
+            score = WHOLE if left else PART
+            one = Found(score=score, name=name, unit=unit, stated=unit == stated, why=why)
+            values = _numbers(frame, one)
+            if np.any(values > 0.0) and not np.any(values < 0.0):
+                yield one
 
 
 def _is_named(name: str, words: Collection[str]) -> bool:
