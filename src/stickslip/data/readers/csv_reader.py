@@ -23,14 +23,17 @@ import pandas as pd
 
 from stickslip.data.readers import instruments, tracks
 from stickslip.data.readers import table as tables
+from stickslip.data.readers.columns import without_unit
 from stickslip.data.readers.layout import (
     ALIKE,
     BRACKETS,
+    DOUBTED,
     Layout,
     bare_cells,
     bytes_of,
     cells_of,
     decoded,
+    doubted_parts,
     is_number,
     is_stamp,
     layout_of,
@@ -265,7 +268,7 @@ def _parsed(
         ) from None
     more = int(table[own[len(names) :]].notna().any(axis=1).sum())
     table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
-    table = table.dropna(how="all")
+    table = _without_doubts(table.dropna(how="all"), layout)
     lost = tables.further_cells(more, len(names))
     if cut := _cut_number(data, layout):
         table = table.iloc[:-1]
@@ -274,6 +277,25 @@ def _parsed(
             " it: the last row is left out."
         )
     return tables.Table(data=table, first_row=above + 1, lost=tuple(lost))
+
+
+def _without_doubts(table: pd.DataFrame, layout: Layout) -> pd.DataFrame:
+    """Return a table with columns of their own for uncertainties in cells such as 3.51 ± 0.1."""
+    for name in [*table.columns]:
+        top = table[name].dropna().iloc[:ALIKE]
+        stated = f"{without_unit(name)}_uncertainty"
+        if stated in table or not any(doubted_parts(cell) for cell in top if isinstance(cell, str)):
+            continue
+        plain = str.maketrans(layout.decimal, ".", layout.thousands)
+        texts = table[name].astype("string").str.translate(plain)
+        cells = texts.str.extract(f"^(?:{DOUBTED.pattern})$", flags=DOUBTED.flags)
+        if (cells["value"].isna() & texts.notna()).any():  # which is refused as any other text
+            continue
+        value, doubt, digits = (pd.to_numeric(cells[part]).astype(float) for part in cells)
+        # 3.51(10) counts in the last digit
+        last = texts.str.extract(r"\.(\d+)\(")[0].str.len().fillna(0).astype(float)
+        table = table.assign(**{name: value, stated: doubt.fillna(digits * 10.0**-last)})
+    return table
 
 
 def _cut_number(data: bytes, layout: Layout) -> str:

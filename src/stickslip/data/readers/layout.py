@@ -376,6 +376,12 @@ _NUMBER: Final = re.compile(
         |[.,]\d+)(?:[eE][+-]?\d+)?""",
     re.VERBOSE,
 )
+DOUBTED: Final = re.compile(
+    rf"""\s*(?P<value>{_NUMBER.pattern})
+        (?:\s*(?:±|\+/?[-−])\s*(?P<doubt>{_NUMBER.pattern})|\((?P<digits>\d+)\))?\s*""",
+    re.VERBOSE,
+)
+"""A number, perhaps with its uncertainty: 3.51 ± 0.1, 3,51 +- 0,1, or 3.51(10) in last digits."""
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _THOUSANDS: Final = (
     (",", re.compile(rf"(?<![.{_BLANKS}]\d\d)\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*+,\d")),
@@ -502,6 +508,19 @@ def is_number(cell: str) -> bool:
     [True, True, True, True, False, False]
     """
     return _NUMBER.fullmatch(cell) is not None
+
+
+def doubted_parts(cell: str) -> list[str]:
+    """Return a number and its uncertainty as they stand in a cell; nothing if it has none.
+
+    Examples
+    --------
+    >>> [doubted_parts(cell) for cell in ("3,51 ± 0,1", "3.51+/-0.1", "3.51(10)", "3.51")]
+    [['3,51', '0,1'], ['3.51', '0.1'], ['3.51', '10'], []]
+    """
+    found = DOUBTED.fullmatch(cell)
+    doubt = found and (found["doubt"] or found["digits"])
+    return [found["value"], doubt] if found and doubt else []
 
 
 def layout_of(text: str, encoding: str) -> Text | None:
@@ -639,7 +658,7 @@ def _counted(line: str, separator: str) -> tuple[int, int, int]:
         return 0, 0, 0
     cells = cells_of(line, separator)
     width = max((place for place, cell in enumerate(cells, 1) if cell), default=0)
-    numbers = sum(is_number(cell) or is_stamp(cell) for cell in cells)
+    numbers = sum(is_number(cell) or is_stamp(cell) or bool(doubted_parts(cell)) for cell in cells)
     words = sum(cell.casefold() not in MISSING for cell in cells) - numbers
     return (len(cells), width, words) if numbers > words else (0, 0, 0)
 
@@ -694,7 +713,8 @@ def _marks(
 
     Marks between thousands are sought in the whole text: a number may pass a thousand late.
     """
-    numbers = [cell for row in rows for cell in row if is_number(cell)]
+    cells = [part for row in rows for cell in row for part in doubted_parts(cell) or [cell]]
+    numbers = [cell for cell in cells if is_number(cell)]
     decimal: Literal[".", ","] = "."
     if separator == " " and any("." in cell for cell in numbers):
         return ".", ""
