@@ -331,6 +331,35 @@ def settings(
         yield from _negative(name, records)
 
 
+def stated(record: measurement.Measurement) -> Iterator[Finding]:
+    """Say which uncertainties of friction are stated in a table, and what is doubtful of them.
+
+    Examples
+    --------
+    >>> rows = {"velocity": [0.1, 0.2, 0.4], "friction": [2.0, 3.0, 4.0]}
+    >>> table = measurement.Measurement(**rows, uncertainty={"friction": [0.1, 0.2, 0.0]})
+    >>> for finding in stated(table):
+    ...     print(finding)
+    The uncertainty of friction is stated: 0.1 N in the median, from 0 N to 0.2 N; it is 0 ...
+    """
+    if "friction" not in record.uncertainty:
+        return
+    size, unit = np.abs(np.atleast_1d(record.values("friction"))), record.unit("friction")
+    doubt = np.broadcast_to(record.uncertainty["friction"], size.shape)
+    low, middle, high = (float(f(doubt)) for f in (np.min, np.median, np.max))
+    least, usual, most = quantities([low, middle, high], unit)
+    text = f"{usual} in the median, from {least} to {most}" if low < high else usual
+    rows = {"0": int(np.sum(doubt == 0.0)), "above the reading": int(np.sum(doubt > size))}
+    wrong = [f"{what} in {n} of {size.size} rows" for what, n in rows.items() if n]
+    cure = f"; it is {' and '.join(wrong)}: correct or leave out the column" if wrong else ""
+    yield Finding(
+        kind="uncertainty",
+        severity="warning" if wrong else "info",
+        sentence=f"The uncertainty of friction is stated: {text}{cure}.",
+        numbers={"low": low, "median": middle, "high": high},
+    )
+
+
 def alike(records: Sequence[measurement.Measurement]) -> Iterator[Finding]:
     """Say which trials in time lack what acts on the others."""
     if any(record.time is None for record in records):

@@ -356,6 +356,7 @@ def _record(
         yield from coverage.coverage(record)
         yield from coverage.resting(record)
         if not grave:
+            yield from coverage.stated(record)
             yield from coverage.speeds(record)
             yield from signal_quality.plausible(record, None)
     if not grave:
@@ -536,7 +537,9 @@ def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> Non
             ("initial", "the initial states of its segments are estimated"),
             ("uncertainty", "intervals come from the residuals of the fit"),
         ):
-            given = ", ".join(state for state in getattr(record, name) if state not in inside)
+            # Rows of a table may be weighted by what is stated of each.
+            known = {*inside, *["friction"] * (record.kind == "friction-map")}
+            given = ", ".join(state for state in getattr(record, name) if state not in known)
             if given:
                 raise InputError(
                     f"Measurement.{name} ({given}) of {label} has no effect on fits to records:"
