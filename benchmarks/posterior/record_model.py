@@ -145,6 +145,11 @@ ALWAYS: tuple[Family, ...] = ((), ("level", "stribeck", "viscous"))
 TINY = 1e-300
 ROUNDING = 1e-8
 """Share of the covariance of the curve that keeps its root positive."""
+EXACT = 1e-6
+"""Noise of rows at least, over the root mean square of the response: numbers and filters round."""
+RIDGE = 1e-12
+"""Share of its own square that each column has as noise of its own: as much as rounding may make
+of columns that are nearly alike, so that factors exist where nothing else is noise."""
 SOFT = 1e-7
 """Share of the products of columns that keeps a first fit solvable."""
 LEAST = 1e-6
@@ -349,6 +354,7 @@ class RecordModel(Model):
                 if len(at):
                     gram[:, at] = gram[:, at] @ root
                     gram[at] = root.T @ gram[at]
+            gram[np.diag_indices(len(gram) - 1)] *= 1.0 + RIDGE
             self._grams[key] = gram
         return self._grams[key]
 
@@ -582,7 +588,8 @@ class RecordModel(Model):
                 tail = math.sqrt(float(np.mean(np.minimum(e, 6.0 * middle) ** 2)))
                 sizes[k] = 0.5 * (1.48 * middle + tail)
         sizes[sizes == 0.0] = sizes.max(initial=1e-300)
-        sizes = np.maximum(sizes, 0.1 * float(np.median(sizes)) + LEAST**2 * self.size)
+        sizes = np.maximum(sizes, 0.1 * float(np.median(sizes)))
+        sizes = np.maximum(sizes, self._rounding(which))
         pieces = np.ones(len(self.balance.pieces))
         if len(pieces) > 1:
             z = np.minimum((left / sizes[of]) ** 2, 9.0)
@@ -592,6 +599,11 @@ class RecordModel(Model):
             )  # fmt: skip
             pieces = np.clip(pieces / math.sqrt(float(np.mean(pieces**2))), 0.4, 2.5)
         return replace(noise, deviations=sizes, pieces=pieces)
+
+    def _rounding(self, which: int) -> float:
+        """Return the least noise of the rows of a cutoff [N]."""
+        y = self.balance.rows(which).response
+        return EXACT * max(float(np.sqrt(np.mean(y * y))), self.size) + TINY
 
     def _weigh(
         self, which: int, left: Array, noise: Noise, law: Structure = (),
@@ -610,7 +622,8 @@ class RecordModel(Model):
         unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
         memory = node[-2] if node is not None else self.first
         self.kappa = self._share(which, memory, law, scaled, weights)
-        self.weights[which] = weights * math.sqrt(self.kappa) / unit
+        weights = np.minimum(weights / unit, 1.0 / self._rounding(which))
+        self.weights[which] = weights * math.sqrt(self.kappa)
         self.noises[which] = noise
         for stored in (self._plain, self._grams):
             for key in [key for key in stored if key[0] == which]:

@@ -1,0 +1,73 @@
+"""Records of one coordinate that are exact, broken, or of which something is given wrong."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks.posterior.judgement import Judgement
+from benchmarks.posterior.record_problem import RecordProblem
+
+from stickslip.identify.problems.record_signals import Record
+
+INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
+
+
+def driven(*, level: float = LEVEL, noise: float = 1.0, seconds: float = 8.0) -> Record:
+    """Return a record at 500 Hz of an axis with level and viscous friction."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, seconds, 0.002)
+    x, v, a = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    for size, f in zip((0.04, 0.012, 0.003), (0.35, 1.3, 3.1), strict=True):
+        w, phase = 2.0 * math.pi * f, rng.uniform(0.0, 6.0)
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w * w * np.sin(w * t + phase)
+    force = INERTIA * a + level * np.sign(v) + VISCOUS * v
+    return Record(
+        time=t,
+        position=x + noise * 1e-6 * rng.normal(size=len(t)),
+        force=force + noise * 0.02 * LEVEL * rng.normal(size=len(t)),
+    )
+
+
+def judged(*records: Record) -> Judgement:
+    return Judgement(RecordProblem([*records]))
+
+
+def values(judgement: Judgement) -> dict[str, float]:
+    return {one.path.rpartition(".")[2]: one.value for one in judgement.intervals}
+
+
+# ---- numbers without noise
+
+
+def exact_friction() -> Record:
+    t = np.linspace(0.0, 12.0, 240, endpoint=False)
+    v = np.sin(2.0 * t + 0.3)
+    return Record(
+        time=t, position=-0.5 * np.cos(2.0 * t + 0.3), velocity=v,
+        force=10.0 * np.sign(v) + 30.0 * v, friction=True,
+    )  # fmt: skip
+
+
+def test_numbers_that_a_law_made_are_judged_without_noise() -> None:
+    judgement = judged(exact_friction())
+    assert judgement.named.family == ("level", "viscous")
+    found = values(judgement)
+    # a filter of 2.6 Hz over 20 samples a second leaves a thousandth
+    assert found["kinetic_coefficient"] == pytest.approx(10.0, rel=2e-3)
+    assert found["viscous_coefficient"] == pytest.approx(30.0, rel=2e-3)
+
+
+def test_no_row_is_told_more_closely_than_numbers_are_rounded() -> None:
+    model = RecordProblem([driven(noise=0.0)]).model
+    for which, weights in model.weights.items():
+        size = float(np.sqrt(np.mean(model.balance.rows(which).response ** 2)))
+        assert np.all(weights * size <= 1e6)
+
+
+def test_an_exact_record_of_a_few_rows_is_judged() -> None:
+    t = np.arange(0.0, 0.6, 0.01)
+    short = Record(time=t, position=np.sin(3.0 * t), force=np.cos(3.0 * t))
+    assert np.all(np.isfinite(judged(short).curves(judged(short).problem.asked())))
