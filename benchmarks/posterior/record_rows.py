@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
+from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Filter, Record, followed
 
 Array: TypeAlias = NDArray[np.float64]
@@ -66,6 +67,61 @@ TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
+ROUNDED = 1e-12
+"""Range of positions over their size up to which nothing moves."""
+
+
+def checked(records: Sequence[Record]) -> None:
+    """Refuse records of which no balance can be made, with the channel that is at fault."""
+    for one in records:
+        channels = {
+            "time": one.time, "position (x)": one.position, "force (F)": one.force,
+            "velocity (v)": one.velocity, "load": one.load, "known force": one.mechanism,
+            "transmitted force": one.transmitted, **one.inputs,
+        }  # fmt: skip
+        for name, x in channels.items():
+            if x is not None and not np.all(np.isfinite(x)):
+                at = int(np.argmax(~np.isfinite(x)))
+                raise InputError(
+                    f"the {name} of a record must be finite, got {x[at]} at sample {at}: leave out"
+                    " the samples that were not recorded."
+                )
+        still = one.velocity is not None and not np.any(one.velocity)
+        if still and np.ptp(one.position) > 0.0:
+            raise InputError(
+                "the velocity (v) of a record is 0 throughout although its position changes: give"
+                " the column of the velocity, or leave it out."
+            )
+    if not any(moves(one) for one in records):
+        raise InputError(
+            "a force balance needs motion, and the position (x) does not change: give the column"
+            " of the position of this coordinate, or a record in which it moves."
+        )
+    if all(_is_silent(one) for one in records):
+        raise InputError(
+            "a force balance needs a force, and the force (F) is 0 throughout: give the column of"
+            " the force or of friction, or the inertia of what moves freely."
+        )
+
+
+def moves(record: Record) -> bool:
+    """Return whether the position of a record changes by more than its numbers are rounded.
+
+    Examples
+    --------
+    >>> t = np.arange(4.0)
+    >>> moves(Record(time=t, position=t, force=t)), moves(Record(time=t, position=0 * t, force=t))
+    (True, False)
+    """
+    x = record.position
+    return bool(np.ptp(x) > ROUNDED * np.max(np.abs(x), initial=0.0))
+
+
+def _is_silent(record: Record) -> bool:
+    """Return whether nothing says how large forces are."""
+    known = record.mechanism is not None and np.any(record.mechanism)
+    gives = record.inertia is not None and record.inertia > 0.0
+    return not (np.any(record.force) or (not record.friction and (known or gives)))
 
 
 def even(record: Record) -> Record:
@@ -143,8 +199,9 @@ def cutoff_of(record: Record) -> float:
     step = float(record.time[1] - record.time[0])
     widest = Filter(count=len(record.time), step=step, band=0.2 / step, every=1)
     v, _ = motion(record, widest)
-    frequency = float(np.std(v) / (np.std(record.position) + 1e-300)) / (2.0 * math.pi)
-    least = PERIODS * frequency
+    size = max(float(np.std(record.position)), ROUNDED * float(np.max(np.abs(record.position))))
+    frequency = float(np.std(v)) / (size + 1e-300) / (2.0 * math.pi)
+    least = min(PERIODS * frequency, 0.2 / step)
     if record.friction:
         return min(max(0.1 / step, least), 0.2 / step, MEASURED)
     band = min(max(10.0, least), 0.2 / step)
@@ -161,14 +218,17 @@ def cutoff_of(record: Record) -> float:
         x = np.column_stack(columns)
         size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
         inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
-    allowed = COST * float(np.std(force)) / max(inertia, 1e-300)
-    if record.velocity is None:
-        noise = max(noise_in_motion(record), 1e-300)
-        band = (5.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 4)) ** 0.2
-    else:
-        noise = max(record.velocity_noise, 1e-300)
-        band = (3.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 2)) ** (1.0 / 3.0)
     most = min(SAMPLES / step, HIGHEST)
+    # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
+    if record.velocity is None:
+        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 4 / 5.0, 5.0
+        noise = noise_in_motion(record)
+    else:
+        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 2 / 3.0, 3.0
+        noise = record.velocity_noise
+    costs = inertia * noise * math.sqrt(of_noise * most**power)
+    share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
+    band = most * min(share, 1.0) ** (2.0 / power)
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
 
@@ -388,7 +448,8 @@ def pieces_of(
 
     The cutoff [Hz] is that of other rows, or the median of the records, and not above the highest.
     """
-    grids = [even(one) for one in records]
+    checked(records)
+    grids = [even(one) for one in records if moves(one)]  # what rests says nothing of sliding
     if cutoff is None:
         cutoff = min(float(np.median([cutoff_of(one) for one in grids])), highest)
     total = sum(one.time[-1] - one.time[0] for one in grids)

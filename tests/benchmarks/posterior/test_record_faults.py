@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from benchmarks.posterior.judgement import Judgement
 from benchmarks.posterior.record_problem import RecordProblem
+from benchmarks.posterior.record_rows import cutoff_of
 
+from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Record
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
@@ -71,3 +74,38 @@ def test_an_exact_record_of_a_few_rows_is_judged() -> None:
     t = np.arange(0.0, 0.6, 0.01)
     short = Record(time=t, position=np.sin(3.0 * t), force=np.cos(3.0 * t))
     assert np.all(np.isfinite(judged(short).curves(judged(short).problem.asked())))
+
+
+# ---- channels of which no balance can be made
+
+
+@pytest.mark.parametrize(
+    ("broken", "cure"),
+    [
+        ({"position": np.full(4000, 0.3)}, "does not change"),
+        ({"force": np.zeros(4000)}, "the force .* is 0 throughout"),
+        ({"force": np.zeros(4000), "friction": True}, "the force .* is 0 throughout"),
+        ({"velocity": np.zeros(4000)}, "the velocity .* is 0 throughout"),
+        ({"load": np.where(np.arange(4000) == 7, np.nan, 1.0)}, "load .* at sample 7"),
+    ],
+)
+def test_a_channel_of_which_no_balance_can_be_made_is_named(
+    broken: dict[str, Any], cure: str
+) -> None:
+    with pytest.raises(InputError, match=cure):
+        RecordProblem([replace(driven(), **broken)])
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3])
+def test_the_cutoff_of_a_record_at_rest_is_finite(place: float) -> None:
+    t = np.arange(0.0, 4.0, 0.01)
+    still = Record(time=t, position=np.full(400, place), force=np.sin(t))
+    for one in (still, replace(still, friction=True), replace(still, inertia=1.0)):
+        assert 0.0 < cutoff_of(one) < 100.0
+
+
+def test_a_record_at_rest_beside_one_that_moves_is_no_error() -> None:
+    record = driven()
+    t = record.time[:1000] + 20.0
+    still = Record(time=t, position=np.full(1000, 0.01), force=np.zeros(1000))
+    assert judged(record, still).named.family == ("level", "viscous")
