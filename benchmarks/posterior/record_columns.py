@@ -197,6 +197,7 @@ class Balance:
     ) -> None:
         cutoff = None if like is None else like.pieces[0].cutoff
         self.pieces, self._every = pieces_of(records, cutoff, highest)
+        self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
         # what follows in time is the same run
@@ -220,6 +221,19 @@ class Balance:
     def finds_inertia(self) -> bool:
         """Whether the inertia is looked for."""
         return not self.measured and self.pieces[0].record.inertia is None
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """What is given beside the force and may be given wrong, where nothing else is sought."""
+        records = [one.record for one in self._from.pieces]
+        sought = any(not one.doubt for one in records[0].unknown.values())
+        if self.measured or self.finds_inertia or sought:
+            return ()
+        told = {
+            "inertia": any(one.inertia for one in records),
+            "mechanism": any(one.mechanism is not None for one in records),
+        }
+        return tuple(name for name, is_given in told.items() if is_given)
 
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
@@ -338,12 +352,32 @@ class Balance:
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
         if not self.measured:
             found["delay"] = rows.seen([p.record.force for p in pieces], slope=1)[:, None]
+        if self.given:
+            found["given"] = self.errors(which)
         for path, one in pieces[0].record.unknown.items():
             force = rows.seen([p.record.unknown[path].force for p in pieces])
             found[path] = (one.inertia * rows.acceleration - force)[:, None]
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
+
+    def errors(self, which: int) -> Array:
+        """Return what is left where a share of given forces is missing, at the rows (n, p).
+
+        Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
+        """
+        rows, found = self.rows(which), list[Array]()
+        if "inertia" in self.given:
+            own = np.array([one.record.inertia or 0.0 for one in self.pieces])
+            found.append(own[rows.piece] * rows.acceleration)
+        if "mechanism" in self.given:
+            forces = [
+                0.0 * one.record.time if one.record.mechanism is None else one.record.mechanism
+                for one in self.pieces
+            ]
+            found.append(-rows.seen(forces))
+        both = [found[0] + found[1]] if len(found) > 1 else []
+        return np.column_stack([*found, *both])
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

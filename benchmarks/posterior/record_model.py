@@ -78,16 +78,19 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
+    "given": ((0.01, 0.1, 1.0), (0.8, 0.15, 0.05)),
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of the level and viscous friction of a twentieth of the record; of the pulse of a
 turn; of bristles of other lengths; the delay in samples; the change with an input by its standard
-deviation; level and viscous friction of another run. They say what a careful experimenter would
+deviation; level and viscous friction of another run; errors of the inertia and of the forces that
+are given, over these, of which the last are wrong units. They say what a careful experimenter would
 expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "stretch": 3,
     "turn": 2, "others": 1, "delay": 0, "input": 1, "run": 1,
+    "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
@@ -162,7 +165,7 @@ BESIDE_LEVELS = ("power", "saturating")
 """Flows that fall off, and so may stand for a level."""
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
-LOOKED = ("inertia", "offset")
+LOOKED = ("given", "inertia", "offset")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -287,6 +290,7 @@ class RecordModel(Model):
             "delay": not balance.measured,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
+            "given": bool(balance.given),
         }
         return acts.get(name, True)
 
@@ -386,6 +390,8 @@ class RecordModel(Model):
             if name in record.record.unknown or name == "inertia":
                 doubt = record.record.unknown[name].doubt if name != "inertia" else 0.0
                 found[at] = doubt or LOOKED_FOR * of_force / design.least[at]
+            elif name == "given":
+                found[at] = self.at(node, name)
             elif name == "delay":
                 found[at] = self.at(node, name) * record.step
             elif name == "damping":

@@ -62,6 +62,11 @@ FINDINGS: Mapping[str, str] = {
     "run": "differences between runs",
 }
 """What may stand beside a law, as scales of the posterior."""
+GIVEN: Mapping[str, str] = {
+    "inertia": "inertia larger or smaller than given",
+    "mechanism": "known forces larger or smaller than given",
+}
+"""What may be given wrong."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -463,6 +468,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
+        found += [self._given(name, draws) for name in self.model.balance.given]
         return [one for one in found if one.probability > 0.5]
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
@@ -520,6 +526,25 @@ class RecordProblem(Problem):
         return (
             f"{what} changes with the place, by {percent(size)} of friction (standard deviation)."
         )
+
+    def _given(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return by how much the inertia, or the mechanism's forces, are not as given."""
+        at = self.model.balance.given.index(name)
+        parts = [self.model.split(one.node, one.random)["given"] for one in draws]
+        several = len(self.model.balance.given) > 1  # the last column is that of both
+        off = np.concatenate([b[at] + (b[-1] if several else 0.0) for b in parts])
+        low, high = np.quantile(off, (0.025, 0.975)).tolist()
+        middle = float(np.median(off))
+        factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+        what = {
+            "inertia": "The inertia is {} times as given ({} to {})",
+            "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
+        }[name].format(*factors)
+        return Finding(
+            term=f"{name}_given", title=GIVEN[name],
+            probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low, high=high,
+            sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+        )  # fmt: skip
 
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""

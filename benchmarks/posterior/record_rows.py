@@ -67,6 +67,8 @@ TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
+OTHER_UNIT = 0.3
+"""Inertia that the motion shows, over that given, below which that is in another unit."""
 ROUNDED = 1e-12
 """Range of positions over their size up to which nothing moves."""
 
@@ -213,11 +215,11 @@ def cutoff_of(record: Record) -> float:
     force = first(record.force, full=True)
     if record.mechanism is not None:
         force = force + first(record.mechanism, full=True)
-    inertia = record.inertia or 0.0
-    if not inertia:
-        x = np.column_stack(columns)
-        size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-        inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
+    x = np.column_stack(columns)
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
+    if record.inertia and inertia > OTHER_UNIT * record.inertia:
+        inertia = record.inertia
     most = min(SAMPLES / step, HIGHEST)
     # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
     if record.velocity is None:

@@ -109,3 +109,28 @@ def test_a_record_at_rest_beside_one_that_moves_is_no_error() -> None:
     t = record.time[:1000] + 20.0
     still = Record(time=t, position=np.full(1000, 0.01), force=np.zeros(1000))
     assert judged(record, still).named.family == ("level", "viscous")
+
+
+# ---- what is given wrong
+
+
+@pytest.mark.parametrize(
+    ("inertia", "length"), [(1.2 * INERTIA, 1.0), (INERTIA, 0.1), (INERTIA, 10.0)]
+)
+def test_an_inertia_that_is_not_as_given_is_named_and_changes_no_law(
+    inertia: float, length: float
+) -> None:
+    record = driven()
+    judgement = judged(replace(record, position=length * record.position, inertia=inertia))
+    assert judgement.named.family == ("level", "viscous")
+    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.02)
+    assert values(judgement)["viscous_coefficient"] == pytest.approx(VISCOUS / length, rel=0.02)
+    (found,) = [one for one in judgement.findings if one.term == "inertia_given"]
+    assert found.asserted
+    assert 1.0 + found.size == pytest.approx(INERTIA / length / inertia, rel=0.02)
+    assert "times as given" in found.sentence
+
+
+def test_an_inertia_as_given_is_no_finding() -> None:
+    judgement = judged(replace(driven(), inertia=INERTIA))
+    assert not [one for one in judgement.findings if one.term == "inertia_given"]
