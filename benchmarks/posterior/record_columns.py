@@ -19,12 +19,19 @@ import numpy as np
 from scipy.linalg import lapack
 
 from benchmarks.posterior.nodes import Array, Column
-from benchmarks.posterior.record_rows import BalanceRows, Piece, pieces_of
+from benchmarks.posterior.record_rows import MIDDLE, BalanceRows, Piece, pieces_of
 from benchmarks.posterior.vocabulary import PARTS
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.problems.record_signals import Record, bristle
 
-LEVELS = frozenset(name for name, part in PARTS.items() if part.dry)
-"""Terms that lag with the bristle, in proportion to the load."""
+GEAR = "gear"
+"""Term of a level that grows with what the gear transmits, whatever the load is."""
+LEVELS = frozenset({GEAR, *(name for name, part in PARTS.items() if part.dry)})
+"""Terms that lag with the bristle."""
+WIDER = 2.0
+"""Band of what a gear transmits, over that of the rows."""
+VARIES = 0.05
+"""Standard deviation of what a gear transmits over its mean, from which friction may show it."""
 OTHERS = (0.15, 0.4, 1.0, 2.5, 6.0)
 """Lengths of further bristles, over that of the law."""
 COSINES, CURVED = 12, 4.0
@@ -85,6 +92,8 @@ class RecordFrame:
     """Geometric mean of the load [N]; 1 where it does not change."""
     inputs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Means and standard deviations of inputs that change."""
+    transmitted: tuple[float, ...] = ()
+    """Tenth, median and ninetieth percentile of what the gear transmits [N], where it changes."""
     sides: tuple[float, ...] = (-1.0, 1.0)
     """Directions that were seen."""
 
@@ -129,8 +138,16 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     load = 1.0
     if loads and np.ptp(np.concatenate(loads)) > 1e-6 * np.max(np.concatenate(loads)):
         load = float(np.exp(np.mean(np.log(np.maximum(np.concatenate(loads), 1e-9)))))
+    through = [through_gear(one) for one in records]
+    transmitted: tuple[float, ...] = ()
+    if all(x is not None for x in through):
+        x = np.abs(np.concatenate([x for x in through if x is not None]))
+        if np.std(x) > VARIES * np.mean(x):
+            transmitted = tuple(np.quantile(x, (0.1, 0.5, 0.9)).tolist())
     inputs = {}
     for name in records[0].inputs:
+        if name == TRANSMITTED and transmitted:
+            continue
         x = np.concatenate([one.inputs[name] for one in records if name in one.inputs])
         if np.ptp(x) > 1e-6 * (np.max(np.abs(x)) + 1e-300):
             inputs[name] = float(np.mean(x)), float(np.std(x))
@@ -140,12 +157,22 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
         knots=np.linspace(math.log(low), math.log(top), count),
         begin=float(places.min()), span=float(np.ptp(places)), start=float(rows.time.min()),
         duration=float(np.ptp(rows.time)), noise=min(one.noise for one in pieces), load=load,
-        inputs=inputs, sides=sides or (1.0,),
+        inputs=inputs, transmitted=transmitted, sides=sides or (1.0,),
     )  # fmt: skip
 
 
-def law_column(column: Column, velocity: Array, state: Array, least: float = 0.0) -> Array:
+def through_gear(record: Record) -> Array | None:
+    """Return what the gear of a record transmits (n,) [N], with its sign if that is known."""
+    return record.inputs.get(TRANSMITTED) if record.transmitted is None else record.transmitted
+
+
+def law_column(
+    column: Column, velocity: Array, state: Array, least: float = 0.0,
+    transmitted: Array | float = 0.0,
+) -> Array:  # fmt: skip
     """Return a column of a law (n,) at velocities where bristles have a state.
+
+    What a gear transmits is that for each unit of the state, which has the load in it.
 
     Examples
     --------
@@ -153,6 +180,8 @@ def law_column(column: Column, velocity: Array, state: Array, least: float = 0.0
     [1.0, 0.368]
     """
     name, shape = column
+    if name == GEAR:
+        return np.asarray(state * transmitted)
     part, speed = PARTS[name], np.abs(velocity)
     if part.dry:
         return np.asarray(state * part.curve(np.maximum(speed, least), shape))
@@ -273,6 +302,15 @@ class Balance:
         x = piece.record.load
         return 1.0 if x is None or self.frame.load == 1.0 else np.maximum(x, 0.0) / self.frame.load
 
+    def transmitted(self, piece: Piece) -> Array | float:
+        """Return what the gear transmits over the load, which states are times (n,)."""
+        x = through_gear(piece.record) if self.frame.transmitted else None
+        if x is None:
+            return 0.0
+        # it has the noise of accelerations, which has no sign where the size is taken
+        smooth = piece.filters[MIDDLE](x, wider=WIDER, full=True)
+        return np.asarray(np.abs(smooth) / np.maximum(self.load(piece), 1e-9))
+
     def input(self, piece: Piece, name: str) -> Array:
         """Return an input (n,) from its mean, over its standard deviation."""
         mean, size = self.frame.inputs[name]
@@ -292,7 +330,8 @@ class Balance:
         hats = self._hats(piece)
         time = piece.record.time if when is None else np.full(len(v), when)
         course = frame.course(time)
-        x = np.column_stack([law_column(one, v, z, frame.least) for one in laws])
+        through = self.transmitted(piece)
+        x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
         groups = {
             "state": z[:, None],
             "common": z[:, None] * hats,
@@ -327,10 +366,10 @@ class Balance:
     ) -> None:  # fmt: skip
         """Let levels of laws and the curve lag; damping of bristles is what the lag changes by."""
         lagging = [k for k, (name, _) in enumerate(laws) if name in LEVELS]
-        ones, load = np.ones(len(piece.way)), np.reshape(self.load(piece), (-1, 1))
-        levels = [
-            law_column(laws[k], np.abs(piece.velocity), ones, self.frame.least) for k in lagging
-        ]
+        load = np.reshape(self.load(piece), (-1, 1))
+        speed, through = np.abs(piece.velocity), self.transmitted(piece)
+        flat = np.ones(len(speed))
+        levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:

@@ -38,6 +38,8 @@ class SteadyRows:
     """Loads over the usual one (n,)."""
     inputs: Mapping[str, Array]
     """Inputs (n,) from their means, over their standard deviations."""
+    transmitted: Array | float = 0.0
+    """What the gear transmits over the ratio of loads (n,) [N]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,7 +86,7 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
         plain = model.split(one.node, one.random)
         f = np.zeros((one.random.shape[1], len(v)))
         for column, c in zip(one.structure, one.law, strict=True):
-            f += np.outer(c, law_column(column, v, state))
+            f += np.outer(c, law_column(column, v, state, 0.0, at.transmitted))
         level = place @ plain["place"] + course @ plain["drift"][:count]
         level += _mean(plain["stretch"], 0)
         slope = course @ plain["drift"][count:] + _mean(plain["stretch"], 1)

@@ -18,7 +18,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -39,15 +39,17 @@ from benchmarks.posterior.nodes import (
     System,
 )
 from benchmarks.posterior.record_columns import (
+    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
     Balance,
     Memory,
+    RecordFrame,
     law_column,
 )
 from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, BalanceRows
-from benchmarks.posterior.vocabulary import FAMILIES, NARROW, SIGNED, Grid
+from benchmarks.posterior.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
 from stickslip.identify.problems.record_signals import Record
 
 Names: TypeAlias = NDArray[np.str_]
@@ -140,6 +142,10 @@ THIRDS = 5
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVING, LEAST_SHARE = 4.0, 0.02
 """... where fewer shapes than that count, in families with that share at least."""
+GEARED = (
+    "gear level", "gear level viscous", "gear level stribeck", "gear level stribeck viscous",
+)  # fmt: skip
+"""Families of servo motors, whose level grows with what the gear transmits (duclusaud2025)."""
 KEPT_LAWS, BEHIND, LOST = 24, 12.0, 60.0
 """Laws whose shapes are refined; the logarithm of the weight from which laws and bristles are not
 kept beside the best, and that of whole families after the first round, half of it later ..."""
@@ -224,7 +230,7 @@ class RecordModel(Model):
         self.frame = self.balance.frame
         self.names = tuple(name for name in SCALES if self._acts(name))
         """Scales of sizes that act in these records."""
-        known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
+        known = usual_families(self.frame) if families is None else [*families]
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self.memories: list[Memory] = []
@@ -255,10 +261,7 @@ class RecordModel(Model):
 
     def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
         """Return the laws with their shapes, and the logarithms of their priors."""
-        found, priors = list[Structure](), list[float]()
-        for family, shapes, prior in self.grid.families([*families]):
-            found.append(tuple(zip(family, shapes, strict=True)))
-            priors.append(prior)
+        found, priors = zip(*laws_of(self.grid, families), strict=True)
         return tuple(found), np.array(priors)
 
     @property
@@ -422,6 +425,8 @@ class RecordModel(Model):
                 z = state * balance.load(piece)
                 own = [z[:, None], z[:, None] * hat]
                 own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
+                if frame.transmitted:
+                    own.append((z * balance.transmitted(piece))[:, None])
                 parts.append(np.hstack(own))
             x = np.hstack([fixed, rows.seen(parts)])
             scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
@@ -732,7 +737,8 @@ class RecordModel(Model):
         level = self.plain(node, b[:, None])[design.groups == "common", 0]
         for one, x in zip(law, c, strict=True):
             if one[0] in LEVELS:
-                level = level + x * law_column(one, speeds, np.ones_like(speeds))
+                flat, through = np.ones_like(speeds), sum(self.frame.transmitted[1:2])
+                level = level + x * law_column(one, speeds, flat, 0.0, through)
         fast = speeds > 0.2 * speeds[-1]
         level = level - np.polyfit(speeds[fast], level[fast], 1)[0] * speeds
         if not np.all(level > 0.2 * np.median(level)) or np.median(level) <= 0.0:
@@ -753,6 +759,25 @@ class RecordModel(Model):
                 self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
                 self._again(self._here(own), which)
         return found
+
+
+def usual_families(frame: RecordFrame) -> list[Family]:
+    """Return the families that are compared: with a gear, also those that grow with its load."""
+    geared = [*GEARED] if frame.transmitted else []
+    return [tuple(one.split()) for one in (*FAMILIES, *geared)]
+
+
+def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structure, float]]:
+    """Yield laws with their shapes, and the logarithms of their priors.
+
+    A level by what the gear transmits costs one place from usual to unusual more.
+    """
+    for family in families:
+        beside = [(GEAR, ())] if GEAR in family else list[Column]()
+        rest = tuple(name for name in family if name != GEAR)
+        for _, shapes, prior in grid.families([rest]):
+            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda one: one[0])
+            yield tuple(law), prior - PLACE * len(beside)
 
 
 def waves_of(

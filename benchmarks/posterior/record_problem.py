@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from benchmarks.posterior.judgement import Candidates, Finding, Points, Problem
 from benchmarks.posterior.nodes import Array, Column, Draws, Family, Structure
 from benchmarks.posterior.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
-from benchmarks.posterior.record_columns import LUGRE, RESOLVED, Memory, law_column
+from benchmarks.posterior.record_columns import (
+    GEAR,
+    LEVELS,
+    LUGRE,
+    RESOLVED,
+    Memory,
+    law_column,
+)
 from benchmarks.posterior.record_curves import (
     OtherRows,
     SteadyRows,
@@ -22,16 +29,16 @@ from benchmarks.posterior.record_curves import (
     resolved_speeds,
     steady_curves,
 )
-from benchmarks.posterior.record_model import SCALES, RecordModel
+from benchmarks.posterior.record_model import SCALES, RecordModel, laws_of, usual_families
 from benchmarks.posterior.record_rows import MIDDLE
 from benchmarks.posterior.vocabulary import (
-    FAMILIES,
     FLOW_DIRECTIONS,
     PARTS,
     Grid,
     flow_direction,
     parameters_of,
 )
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.laws import (
     CHANGING,
     FLOWS,
@@ -123,10 +130,13 @@ class RecordProblem(Problem):
         v = np.atleast_1d(np.asarray(velocity, dtype=float))
         ones, given = np.ones(len(v)), inputs or {}
         usual = frame.load if frame.load != 1.0 else self.normal
+        ratio = ones * (1.0 if load is None else load / usual)
+        through = given.get(TRANSMITTED, sum(frame.transmitted[1:2])) if frame.transmitted else 0.0
         return SteadyRows(
             velocity=v,
             load=ones * (usual if load is None else load),
-            ratio=ones * (1.0 if load is None else load / usual),
+            ratio=ratio,
+            transmitted=np.abs(through) / ratio,
             inputs={
                 name: ones * (given.get(name, mean) - mean) / size
                 for name, (mean, size) in frame.inputs.items()
@@ -143,7 +153,11 @@ class RecordProblem(Problem):
 
     @cached_property
     def _places(self) -> SteadyRows:
-        return self.at(resolved_speeds(self.model, PLACES))
+        v, through = resolved_speeds(self.model, PLACES), self.model.frame.transmitted
+        if not through:
+            return self.at(v)
+        each = {TRANSMITTED: np.repeat(through, len(v))}
+        return self.at(np.tile(v, len(through)), inputs=each)
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -186,7 +200,7 @@ class RecordProblem(Problem):
             part, _, of = name.partition("*")
             size = self.model.frame.inputs[of][1]
             return [law_column((part, ()), rows.velocity, state) * rows.inputs[of] * size]
-        return [law_column(column, rows.velocity, state)]
+        return [law_column(column, rows.velocity, state, 0.0, rows.transmitted)]
 
     @cached_property
     def beside(self) -> tuple[str, ...]:
@@ -226,19 +240,19 @@ class RecordProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(one.split()) for one in FAMILIES]
+        known = usual_families(self.model.frame)
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
         laws: dict[Family, list[Structure]] = {}
-        for family, shapes, _ in self._grid.families([one for one in known if one]):
-            laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
+        for law, _ in laws_of(self._grid, [one for one in known if one]):
+            laws.setdefault(tuple(name for name, _ in law), []).append(law)
         found = []
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
             every = [self._with_beside(one) for one in structures]
             names = tuple(name for name, _ in every[0])
-            count = parameters_of(family) + len(names) - len(family)
+            count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
             found.append(Candidates(family=names, structures=every, parameters=count))
         return found
 
@@ -253,6 +267,7 @@ class RecordProblem(Problem):
             return CHANGING[part].format(of)
         more = {"tanh": "level that is smooth in the velocity (tanh)",
                 "logarithmic": "logarithm of the speed",
+                GEAR: "share of what the gear transmits",
                 "stribeck_sides": TITLES["stribeck_direction"]}  # fmt: skip
         return more.get(term) or FINDINGS.get(term) or TITLES[term]
 
@@ -370,7 +385,9 @@ class RecordProblem(Problem):
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
                 terms[name] = shape, own if flows else own / self.normal
-        means = {name: mean for name, (mean, _) in self.model.frame.inputs.items()}
+        frame = self.model.frame
+        means = {name: mean for name, (mean, _) in frame.inputs.items()}
+        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
         memory = self.memory
         values = self._bristles(terms, count) if memory else {}
         if memory == "dahl" and self.presliding is not None:
@@ -394,9 +411,11 @@ class RecordProblem(Problem):
         memory = self.presliding
         assert memory is not None
         for name, (shape, own) in terms.items():
-            if name in PARTS and PARTS[name].dry:
+            if name in LEVELS:
                 shapes = tuple(np.reshape(x, -1)[0] for x in shape)
-                curve = law_column((name, shapes), np.array([memory.speed]), np.ones(1))
+                through = sum(self.model.frame.transmitted[1:2])
+                at = np.array([memory.speed])
+                curve = law_column((name, shapes), at, np.ones(1), 0.0, through)
                 level = level + own[:, 0] * curve
         shares = self.posterior.scale("bristle")
         lengths = np.array([one.length for one in self.model.memories])
@@ -574,4 +593,4 @@ def parts_of(family: Family) -> Family:
     ('level', 'viscous')
     """
     names = ("stribeck" if name == "stribeck_sides" else name for name in family)
-    return tuple(sorted({name for name in names if name in PARTS}))
+    return tuple(sorted({name for name in names if name in PARTS or name == GEAR}))

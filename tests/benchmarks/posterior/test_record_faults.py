@@ -134,3 +134,41 @@ def test_an_inertia_that_is_not_as_given_is_named_and_changes_no_law(
 def test_an_inertia_as_given_is_no_finding() -> None:
     judgement = judged(replace(driven(), inertia=INERTIA))
     assert not [one for one in judgement.findings if one.term == "inertia_given"]
+
+
+# ---- what a gear transmits
+
+
+def geared(share: float, noise: float = 0.0) -> Record:
+    """Return a record whose level grows with a share of what a gear transmits."""
+    record = driven()
+    t = record.time
+    through = 30.0 * np.sin(2.0 * t + 1.0) + 12.0 * np.sin(5.3 * t)
+    side = np.sign(np.gradient(np.convolve(record.position, np.full(9, 1.0 / 9.0), "same")))
+    read = through + noise * np.random.default_rng(2).normal(size=len(t))
+    return replace(record, force=record.force + share * side * np.abs(through), transmitted=read)
+
+
+def test_friction_that_grows_with_the_torque_of_a_gear_is_named() -> None:
+    judgement = judged(geared(0.2, noise=3.0))
+    assert judgement.named.family == ("gear", "level", "viscous")
+    assert judgement.composition.text == "level + weight[transmitted] + viscous"
+    found = values(judgement)
+    assert found["transmitted_coefficient"] == pytest.approx(0.2, rel=0.05)
+    assert found["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.05)
+
+
+def test_readings_of_another_record_have_the_friction_of_its_gear() -> None:
+    judgement = judged(geared(0.2))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    other = problem.like([geared(0.2)])
+    band = judgement.reading_band(other)
+    assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
+    curves = [problem.at([0.05], inputs={"transmitted": x}) for x in (0.0, 40.0)]
+    low, high = (float(judgement.band(one).median[0]) for one in curves)
+    assert high - low == pytest.approx(0.2 * 40.0, rel=0.1)
+
+
+def test_a_gear_that_rubs_no_more_with_its_torque_is_not_named() -> None:
+    assert judged(geared(0.0)).named.family == ("level", "viscous")
