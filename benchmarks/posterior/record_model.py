@@ -102,6 +102,8 @@ SIZES: dict[str, float] = {
 }
 """Sizes that are no scales: a constant force, the change by an
 e-fold of the load that is not in proportion, and the least of the slope by direction."""
+STEEP = 3.0
+"""Size of the slope by direction over that of the curve by direction, of which it is the line."""
 LOOKED_FOR = 3.0
 """Size of what is looked for, over that of the force."""
 STRETCHES = 20
@@ -121,6 +123,9 @@ BLOCKS = (200, 100, 50, 25)
 """Numbers of parts in which scores are summed."""
 LENGTHS = 9
 """Lengths of bristles that are looked at first, from twice the noise to a quarter of the range."""
+BRISTLE = 1.0 / (2.0 * LENGTHS)
+"""Prior odds of the bristle that leaves least of those that are looked at, against none: as likely
+as none are all, of which the others count for nothing."""
 ABOUT = (0.5, 0.71, 1.41, 2.0)
 """Further lengths about the two best, over them."""
 KEPT = 2
@@ -128,7 +133,7 @@ KEPT = 2
 SHORT = 10.0
 """Length over the noise of positions from which on a bristle is seen."""
 SEEN = 0.03
-"""Root mean square of what a bristle is from the direction from which on its length follows."""
+"""Root mean square of what a bristle lacks of being stretched, from which its length follows."""
 FOLLOWING = (0.8, 1.0, 1.3, 1.7)
 AGAIN = (0.85, 1.0, 1.18)
 """Lengths that are looked at where the length follows the level, over the one before."""
@@ -274,7 +279,12 @@ class RecordModel(Model):
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
         return [
             *sizes,
-            Scale(name="bristle", values=lengths, prior=tuple(1.0 for _ in lengths), ordered=False),
+            Scale(
+                name="bristle",
+                values=lengths,
+                prior=tuple(BRISTLE if x else 1.0 for x in lengths),
+                ordered=False,
+            ),
             Scale(
                 name="cutoff",
                 values=bands,
@@ -401,7 +411,7 @@ class RecordModel(Model):
                 longest = max(bristle.length, self.frame.noise)
                 found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
             elif name == "side":
-                found[at] = max(self.at(node, "sides"), SIZES["side"]) * size
+                found[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
             elif name in SIZES:
                 found[at] = SIZES[name] * size
             else:
@@ -414,7 +424,8 @@ class RecordModel(Model):
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
         plain = balance.fixed(MIDDLE)
-        base = [plain["slope"], *(plain[name] for name in plain if name in LOOKED or "." in name)]
+        names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
+        base = [plain["slope"], *(plain[name] for name in names)]
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
@@ -442,7 +453,8 @@ class RecordModel(Model):
             looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
 
         none = Memory()
-        shortest = 2.0 * frame.noise
+        # along less, a bristle is nothing but the moment of a turn between samples
+        shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
         for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
@@ -450,7 +462,7 @@ class RecordModel(Model):
         best = [one[1] for one in looked if one[1].length][:2]
         for one in best:
             for factor in ABOUT:
-                look(replace(one, length=factor * one.length))
+                look(replace(one, length=max(factor * one.length, shortest)))
         looked.sort(key=lambda one: one[0])
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length
@@ -561,6 +573,11 @@ class RecordModel(Model):
         """Return coefficients of the columns as they are (p, k), by group."""
         plain, groups = self.plain(node, random), self.design(*self.key(node)).groups
         return {name: plain[groups == name] for name in dict.fromkeys(groups.tolist())}
+
+    def part(self, memory: Memory) -> Array:
+        """Return what a bristle lacks of being stretched, at the middle rows (n,)."""
+        state = self.balance.rows(MIDDLE).taken(self.balance.states(memory))
+        return np.asarray(1.0 - np.minimum(np.abs(state), 1.0))
 
     def key(self, node: Node) -> tuple[int, int]:
         """Return the cutoff and the bristle of a node."""
@@ -675,10 +692,9 @@ class RecordModel(Model):
         if bristle.length <= SHORT * frame.noise:
             return None
         rows, balance = self.balance.rows(MIDDLE), self.balance
-        state = rows.taken(balance.states(bristle))
-        away = state - rows.taken([one.direction for one in balance.pieces])
-        if math.sqrt(float(np.mean(away**2))) < SEEN:
+        if math.sqrt(float(np.mean(self.part(bristle) ** 2))) < SEEN:
             return None
+        state = rows.taken(balance.states(bristle))
         part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
         speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
         speed = max(speed, frame.low)

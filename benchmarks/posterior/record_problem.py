@@ -59,9 +59,9 @@ EXACT = 0.02
 """Size of what no law says up to which a law is exact: the usual tolerance."""
 MEMORIES = ("dahl", "lugre")
 """Laws with bristles."""
-SEEN, SURE = 0.05, 20.0
-"""Root mean square of what bristles are from the direction, and odds against none, from which
-presliding is named."""
+SEEN, SURE, ROWS = 0.05, 20.0, 7
+"""Root mean square of what bristles lack of being stretched, odds against none, and rows in which
+they lack as much, from which presliding is named: fewer rows may be those of one turn."""
 FINDINGS: Mapping[str, str] = {
     "drift": "drift over the record",
     "place": "level that changes with the place",
@@ -352,10 +352,9 @@ class RecordProblem(Problem):
         none = float(shares[lengths == 0.0].sum())
         if none * SURE > 1.0 - none or memory.length < 10.0 * self.model.frame.noise:
             return None
-        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
-        state = rows.taken(balance.states(memory))
-        away = state - rows.taken([one.direction for one in balance.pieces])
-        return memory if math.sqrt(float(np.mean(away**2))) > SEEN else None
+        part = self.model.part(memory)
+        seen = math.sqrt(float(np.mean(part**2))) > SEEN
+        return memory if seen and np.sum(part > SEEN) > ROWS else None
 
     @property
     def memory(self) -> str:

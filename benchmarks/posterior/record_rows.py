@@ -57,8 +57,9 @@ SURE = 3.0
 """Speed whose direction is sure, over the noise."""
 AWAY = 2.5
 """Distance from rests, over 1/cutoff."""
-LEAST = 0.05
-"""Part of the samples that must be away from rests; else those not at rest are rows, or all."""
+LEAST, FEWEST = 0.05, 25
+"""Part of the samples, or rows, that must be away from rests; else those not at rest are rows, or
+all."""
 ENDS, ENDS_MEASURED = 2.0, 0.5
 """Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
 WAY, WAY_MEASURED = 0.1, 0.8
@@ -67,6 +68,8 @@ TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
+MOMENT = 2
+"""Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
 """Inertia that the motion shows, over that given, below which that is in another unit."""
 ROUNDED = 1e-12
@@ -306,7 +309,7 @@ class Piece:
 
     @cached_property
     def direction(self) -> Array:
-        """Direction (n,): the last one that stands above the noise."""
+        """Direction (n,): the last that stands above the noise, until the velocity changes sign."""
         if self.record.velocity is None:
             noise = self.noise * math.sqrt(
                 2.0 * self.step * (2.0 * math.pi) ** 2 * self.cutoff**3 / 3.0
@@ -315,9 +318,17 @@ class Piece:
             noise = self._velocity_noise * math.sqrt(min(4.0 * self.step * self.cutoff, 1.0))
         v = self.velocity
         side = np.where(np.abs(v) > SURE * noise, np.sign(v), 0.0)
-        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), -1))
-        first = side[np.argmax(side != 0.0)]
-        return np.where(last < 0, first, side[last])
+        sure = np.flatnonzero(side)
+        if not len(sure):
+            return side
+        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), sure[0]))
+        found = side[last]
+        turned = side[sure[1:]] != side[sure[:-1]]
+        for i, j in zip(sure[:-1][turned], sure[1:][turned], strict=True):
+            # between sure directions it turns where that agrees most with the velocity
+            k = int(np.argmax(np.cumsum(v[i:j]) * side[i]))
+            found[i + k + 1 : j] = side[j]
+        return np.asarray(found)
 
     @cached_property
     def still(self) -> Mask:
@@ -339,6 +350,15 @@ class Piece:
         apart = TURNS / self.cutoff / self.step
         return at[np.diff(at, prepend=-math.inf) > apart]
 
+    @cached_property
+    def turned_in(self) -> float:
+        """Way from a turn within `MOMENT` samples, in the median [m]; 0 without turns."""
+        at = self.turns[(self.turns >= MOMENT) & (self.turns < len(self.way) - MOMENT)]
+        if not len(at):
+            return 0.0
+        q = self.record.position
+        return float(np.median(np.maximum(*(np.abs(q[at + k] - q[at]) for k in (-MOMENT, MOMENT)))))
+
     def usable(self, cutoff: float) -> Mask:
         """Return which samples can be rows at a cutoff (n,)."""
         measured, q = self.record.friction, self.way
@@ -346,7 +366,9 @@ class Piece:
         rest = 2 * int(AWAY / cutoff / self.step) + 1
         away = maximum_filter1d(self.still.astype(np.uint8), rest) == 0
         tries = (away, ~self.still, np.ones(count, dtype=bool))
-        found = next(one for one in tries if np.mean(one) > LEAST or one is tries[-1]).copy()
+        enough = FEWEST / (PER * cutoff * self.step)  # samples of that many rows
+        many = min(LEAST * count, enough)
+        found = next(one for one in tries if np.sum(one) > many or one is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
         ends = min(ends, count // 10)
         found[:ends] = found[count - ends :] = False

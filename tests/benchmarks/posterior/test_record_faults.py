@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from benchmarks.posterior.judgement import Judgement
 from benchmarks.posterior.record_problem import RecordProblem
-from benchmarks.posterior.record_rows import cutoff_of
+from benchmarks.posterior.record_rows import cutoff_of, pieces_of
 
+from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, simulate
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Record
+from stickslip.mechanisms.drives import Sampled
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
@@ -172,3 +174,49 @@ def test_readings_of_another_record_have_the_friction_of_its_gear() -> None:
 
 def test_a_gear_that_rubs_no_more_with_its_torque_is_not_named() -> None:
     assert judged(geared(0.0)).named.family == ("level", "viscous")
+
+
+# ---- friction that differs by direction, and the moments of turns
+
+SIDES = DirectionDependent(
+    forward_kinetic_coefficient=4.0, backward_kinetic_coefficient=5.0,
+    forward_viscous_coefficient=3.0, backward_viscous_coefficient=9.0,
+)  # fmt: skip
+
+
+def moved(friction: FrictionLaw, seed: int, size: float = 1.0) -> Record:
+    """Return a record at 200 Hz under a force of five sines that is held between samples."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, 8.0, 0.005)
+    phases, sizes = random.uniform(0.0, 2.0 * np.pi, 5), random.uniform(4.0, 9.0, 5)
+    force = sum(
+        size * a * np.sin(2.0 * np.pi * f * t + p)
+        for f, a, p in zip((0.23, 0.41, 0.67, 1.1, 1.7), sizes, phases, strict=True)
+    )
+    axis = Axis(inertia=2.0, drive=Sampled(times=t, values=force))
+    x = simulate(axis, friction, t_end=float(t[-1])).at(t)["x"]
+    read = x + random.normal(0.0, 1e-5, len(t))
+    return Record(time=t, position=read, force=np.asarray(force), inertia=2.0, held=True)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 8])
+def test_friction_that_differs_by_direction_is_named_without_bristles(seed: int) -> None:
+    """One turn between samples shows no bristle; few rows show slopes of a factor of 3."""
+    judgement = judged(moved(SIDES, seed))
+    assert judgement.named.family == ("level", "offset", "viscous", "viscous_direction")
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == ""
+    found = values(judgement)
+    assert found["forward_viscous_coefficient"] == pytest.approx(3.0, rel=0.05)
+    assert found["backward_viscous_coefficient"] == pytest.approx(9.0, rel=0.05)
+    assert found["offset"] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_rows_that_are_few_are_taken_before_those_at_rest() -> None:
+    """An axis that moves for 4 % of the time has no rows of friction while it rests."""
+    slow = moved(CoulombViscous(kinetic_coefficient=12.0, viscous_coefficient=6.0), 2, 0.7)
+    (piece,), _ = pieces_of([slow])
+    usable = piece.usable(40.0)
+    assert usable.any()
+    assert not np.any(usable & piece.still)
