@@ -66,6 +66,8 @@ class Memory:
     """Length over `length` at the knots of speed (k,)."""
     speed: float = 0.0
     """Speed at which it has `length` [m/s]."""
+    spread: float = 0.0
+    """Standard deviation of the logarithm of lengths for which it stands."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,13 +8,12 @@ import numpy as np
 
 from benchmarks.posterior.nodes import Array, Draws
 from benchmarks.posterior.record_columns import RESOLVED, Balance, law_column
-from benchmarks.posterior.record_model import SCALES, STRETCHES, RecordModel
+from benchmarks.posterior.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 
-BEYOND, FARTHEST = 0.06, 3.0
-"""Level by which friction may differ for each e-fold of speed that was not resolved, and the
-e-folds that count."""
+FARTHEST = 3.0
+"""E-folds of speed beyond those resolved that count."""
 NEARBY, FADES = 1.0 / 60.0, 1.0 / 24.0
 """Distance from places that were seen up to which what was learned of the place holds, and over
 which it fades, over the range of positions."""
@@ -118,7 +117,7 @@ def _numbers(draws: Sequence[Draws]) -> list[int]:
 def beyond(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return what friction may do at speeds that were not resolved (draws, n)."""
     rng = np.random.default_rng(5)
-    moved = far_from(model, at.velocity) * BEYOND * model.size * np.sign(at.velocity)
+    moved = far_from(model, at.velocity) * BELOW * model.size * np.sign(at.velocity)
     return np.asarray(rng.normal(size=(sum(_numbers(draws)), 1)) * moved)
 
 
@@ -230,7 +229,7 @@ class _Readings:
         runs = run_sizes(model, [one], rng)
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
-        level = level + self.far * BEYOND * size * rng.normal(size=(count, 1))
+        level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
         if self.after:
             level = level + self.ahead * model.at(node, "drift") * size * rng.normal(
                 size=(count, 1)

@@ -139,6 +139,12 @@ AGAIN = (0.85, 1.0, 1.18)
 """Lengths that are looked at where the length follows the level, over the one before."""
 WIDTHS = (0.005, 0.2)
 """Range of the relative deviation of such a length."""
+ASIDE, WITHIN = 1.3, 0.6
+"""Deviations by which further lengths are beside it, and what each stands for: of the three nodes
+and within them the deviation is 1.05."""
+BELOW = 0.06
+"""Level by which friction may differ for each e-fold of speed that was not resolved: half of what
+shows a bristle is slower than the speed of its length."""
 ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
 """Rounds, those with a length that follows the level, and nodes of each."""
 NODES = 160
@@ -717,8 +723,12 @@ class RecordModel(Model):
         width = 0.1
         if bend[0] < 0.0:
             width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
-        following = self.memories[-1]
-        beside = [replace(following, length=length * math.exp(x * width)) for x in (-1.3, 1.3)]
+        slower = max(0.0, 1.0 - math.log(speed / frame.low))
+        unknown = math.hypot(BELOW * slower, frame.noise / length)
+        spread = math.hypot(WITHIN * width, unknown)
+        following = replace(self.memories[-1], spread=spread)
+        beside = [replace(following, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
+        self.memories[-1] = following
         kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
         self._keep(kept)
         node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)

@@ -117,6 +117,7 @@ class RecordProblem(Problem):
             known = [*dict.fromkeys(map(parts_of, self.families))]
         self.model = RecordModel(self.records, families=known, highest=self.highest)
         self.posterior = self.model.posterior()
+        self._drawn: Sequence[Draws] = ()
         self.size = self.model.size
         self.load = self.normal
 
@@ -317,6 +318,8 @@ class RecordProblem(Problem):
 
     def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
         """Return drawn curves alone (k, n): in the mean over the records."""
+        if rows is self._places:
+            self._drawn = draws  # what is projected next is a law of these
         return steady_curves(self.model, draws, rows)
 
     def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
@@ -405,35 +408,42 @@ class RecordProblem(Problem):
         return replace(found, rig=rig, load=self.normal)
 
     def _bristles(self, terms: Mapping[str, tuple[Any, Array]], count: int) -> dict[str, Array]:
-        """Return stiffness and damping of bristles (k,), by the posterior of their length."""
-        level = np.zeros(count)
+        """Return stiffness and damping of bristles (k,).
+
+        Each draw of a curve has the length and the damping of its own node; where there is but one
+        law, it has those in the middle.
+        """
         memory = self.presliding
         assert memory is not None
+        level, through = np.zeros(count), sum(self.model.frame.transmitted[1:2])
+        speed = np.full(count, memory.speed)
         for name, (shape, own) in terms.items():
             if name in LEVELS:
-                shapes = tuple(np.reshape(x, -1)[0] for x in shape)
-                through = sum(self.model.frame.transmitted[1:2])
-                at = np.array([memory.speed])
-                curve = law_column((name, shapes), at, np.ones(1), 0.0, through)
+                shapes = tuple(np.broadcast_to(np.ravel(x), count) for x in shape)
+                curve = law_column((name, shapes), speed, np.ones(count), 0.0, through)
                 level = level + own[:, 0] * curve
-        shares = self.posterior.scale("bristle")
-        lengths = np.array([one.length for one in self.model.memories])
-        shares = np.where(lengths > 0.0, shares, 0.0)
-        at = np.searchsorted(np.cumsum(shares / shares.sum()), (np.arange(count) + 0.5) / count)
-        length = np.random.default_rng(9).permutation(lengths[np.minimum(at, len(lengths) - 1)])
-        damping = self._damping(count) / length / self.normal
-        return {"bristle_stiffness": level / length, "bristle_damping": damping}
+        drawn = self._drawn
+        if sum(one.random.shape[1] for one in drawn) != count:
+            drawn = self.posterior.draws(DRAWN, seed=13)
+        length, damping = self._drawn_bristles(memory, drawn)
+        if len(length) != count:
+            length, damping = (np.full(count, np.median(x)) for x in (length, damping))
+        return {
+            "bristle_stiffness": level / length,
+            "bristle_damping": damping / length / self.normal,
+        }
 
-    def _damping(self, count: int) -> Array:
-        """Return drawn coefficients of the damping of bristles (k,), at least 0."""
-        found = [np.zeros(0)]
-        for one in self.posterior.draws(DRAWN, seed=13):
+    def _drawn_bristles(self, memory: Memory, draws: Sequence[Draws]) -> tuple[Array, Array]:
+        """Return lengths of bristles, and the coefficients of their damping (k,), at least 0."""
+        rng = np.random.default_rng(9)
+        lengths, damping = [], []
+        for one in draws:
+            own, count = self.model.memory(one.node), one.random.shape[1]
+            own = own if own.length else memory
+            lengths.append(own.length * np.exp(own.spread * rng.normal(size=count)))
             plain = self.model.split(one.node, one.random)
-            found.append(plain["damping"][0] if "damping" in plain else np.zeros(one.law.shape[1]))
-        every = np.maximum(np.concatenate(found), 0.0)
-        if count == 1:
-            return np.array([float(np.median(every))])
-        return np.random.default_rng(17).choice(every, size=count)
+            damping.append(plain["damping"][0] if "damping" in plain else np.zeros(count))
+        return np.concatenate(lengths), np.maximum(np.concatenate(damping), 0.0)
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for beside the law (k,) in draws, by path."""

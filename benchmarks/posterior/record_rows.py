@@ -68,6 +68,9 @@ TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
+ALONG = 3.0
+"""Band of the way over that of the rows: at a turn a filter rounds more than short bristles are
+long."""
 MOMENT = 2
 """Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
@@ -303,9 +306,10 @@ class Piece:
     @cached_property
     def way(self) -> Array:
         """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
-        chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * self.cutoff, 1.0))
-        middle = self.filters[MIDDLE]
-        return followed(middle(self.record.position, bent=True, full=True), chatter)
+        wider = min(ALONG, max(0.2 / self.step / self.cutoff, 1.0))
+        chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * wider * self.cutoff, 1.0))
+        smooth = self.filters[MIDDLE](self.record.position, bent=True, wider=wider, full=True)
+        return followed(smooth, chatter)
 
     @cached_property
     def direction(self) -> Array:

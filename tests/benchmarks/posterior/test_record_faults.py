@@ -10,10 +10,10 @@ from benchmarks.posterior.judgement import Judgement
 from benchmarks.posterior.record_problem import RecordProblem
 from benchmarks.posterior.record_rows import cutoff_of, pieces_of
 
-from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, simulate
+from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, LuGre, simulate
 from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Record
-from stickslip.mechanisms.drives import Sampled
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
 
 INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
 
@@ -220,3 +220,32 @@ def test_rows_that_are_few_are_taken_before_those_at_rest() -> None:
     usable = piece.usable(40.0)
     assert usable.any()
     assert not np.any(usable & piece.still)
+
+
+# ---- bristles
+
+
+def test_stiffness_and_damping_of_bristles_are_in_their_intervals() -> None:
+    t = np.arange(0.0, 12.0, 0.002)
+    phases = np.random.default_rng(4).uniform(0.0, 2.0 * np.pi, 4)
+    force = sum(
+        a * np.sin(2.0 * np.pi * f * t + p)
+        for a, f, p in zip((1.2, 0.8, 0.6, 0.4), (0.4, 0.9, 1.7, 3.1), phases, strict=True)
+    )
+    truth = LuGre(
+        kinetic_coefficient=0.8, static_coefficient=1.0, stribeck_velocity=0.3,
+        viscous_coefficient=0.2, bristle_stiffness=200.0, bristle_damping=1.0,
+    )  # fmt: skip
+    axis = Axis(inertia=0.02, drive=PiecewiseLinear(times=t, values=force))
+    x = simulate(axis, truth, t_end=float(t[-1])).at(t)["x"]
+    judgement = judged(Record(time=t, position=x, force=np.asarray(force), inertia=0.02))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == "lugre"
+    found = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    for name, true in (("bristle_stiffness", 200.0), ("bristle_damping", 1.0)):
+        assert found[name].low_any < true < found[name].high_any
+        assert found[name].value == pytest.approx(true, rel=0.1)
+    # each draw has its own length
+    stiffness = judgement.values["friction.bristle_stiffness"]
+    assert len(np.unique(stiffness.round(9))) > 0.9 * len(stiffness)
