@@ -12,7 +12,7 @@ which is one triangular system with two diagonals for all levels. Bristles that 
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -228,6 +228,8 @@ class Balance:
     ) -> None:
         cutoff = None if like is None else like.pieces[0].cutoff
         self.pieces, self._every = pieces_of(records, cutoff, highest)
+        if like is not None:
+            self.pieces = [replace(one, delay=like.pieces[0].delay) for one in self.pieces]
         self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
@@ -265,6 +267,11 @@ class Balance:
             "mechanism": any(one.mechanism is not None for one in records),
         }
         return tuple(name for name, is_given in told.items() if is_given)
+
+    def delay(self, late: float) -> None:
+        """Let forces act later than recorded [s], as found along the records."""
+        self.pieces = [replace(one, delay=late) for one in self.pieces]
+        self._rows, self._states = {}, {}
 
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
@@ -391,8 +398,8 @@ class Balance:
             found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
-        if not self.measured:
-            found["delay"] = rows.seen([p.record.force for p in pieces], slope=1)[:, None]
+        late = [p.late for p in pieces]
+        found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
         if self.given:
             found["given"] = self.errors(which)
         for path, one in pieces[0].record.unknown.items():

@@ -174,6 +174,10 @@ SOFT = 1e-7
 """Share of the products of columns that keeps a first fit solvable."""
 LEAST = 1e-6
 """Least size over that of the friction."""
+DELAYS = np.linspace(-1.0, 1.0, 21)
+"""Delays of forces that are looked at, over 1/cutoff."""
+LINEAR = 0.08
+"""Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -306,7 +310,6 @@ class RecordModel(Model):
         acts = {
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
-            "delay": not balance.measured,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
             "given": bool(balance.given),
@@ -436,7 +439,7 @@ class RecordModel(Model):
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
 
-        def look(memory: Memory) -> None:
+        def columns(memory: Memory) -> Array:
             parts = []
             for piece, state, hat in zip(balance.pieces, balance.states(memory), hats, strict=True):
                 z = state * balance.load(piece)
@@ -445,7 +448,10 @@ class RecordModel(Model):
                 if frame.transmitted:
                     own.append((z * balance.transmitted(piece))[:, None])
                 parts.append(np.hstack(own))
-            x = np.hstack([fixed, rows.seen(parts)])
+            return np.hstack([fixed, rows.seen(parts)])
+
+        def look(memory: Memory) -> None:
+            x = columns(memory)
             scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
             x = x / scale
             gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
@@ -465,6 +471,8 @@ class RecordModel(Model):
         for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
         looked.sort(key=lambda one: one[0])
+        if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
+            return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
         for one in best:
             for factor in ABOUT:
@@ -481,6 +489,34 @@ class RecordModel(Model):
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
+
+    def _delayed(self, columns: Sequence[Array]) -> bool:
+        """Let forces act at another time if that leaves far less; return whether it does.
+
+        A delay is looked for that is not linear any more: each stands with a column for the rest,
+        beside the columns of some bristles (n, p).
+        """
+        rows, balance = self.balance.rows(MIDDLE), self.balance
+        if any(one.delay for one in balance.pieces):
+            return False
+        forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
+        rest = rows.response - rows.seen(forces, late=late)
+        left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
+        for k, delay in enumerate(delays):
+            at = [x + delay for x in late]
+            y = rest + rows.seen(forces, late=at)
+            slope = rows.seen(forces, slope=1, late=at)[:, None]
+            fits = [squares_left(np.hstack([x, slope]), y) for x in columns]
+            square, more = min(fits)
+            left.append(square)
+            delays[k] = delay + more
+        least, none = int(np.argmin(left)), len(left) // 2
+        gain = 0.5 * KAPPA * rows.count * math.log((left[none] + TINY) / (left[least] + TINY))
+        found = delays[least]
+        if abs(found) < LINEAR / balance.pieces[0].cutoff or gain < BEHIND:
+            return False
+        balance.delay(found)
+        return True
 
     # ---- rounds
     def _rounds(self) -> Node:
@@ -804,6 +840,18 @@ def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structur
         for _, shapes, prior in grid.families([rest]):
             law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda one: one[0])
             yield tuple(law), prior - PLACE * len(beside)
+
+
+def squares_left(x: Array, y: Array) -> tuple[float, float]:
+    """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
+
+    What they leave is a mean square, without what is far off.
+    """
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    x = x / size
+    c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
+    e = np.abs(y - x @ c)
+    return float(np.mean(np.minimum(e, 4.0 * np.median(e)) ** 2)), float(c[-1] / size[-1])
 
 
 def waves_of(

@@ -260,6 +260,8 @@ class Piece:
     """Middle cutoff [Hz]."""
     every: int
     """Samples from one of the finer rows to the next."""
+    delay: float = 0.0
+    """How much later forces act than recorded, as found [s]."""
 
     @cached_property
     def step(self) -> float:
@@ -268,9 +270,9 @@ class Piece:
 
     @cached_property
     def late(self) -> float:
-        """How much later a force acts that holds until the next sample [s]."""
+        """How much later a force acts than recorded: it may hold until the next sample [s]."""
         step = float(self.given.time[1] - self.given.time[0])
-        return 0.5 * step * self.given.held
+        return self.delay + 0.5 * step * self.given.held
 
     @property
     def _fewer(self) -> float:

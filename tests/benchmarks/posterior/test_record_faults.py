@@ -249,3 +249,40 @@ def test_stiffness_and_damping_of_bristles_are_in_their_intervals() -> None:
     # each draw has its own length
     stiffness = judgement.values["friction.bristle_stiffness"]
     assert len(np.unique(stiffness.round(9))) > 0.9 * len(stiffness)
+
+
+# ---- forces that are recorded late
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.008])
+def test_friction_that_is_recorded_late_is_a_delay_with_its_size(delay: float) -> None:
+    t = np.arange(0.0, 8.0, 0.004)
+    x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t)
+    v = 0.12 * np.cos(4.0 * t) + 0.113 * np.cos(11.3 * t)
+    friction = np.interp(t - delay, t, 2.0 * np.sign(v) + 3.0 * v)
+    friction += 0.02 * np.random.default_rng(1).normal(size=t.size)
+    judgement = judged(Record(time=t, position=x, force=friction, friction=True))
+    assert judgement.named.family == ("level", "viscous")
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == ""
+    (found,) = [one for one in judgement.findings if one.term == "delay"]
+    assert found.asserted
+    assert abs(found.size) == pytest.approx(delay, rel=0.02)
+    other = problem.like([Record(time=t, position=x, force=friction, friction=True)])
+    band = judgement.reading_band(other)
+    assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
+
+
+@pytest.mark.parametrize("delay", [0.012, -0.012, 0.03])
+def test_a_delay_of_the_force_changes_no_law_and_no_inertia(delay: float) -> None:
+    """Beyond a part of 1/cutoff it is not linear."""
+    record = driven()
+    late = np.interp(record.time - delay, record.time, record.force)
+    judgement = judged(replace(record, force=late))
+    found = values(judgement)
+    assert judgement.named.family == ("level", "viscous")
+    assert found["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.01)
+    assert found["inertia"] == pytest.approx(INERTIA, rel=0.01)
+    (one,) = [one for one in judgement.findings if one.term == "delay"]
+    assert one.size == pytest.approx(-delay, rel=0.02)
