@@ -218,6 +218,8 @@ class Balance:
         That of the records fitted, whose cutoff and scales are taken.
     highest : float
         Largest cutoff [Hz].
+    rests : bool
+        Whether the rows are those at rest.
     """
 
     def __init__(
@@ -225,7 +227,10 @@ class Balance:
         records: Sequence[Record],
         like: "Balance | None" = None,
         highest: float = math.inf,
+        *,
+        rests: bool = False,
     ) -> None:
+        self._rests = rests
         cutoff = None if like is None else like.pieces[0].cutoff
         self.pieces, self._every = pieces_of(records, cutoff, highest)
         if like is not None:
@@ -276,7 +281,7 @@ class Balance:
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
-            self._rows[which] = BalanceRows(self.pieces, which, self._every)
+            self._rows[which] = BalanceRows(self.pieces, which, self._every, rests=self._rests)
         return self._rows[which]
 
     # ---- at the samples
@@ -299,6 +304,8 @@ class Balance:
         self._states = {key: x for key, x in self._states.items() if key in keys}
 
     def _state(self, memory: Memory, piece: Piece) -> Array:
+        if self._rests:  # it may be stretched in either direction
+            return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
         if memory.exponent == 0.0:

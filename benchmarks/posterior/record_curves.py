@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.posterior.nodes import Array, Draws
-from benchmarks.posterior.record_columns import RESOLVED, Balance, law_column
+from benchmarks.posterior.record_columns import RESOLVED, Balance, Memory, law_column
 from benchmarks.posterior.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
@@ -21,6 +21,10 @@ RESOLVED_ROWS = 20
 """Rows of a direction with a resolved speed that tell its range."""
 STUDENT = 6.0
 """Degrees of freedom of the noise of readings."""
+BRISTLES = ("others", "damping")
+"""What bristles do beside their level, which at rest says nothing of what they can hold."""
+AT_LEVEL = 1.25
+"""Range of friction at rest in draws over its level, at which what is above it ends."""
 MOMENTS = (0.0, 0.5, 1.0)
 """When another record was made, in the drift of the one fitted, if its time does not say."""
 
@@ -66,6 +70,16 @@ class OtherRows:
     def response(self) -> Array:
         """What was measured there (n,) [N]."""
         return self.rows.response
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RestRows(OtherRows):
+    """Rows of other records at rest, where friction is anywhere up to its level."""
+
+    @classmethod
+    def of(cls, model: RecordModel, records: Sequence[Record]) -> "RestRows":
+        """Return the rows at rest of other records."""
+        return cls(balance=Balance(records, like=model.balance, rests=True))
 
 
 def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
@@ -152,7 +166,8 @@ def readings(
     """Return draws of the readings of other records (draws, n).
 
     They are those of another run, whose level and slope differ by what runs differ; what was
-    learned of places holds where they were seen.
+    learned of places holds where they were seen. At rest friction is what holds the coordinate: it
+    is drawn between the levels of both directions.
     """
     rows = other.rows
     if not rows.count:
@@ -160,7 +175,7 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    maker = _Readings(model, other.balance, rng)
+    maker = _Readings(model, other.balance, rng, rests=isinstance(other, RestRows))
     found = np.concatenate([maker.of(one, fixed) for one in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
@@ -171,8 +186,10 @@ def readings(
 class _Readings:
     """Draws of the readings of other records, one structure at one node at a time."""
 
-    def __init__(self, model: RecordModel, other: Balance, rng: np.random.Generator) -> None:
-        self.model, self.other, self.rng = model, other, rng
+    def __init__(
+        self, model: RecordModel, other: Balance, rng: np.random.Generator, *, rests: bool = False
+    ) -> None:
+        self.model, self.other, self.rng, self.rests = model, other, rng, rests
         self.rows, frame = other.rows(MIDDLE), model.frame
         self.pulses = other.pulses(MIDDLE)
         own = model.balance.rows(MIDDLE)
@@ -198,7 +215,8 @@ class _Readings:
         if key not in self.seen:
             frame = self.model.frame
             self.seen[key] = self.other.columns(
-                MIDDLE, self.model.memories[memory], self.model.columns,
+                MIDDLE, Memory() if self.rests else self.model.memories[memory],
+                self.model.columns,
                 when=frame.start + moment * frame.duration,
             )  # fmt: skip
         return self.seen[key]
@@ -212,17 +230,21 @@ class _Readings:
         plain = model.split(node, one.random)
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
+        beside = np.zeros_like(f)
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)
         for name, b in plain.items():
-            if name in ("stretch", "turn", "run"):
+            if name in ("stretch", "turn", "run") or (self.rests and name in BRISTLES):
                 continue
             learned = (every[name] @ b).T
             if name in ("place", "force"):
                 new = model.at(node, name) * size * rng.normal(size=b.shape)
                 learned = self.near * learned
                 learned += np.sqrt(1.0 - self.near**2) * (every[name] @ new).T
-            f += learned
+            if name in (*fixed, "sides"):
+                beside += learned
+            else:
+                f += learned
         spread = model.at(node, "stretch") * size * rng.normal(size=(2, count, STRETCHES))
         level = _mean(plain["stretch"], 0)[:, None] + spread[0][:, self.parts]
         tilt = _mean(plain["stretch"], 1)[:, None] + spread[1][:, self.parts]
@@ -235,10 +257,15 @@ class _Readings:
                 size=(count, 1)
             )
         f += level * z + tilt * slope
+        f += self.beyond_inputs(plain, z)
+        if self.rests:  # one in ten draws is at each level, so that the band has them both
+            share = np.clip(AT_LEVEL * rng.uniform(-1.0, 1.0, size=(count, 1)), -1.0, 1.0)
+            return np.asarray(beside + share * f)
+        f += beside
         if self.pulses.shape[1] and "turn" in model.names:
             turned = model.at(node, "turn") * size * rng.normal(size=(count, self.pulses.shape[1]))
             f += turned @ self.pulses.T
-        return f + self.beyond_inputs(plain, z)
+        return f
 
     def beyond_inputs(self, plain: dict[str, Array], z: Array) -> Array:
         """Return what inputs beyond their range may change (k, n): by as much as within it."""

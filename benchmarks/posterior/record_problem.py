@@ -22,6 +22,7 @@ from benchmarks.posterior.record_columns import (
 )
 from benchmarks.posterior.record_curves import (
     OtherRows,
+    RestRows,
     SteadyRows,
     beyond,
     of_another_run,
@@ -167,6 +168,10 @@ class RecordProblem(Problem):
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
         return OtherRows.of(self.model, records)
+
+    def at_rest(self, records: Sequence[Record]) -> RestRows:
+        """Return the rows of other records at rest, where friction is up to its level."""
+        return RestRows.of(self.model, records)
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""

@@ -384,18 +384,28 @@ class Piece:
             found &= moved > least * np.ptp(q)
         return found
 
+    def rests(self, cutoff: float) -> Mask:
+        """Return which samples are at rest, whatever the filter shows of the motion (n,)."""
+        away = 2 * int(AWAY / cutoff / self.step) + 1
+        found = np.asarray(minimum_filter1d(self.still.astype(np.uint8), away) > 0)
+        ends = min(int(ENDS / cutoff / self.step) + 1, len(found) // 10)
+        found[:ends] = found[len(found) - ends :] = False
+        return found
+
 
 class BalanceRows:
-    """Rows of all pieces at one cutoff."""
+    """Rows of all pieces at one cutoff: those in motion, or those at rest."""
 
-    def __init__(self, pieces: Sequence[Piece], which: int, every: int) -> None:
+    def __init__(
+        self, pieces: Sequence[Piece], which: int, every: int, *, rests: bool = False
+    ) -> None:
         self.pieces, self.which = pieces, which
         self.picks: list[Places] = []
         """Finer rows of each piece that are taken."""
         far = []
         for piece in pieces:
             filt = piece.filters[which]
-            usable = piece.usable(filt.band)
+            usable = piece.rests(filt.band) if rests else piece.usable(filt.band)
             fine = np.arange(0, filt.rows, every)
             pick = fine[usable[fine * piece.every]]
             self.picks.append(pick)

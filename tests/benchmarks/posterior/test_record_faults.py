@@ -286,3 +286,26 @@ def test_a_delay_of_the_force_changes_no_law_and_no_inertia(delay: float) -> Non
     assert found["inertia"] == pytest.approx(INERTIA, rel=0.01)
     (one,) = [one for one in judgement.findings if one.term == "delay"]
     assert one.size == pytest.approx(-delay, rel=0.02)
+
+
+# ---- readings at rest
+
+
+def test_at_rest_friction_is_anywhere_up_to_its_level() -> None:
+    law = CoulombViscous(kinetic_coefficient=8.0, viscous_coefficient=6.0)
+    judgement = judged(moved(law, 2))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    rests = problem.at_rest([moved(law, 6)])
+    assert len(rests.response) > 20
+    band = judgement.reading_band(rests)
+    assert np.mean((band.low <= rests.response) & (rests.response <= band.high)) > 0.95
+    # the applied force is all that acts, so that nothing but the level bounds it
+    np.testing.assert_allclose(band.high, 8.0, rtol=0.15)
+    np.testing.assert_allclose(band.low, -8.0, rtol=0.15)
+
+
+def test_a_record_that_never_rests_has_no_rows_at_rest() -> None:
+    problem = RecordProblem([driven()])
+    judgement = Judgement(problem)
+    assert judgement.reading_band(problem.at_rest([driven()])).low.shape == (0,)
