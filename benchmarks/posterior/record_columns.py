@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from benchmarks.posterior.nodes import Array, Column
-from benchmarks.posterior.record_rows import MIDDLE, BalanceRows, Piece, pieces_of
+from benchmarks.posterior.record_rows import MIDDLE, SHORT, BalanceRows, Piece, pieces_of
 from benchmarks.posterior.vocabulary import PARTS
 from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.problems.record_signals import Record, bristle
@@ -309,9 +309,9 @@ class Balance:
         if memory.length == 0.0:
             return piece.direction
         if memory.exponent == 0.0:
-            return bristle(piece.way, memory.length, 0.0)
+            return bristle(piece.along(memory.length), memory.length, 0.0)
         ones = np.ones((len(piece.way), 1))
-        return relaxed(piece.way, self.lengths(memory, piece), ones)[:, 0]
+        return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
 
     def load(self, piece: Piece) -> Array | float:
         """Return the load over the usual one (n,)."""
@@ -359,7 +359,7 @@ class Balance:
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
         groups["others"] = np.column_stack(
-            [bristle(piece.way, one, 0.0) - state for one in lengths]
+            [bristle(piece.along(one), one, 0.0) - state for one in lengths]
         )
         for name in frame.inputs:
             u = self.input(piece, name)
@@ -367,7 +367,7 @@ class Balance:
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
             groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
-        if memory.length > 10.0 * frame.noise and memory.exponent:
+        if memory.length > SHORT * frame.noise and memory.exponent:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x
 
@@ -390,7 +390,7 @@ class Balance:
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:
             parts.append(np.asarray(length)[:, None] / memory.length)
-        found = relaxed(piece.way, length, load * np.hstack(parts))
+        found = relaxed(piece.along(memory.length), length, load * np.hstack(parts))
         groups["common"] = found[:, : hats.shape[1]]
         x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
         if memory.ratio is not None:

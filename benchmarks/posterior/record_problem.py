@@ -31,7 +31,7 @@ from benchmarks.posterior.record_curves import (
     steady_curves,
 )
 from benchmarks.posterior.record_model import SCALES, RecordModel, laws_of, usual_families
-from benchmarks.posterior.record_rows import MIDDLE
+from benchmarks.posterior.record_rows import MIDDLE, SHORT
 from benchmarks.posterior.vocabulary import (
     FLOW_DIRECTIONS,
     PARTS,
@@ -358,7 +358,7 @@ class RecordProblem(Problem):
         memory = self.model.memories[int(np.argmax(shares))]
         lengths = np.array([one.length for one in self.model.memories])
         none = float(shares[lengths == 0.0].sum())
-        if none * SURE > 1.0 - none or memory.length < 10.0 * self.model.frame.noise:
+        if none * SURE > 1.0 - none or memory.length < SHORT * self.model.frame.noise:
             return None
         part = self.model.part(memory)
         seen = math.sqrt(float(np.mean(part**2))) > SEEN

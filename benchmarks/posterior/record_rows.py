@@ -71,6 +71,8 @@ RESET = 20.0
 ALONG = 3.0
 """Band of the way over that of the rows: at a turn a filter rounds more than short bristles are
 long."""
+SHORT = 10.0
+"""Length over the noise of positions from which on a bristle is seen."""
 MOMENT = 2
 """Samples about a turn that do not tell when it was."""
 OTHER_UNIT = 0.3
@@ -308,10 +310,21 @@ class Piece:
     @cached_property
     def way(self) -> Array:
         """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
-        wider = min(ALONG, max(0.2 / self.step / self.cutoff, 1.0))
+        return self._followed(1.0)
+
+    @cached_property
+    def _finer_way(self) -> Array:
+        return self._followed(max(min(ALONG, 0.2 / self.step / self.cutoff), 1.0))
+
+    def _followed(self, wider: float) -> Array:
+        """Return positions that a band over the cutoff lets pass, without chatter (n,)."""
         chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * wider * self.cutoff, 1.0))
         smooth = self.filters[MIDDLE](self.record.position, bent=True, wider=wider, full=True)
         return followed(smooth, chatter)
+
+    def along(self, length: float) -> Array:
+        """Return the way of a bristle (n,): with less of the filter where noise is short of it."""
+        return self._finer_way if length > SHORT * self.noise else self.way
 
     @cached_property
     def direction(self) -> Array:
