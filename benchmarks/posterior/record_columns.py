@@ -12,19 +12,26 @@ which is one triangular system with two diagonals for all levels. Bristles that 
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
 
 from benchmarks.posterior.nodes import Array, Column
-from benchmarks.posterior.record_rows import BalanceRows, Piece, pieces_of
+from benchmarks.posterior.record_rows import MIDDLE, SHORT, BalanceRows, Piece, pieces_of
 from benchmarks.posterior.vocabulary import PARTS
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.problems.record_signals import Record, bristle
 
-LEVELS = frozenset(name for name, part in PARTS.items() if part.dry)
-"""Terms that lag with the bristle, in proportion to the load."""
+GEAR = "gear"
+"""Term of a level that grows with what the gear transmits, whatever the load is."""
+LEVELS = frozenset({GEAR, *(name for name, part in PARTS.items() if part.dry)})
+"""Terms that lag with the bristle."""
+WIDER = 2.0
+"""Band of what a gear transmits, over that of the rows."""
+VARIES = 0.05
+"""Standard deviation of what a gear transmits over its mean, from which friction may show it."""
 OTHERS = (0.15, 0.4, 1.0, 2.5, 6.0)
 """Lengths of further bristles, over that of the law."""
 COSINES, CURVED = 12, 4.0
@@ -59,6 +66,8 @@ class Memory:
     """Length over `length` at the knots of speed (k,)."""
     speed: float = 0.0
     """Speed at which it has `length` [m/s]."""
+    spread: float = 0.0
+    """Standard deviation of the logarithm of lengths for which it stands."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,6 +94,8 @@ class RecordFrame:
     """Geometric mean of the load [N]; 1 where it does not change."""
     inputs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Means and standard deviations of inputs that change."""
+    transmitted: tuple[float, ...] = ()
+    """Tenth, median and ninetieth percentile of what the gear transmits [N], where it changes."""
     sides: tuple[float, ...] = (-1.0, 1.0)
     """Directions that were seen."""
 
@@ -129,8 +140,16 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
     load = 1.0
     if loads and np.ptp(np.concatenate(loads)) > 1e-6 * np.max(np.concatenate(loads)):
         load = float(np.exp(np.mean(np.log(np.maximum(np.concatenate(loads), 1e-9)))))
+    through = [through_gear(one) for one in records]
+    transmitted: tuple[float, ...] = ()
+    if all(x is not None for x in through):
+        x = np.abs(np.concatenate([x for x in through if x is not None]))
+        if np.std(x) > VARIES * np.mean(x):
+            transmitted = tuple(np.quantile(x, (0.1, 0.5, 0.9)).tolist())
     inputs = {}
     for name in records[0].inputs:
+        if name == TRANSMITTED and transmitted:
+            continue
         x = np.concatenate([one.inputs[name] for one in records if name in one.inputs])
         if np.ptp(x) > 1e-6 * (np.max(np.abs(x)) + 1e-300):
             inputs[name] = float(np.mean(x)), float(np.std(x))
@@ -140,12 +159,22 @@ def frame_of(pieces: Sequence[Piece], rows: BalanceRows) -> RecordFrame:
         knots=np.linspace(math.log(low), math.log(top), count),
         begin=float(places.min()), span=float(np.ptp(places)), start=float(rows.time.min()),
         duration=float(np.ptp(rows.time)), noise=min(one.noise for one in pieces), load=load,
-        inputs=inputs, sides=sides or (1.0,),
+        inputs=inputs, transmitted=transmitted, sides=sides or (1.0,),
     )  # fmt: skip
 
 
-def law_column(column: Column, velocity: Array, state: Array, least: float = 0.0) -> Array:
+def through_gear(record: Record) -> Array | None:
+    """Return what the gear of a record transmits (n,) [N], with its sign if that is known."""
+    return record.inputs.get(TRANSMITTED) if record.transmitted is None else record.transmitted
+
+
+def law_column(
+    column: Column, velocity: Array, state: Array, least: float = 0.0,
+    transmitted: Array | float = 0.0,
+) -> Array:  # fmt: skip
     """Return a column of a law (n,) at velocities where bristles have a state.
+
+    What a gear transmits is that for each unit of the state, which has the load in it.
 
     Examples
     --------
@@ -153,6 +182,8 @@ def law_column(column: Column, velocity: Array, state: Array, least: float = 0.0
     [1.0, 0.368]
     """
     name, shape = column
+    if name == GEAR:
+        return np.asarray(state * transmitted)
     part, speed = PARTS[name], np.abs(velocity)
     if part.dry:
         return np.asarray(state * part.curve(np.maximum(speed, least), shape))
@@ -187,6 +218,8 @@ class Balance:
         That of the records fitted, whose cutoff and scales are taken.
     highest : float
         Largest cutoff [Hz].
+    rests : bool
+        Whether the rows are those at rest.
     """
 
     def __init__(
@@ -194,9 +227,15 @@ class Balance:
         records: Sequence[Record],
         like: "Balance | None" = None,
         highest: float = math.inf,
+        *,
+        rests: bool = False,
     ) -> None:
+        self._rests = rests
         cutoff = None if like is None else like.pieces[0].cutoff
         self.pieces, self._every = pieces_of(records, cutoff, highest)
+        if like is not None:
+            self.pieces = [replace(one, delay=like.pieces[0].delay) for one in self.pieces]
+        self._from: Balance = like or self
         self._rows: dict[int, BalanceRows] = {}
         starts, ends = (np.array([one.record.time[k] for one in self.pieces]) for k in (0, -1))
         # what follows in time is the same run
@@ -221,10 +260,28 @@ class Balance:
         """Whether the inertia is looked for."""
         return not self.measured and self.pieces[0].record.inertia is None
 
+    @property
+    def given(self) -> tuple[str, ...]:
+        """What is given beside the force and may be given wrong, where nothing else is sought."""
+        records = [one.record for one in self._from.pieces]
+        sought = any(not one.doubt for one in records[0].unknown.values())
+        if self.measured or self.finds_inertia or sought:
+            return ()
+        told = {
+            "inertia": any(one.inertia for one in records),
+            "mechanism": any(one.mechanism is not None for one in records),
+        }
+        return tuple(name for name, is_given in told.items() if is_given)
+
+    def delay(self, late: float) -> None:
+        """Let forces act later than recorded [s], as found along the records."""
+        self.pieces = [replace(one, delay=late) for one in self.pieces]
+        self._rows, self._states = {}, {}
+
     def rows(self, which: int) -> BalanceRows:
         """Return the rows at one of the cutoffs."""
         if which not in self._rows:
-            self._rows[which] = BalanceRows(self.pieces, which, self._every)
+            self._rows[which] = BalanceRows(self.pieces, which, self._every, rests=self._rests)
         return self._rows[which]
 
     # ---- at the samples
@@ -247,17 +304,28 @@ class Balance:
         self._states = {key: x for key, x in self._states.items() if key in keys}
 
     def _state(self, memory: Memory, piece: Piece) -> Array:
+        if self._rests:  # it may be stretched in either direction
+            return np.ones(len(piece.way))
         if memory.length == 0.0:
             return piece.direction
         if memory.exponent == 0.0:
-            return bristle(piece.way, memory.length, 0.0)
+            return bristle(piece.along(memory.length), memory.length, 0.0)
         ones = np.ones((len(piece.way), 1))
-        return relaxed(piece.way, self.lengths(memory, piece), ones)[:, 0]
+        return relaxed(piece.along(memory.length), self.lengths(memory, piece), ones)[:, 0]
 
     def load(self, piece: Piece) -> Array | float:
         """Return the load over the usual one (n,)."""
         x = piece.record.load
         return 1.0 if x is None or self.frame.load == 1.0 else np.maximum(x, 0.0) / self.frame.load
+
+    def transmitted(self, piece: Piece) -> Array | float:
+        """Return what the gear transmits over the load, which states are times (n,)."""
+        x = through_gear(piece.record) if self.frame.transmitted else None
+        if x is None:
+            return 0.0
+        # it has the noise of accelerations, which has no sign where the size is taken
+        smooth = piece.filters[MIDDLE](x, wider=WIDER, full=True)
+        return np.asarray(np.abs(smooth) / np.maximum(self.load(piece), 1e-9))
 
     def input(self, piece: Piece, name: str) -> Array:
         """Return an input (n,) from its mean, over its standard deviation."""
@@ -278,7 +346,8 @@ class Balance:
         hats = self._hats(piece)
         time = piece.record.time if when is None else np.full(len(v), when)
         course = frame.course(time)
-        x = np.column_stack([law_column(one, v, z, frame.least) for one in laws])
+        through = self.transmitted(piece)
+        x = np.column_stack([law_column(one, v, z, frame.least, through) for one in laws])
         groups = {
             "state": z[:, None],
             "common": z[:, None] * hats,
@@ -290,7 +359,7 @@ class Balance:
         first = memory.length or self._first
         lengths = [min(k * first, frame.span / 3.0) for k in OTHERS]
         groups["others"] = np.column_stack(
-            [bristle(piece.way, one, 0.0) - state for one in lengths]
+            [bristle(piece.along(one), one, 0.0) - state for one in lengths]
         )
         for name in frame.inputs:
             u = self.input(piece, name)
@@ -298,7 +367,7 @@ class Balance:
             groups[f"viscous*{name}"] = (v / frame.top * u)[:, None]
         if frame.load != 1.0:
             groups["load"] = (z * np.log(np.maximum(self.load(piece), 1e-3)))[:, None]
-        if memory.length > 10.0 * frame.noise and memory.exponent:
+        if memory.length > SHORT * frame.noise and memory.exponent:
             self._lag(memory, laws, piece, hats, x, groups)
         return groups, x
 
@@ -313,15 +382,15 @@ class Balance:
     ) -> None:  # fmt: skip
         """Let levels of laws and the curve lag; damping of bristles is what the lag changes by."""
         lagging = [k for k, (name, _) in enumerate(laws) if name in LEVELS]
-        ones, load = np.ones(len(piece.way)), np.reshape(self.load(piece), (-1, 1))
-        levels = [
-            law_column(laws[k], np.abs(piece.velocity), ones, self.frame.least) for k in lagging
-        ]
+        load = np.reshape(self.load(piece), (-1, 1))
+        speed, through = np.abs(piece.velocity), self.transmitted(piece)
+        flat = np.ones(len(speed))
+        levels = [law_column(laws[k], speed, flat, self.frame.least, through) for k in lagging]
         length = self.lengths(memory, piece)
         parts = [hats, *(one[:, None] for one in levels)]
         if memory.ratio is not None:
             parts.append(np.asarray(length)[:, None] / memory.length)
-        found = relaxed(piece.way, length, load * np.hstack(parts))
+        found = relaxed(piece.along(memory.length), length, load * np.hstack(parts))
         groups["common"] = found[:, : hats.shape[1]]
         x[:, lagging] = found[:, hats.shape[1] : hats.shape[1] + len(lagging)]
         if memory.ratio is not None:
@@ -336,14 +405,34 @@ class Balance:
             found["side"] = rows.seen([np.abs(p.velocity) / frame.top for p in pieces])[:, None]
         found["slope"] = self.slope(which)[:, None]
         found["force"] = rows.seen([frame.places(p.record.position, self.waves[0]) for p in pieces])
-        if not self.measured:
-            found["delay"] = rows.seen([p.record.force for p in pieces], slope=1)[:, None]
+        late = [p.late for p in pieces]
+        found["delay"] = rows.seen([p.record.force for p in pieces], slope=1, late=late)[:, None]
+        if self.given:
+            found["given"] = self.errors(which)
         for path, one in pieces[0].record.unknown.items():
             force = rows.seen([p.record.unknown[path].force for p in pieces])
             found[path] = (one.inertia * rows.acceleration - force)[:, None]
         if self.finds_inertia:
             found["inertia"] = rows.acceleration[:, None]
         return found
+
+    def errors(self, which: int) -> Array:
+        """Return what is left where a share of given forces is missing, at the rows (n, p).
+
+        Of that of the inertia, that of the mechanism, or of both: then the force has another gain.
+        """
+        rows, found = self.rows(which), list[Array]()
+        if "inertia" in self.given:
+            own = np.array([one.record.inertia or 0.0 for one in self.pieces])
+            found.append(own[rows.piece] * rows.acceleration)
+        if "mechanism" in self.given:
+            forces = [
+                0.0 * one.record.time if one.record.mechanism is None else one.record.mechanism
+                for one in self.pieces
+            ]
+            found.append(-rows.seen(forces))
+        both = [found[0] + found[1]] if len(found) > 1 else []
+        return np.column_stack([*found, *both])
 
     def slope(self, which: int) -> Array:
         """Return the velocity over the largest at the rows (n,)."""

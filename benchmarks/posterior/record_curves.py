@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.posterior.nodes import Array, Draws
-from benchmarks.posterior.record_columns import RESOLVED, Balance, law_column
-from benchmarks.posterior.record_model import SCALES, STRETCHES, RecordModel
+from benchmarks.posterior.record_columns import RESOLVED, Balance, Memory, law_column
+from benchmarks.posterior.record_model import BELOW, SCALES, STRETCHES, RecordModel
 from benchmarks.posterior.record_rows import MIDDLE, BalanceRows
 from stickslip.identify.problems.record_signals import Record
 
-BEYOND, FARTHEST = 0.06, 3.0
-"""Level by which friction may differ for each e-fold of speed that was not resolved, and the
-e-folds that count."""
+FARTHEST = 3.0
+"""E-folds of speed beyond those resolved that count."""
 NEARBY, FADES = 1.0 / 60.0, 1.0 / 24.0
 """Distance from places that were seen up to which what was learned of the place holds, and over
 which it fades, over the range of positions."""
@@ -22,6 +21,10 @@ RESOLVED_ROWS = 20
 """Rows of a direction with a resolved speed that tell its range."""
 STUDENT = 6.0
 """Degrees of freedom of the noise of readings."""
+BRISTLES = ("others", "damping")
+"""What bristles do beside their level, which at rest says nothing of what they can hold."""
+AT_LEVEL = 1.25
+"""Range of friction at rest in draws over its level, at which what is above it ends."""
 MOMENTS = (0.0, 0.5, 1.0)
 """When another record was made, in the drift of the one fitted, if its time does not say."""
 
@@ -38,6 +41,8 @@ class SteadyRows:
     """Loads over the usual one (n,)."""
     inputs: Mapping[str, Array]
     """Inputs (n,) from their means, over their standard deviations."""
+    transmitted: Array | float = 0.0
+    """What the gear transmits over the ratio of loads (n,) [N]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,6 +72,16 @@ class OtherRows:
         return self.rows.response
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RestRows(OtherRows):
+    """Rows of other records at rest, where friction is anywhere up to its level."""
+
+    @classmethod
+    def of(cls, model: RecordModel, records: Sequence[Record]) -> "RestRows":
+        """Return the rows at rest of other records."""
+        return cls(balance=Balance(records, like=model.balance, rests=True))
+
+
 def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return steady friction, with what is constant (draws, n).
 
@@ -84,7 +99,7 @@ def steady_curves(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) ->
         plain = model.split(one.node, one.random)
         f = np.zeros((one.random.shape[1], len(v)))
         for column, c in zip(one.structure, one.law, strict=True):
-            f += np.outer(c, law_column(column, v, state))
+            f += np.outer(c, law_column(column, v, state, 0.0, at.transmitted))
         level = place @ plain["place"] + course @ plain["drift"][:count]
         level += _mean(plain["stretch"], 0)
         slope = course @ plain["drift"][count:] + _mean(plain["stretch"], 1)
@@ -116,7 +131,7 @@ def _numbers(draws: Sequence[Draws]) -> list[int]:
 def beyond(model: RecordModel, draws: Sequence[Draws], at: SteadyRows) -> Array:
     """Return what friction may do at speeds that were not resolved (draws, n)."""
     rng = np.random.default_rng(5)
-    moved = far_from(model, at.velocity) * BEYOND * model.size * np.sign(at.velocity)
+    moved = far_from(model, at.velocity) * BELOW * model.size * np.sign(at.velocity)
     return np.asarray(rng.normal(size=(sum(_numbers(draws)), 1)) * moved)
 
 
@@ -151,7 +166,8 @@ def readings(
     """Return draws of the readings of other records (draws, n).
 
     They are those of another run, whose level and slope differ by what runs differ; what was
-    learned of places holds where they were seen.
+    learned of places holds where they were seen. At rest friction is what holds the coordinate: it
+    is drawn between the levels of both directions.
     """
     rows = other.rows
     if not rows.count:
@@ -159,7 +175,7 @@ def readings(
     rng = np.random.default_rng([seed, 11])
     fixed = other.balance.fixed(MIDDLE)
     fixed.pop("slope")
-    maker = _Readings(model, other.balance, rng)
+    maker = _Readings(model, other.balance, rng, rests=isinstance(other, RestRows))
     found = np.concatenate([maker.of(one, fixed) for one in draws])
     noise = model.noises[MIDDLE]
     size = noise.deviations[model.classes(other.balance, MIDDLE, noise)]
@@ -170,8 +186,10 @@ def readings(
 class _Readings:
     """Draws of the readings of other records, one structure at one node at a time."""
 
-    def __init__(self, model: RecordModel, other: Balance, rng: np.random.Generator) -> None:
-        self.model, self.other, self.rng = model, other, rng
+    def __init__(
+        self, model: RecordModel, other: Balance, rng: np.random.Generator, *, rests: bool = False
+    ) -> None:
+        self.model, self.other, self.rng, self.rests = model, other, rng, rests
         self.rows, frame = other.rows(MIDDLE), model.frame
         self.pulses = other.pulses(MIDDLE)
         own = model.balance.rows(MIDDLE)
@@ -197,7 +215,8 @@ class _Readings:
         if key not in self.seen:
             frame = self.model.frame
             self.seen[key] = self.other.columns(
-                MIDDLE, self.model.memories[memory], self.model.columns,
+                MIDDLE, Memory() if self.rests else self.model.memories[memory],
+                self.model.columns,
                 when=frame.start + moment * frame.duration,
             )  # fmt: skip
         return self.seen[key]
@@ -211,33 +230,42 @@ class _Readings:
         plain = model.split(node, one.random)
         at = [model.columns.index(column) for column in one.structure]
         f = (x[:, at] @ one.law).T
+        beside = np.zeros_like(f)
         every = {**groups, **fixed}
         z, slope = groups["state"][:, 0], self.other.slope(MIDDLE)
         for name, b in plain.items():
-            if name in ("stretch", "turn", "run"):
+            if name in ("stretch", "turn", "run") or (self.rests and name in BRISTLES):
                 continue
             learned = (every[name] @ b).T
             if name in ("place", "force"):
                 new = model.at(node, name) * size * rng.normal(size=b.shape)
                 learned = self.near * learned
                 learned += np.sqrt(1.0 - self.near**2) * (every[name] @ new).T
-            f += learned
+            if name in (*fixed, "sides"):
+                beside += learned
+            else:
+                f += learned
         spread = model.at(node, "stretch") * size * rng.normal(size=(2, count, STRETCHES))
         level = _mean(plain["stretch"], 0)[:, None] + spread[0][:, self.parts]
         tilt = _mean(plain["stretch"], 1)[:, None] + spread[1][:, self.parts]
         runs = run_sizes(model, [one], rng)
         level = level + runs * rng.normal(size=(count, 1))
         tilt = tilt + runs * rng.normal(size=(count, 1))
-        level = level + self.far * BEYOND * size * rng.normal(size=(count, 1))
+        level = level + self.far * BELOW * size * rng.normal(size=(count, 1))
         if self.after:
             level = level + self.ahead * model.at(node, "drift") * size * rng.normal(
                 size=(count, 1)
             )
         f += level * z + tilt * slope
+        f += self.beyond_inputs(plain, z)
+        if self.rests:  # one in ten draws is at each level, so that the band has them both
+            share = np.clip(AT_LEVEL * rng.uniform(-1.0, 1.0, size=(count, 1)), -1.0, 1.0)
+            return np.asarray(beside + share * f)
+        f += beside
         if self.pulses.shape[1] and "turn" in model.names:
             turned = model.at(node, "turn") * size * rng.normal(size=(count, self.pulses.shape[1]))
             f += turned @ self.pulses.T
-        return f + self.beyond_inputs(plain, z)
+        return f
 
     def beyond_inputs(self, plain: dict[str, Array], z: Array) -> Array:
         """Return what inputs beyond their range may change (k, n): by as much as within it."""

@@ -18,7 +18,7 @@ with the inertia and what else is looked for, a law and the curve that lag with 
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -39,15 +39,17 @@ from benchmarks.posterior.nodes import (
     System,
 )
 from benchmarks.posterior.record_columns import (
+    GEAR,
     LEVELS,
     LUGRE,
     RESOLVED,
     Balance,
     Memory,
+    RecordFrame,
     law_column,
 )
-from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, BalanceRows
-from benchmarks.posterior.vocabulary import FAMILIES, NARROW, SIGNED, Grid
+from benchmarks.posterior.record_rows import CUTOFFS, MIDDLE, SHORT, BalanceRows
+from benchmarks.posterior.vocabulary import FAMILIES, NARROW, PLACE, SIGNED, Grid
 from stickslip.identify.problems.record_signals import Record
 
 Names: TypeAlias = NDArray[np.str_]
@@ -78,16 +80,19 @@ SCALES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "delay": ((0.5, 5.0), (0.8, 0.2)),
     "input": ((0.01, 0.1, 0.6), (0.4, 0.3, 0.3)),
     "run": ((0.005, 0.02, 0.08), (0.4, 0.5, 0.1)),
+    "given": ((0.01, 0.1, 1.0), (0.8, 0.15, 0.05)),
 }
 """Sizes over that of the friction, with their prior probabilities: of the curve that no law says,
 common to both directions and of each; of its length in e-folds of speed; of drift, level by place,
 force by place; of the level and viscous friction of a twentieth of the record; of the pulse of a
 turn; of bristles of other lengths; the delay in samples; the change with an input by its standard
-deviation; level and viscous friction of another run. They say what a careful experimenter would
+deviation; level and viscous friction of another run; errors of the inertia and of the forces that
+are given, over these, of which the last are wrong units. They say what a careful experimenter would
 expect."""
 USUAL: dict[str, int] = {
     "common": 3, "sides": 1, "length": 1, "drift": 2, "place": 2, "force": 2, "stretch": 3,
     "turn": 2, "others": 1, "delay": 0, "input": 1, "run": 1,
+    "given": 1,
 }  # fmt: skip
 """Where a search begins."""
 SIZES: dict[str, float] = {
@@ -97,6 +102,8 @@ SIZES: dict[str, float] = {
 }
 """Sizes that are no scales: a constant force, the change by an
 e-fold of the load that is not in proportion, and the least of the slope by direction."""
+STEEP = 3.0
+"""Size of the slope by direction over that of the curve by direction, of which it is the line."""
 LOOKED_FOR = 3.0
 """Size of what is looked for, over that of the force."""
 STRETCHES = 20
@@ -116,19 +123,26 @@ BLOCKS = (200, 100, 50, 25)
 """Numbers of parts in which scores are summed."""
 LENGTHS = 9
 """Lengths of bristles that are looked at first, from twice the noise to a quarter of the range."""
+BRISTLE = 1.0 / (2.0 * LENGTHS)
+"""Prior odds of the bristle that leaves least of those that are looked at, against none: as likely
+as none are all, of which the others count for nothing."""
 ABOUT = (0.5, 0.71, 1.41, 2.0)
 """Further lengths about the two best, over them."""
 KEPT = 2
 """Bristles that are kept, beside none."""
-SHORT = 10.0
-"""Length over the noise of positions from which on a bristle is seen."""
 SEEN = 0.03
-"""Root mean square of what a bristle is from the direction from which on its length follows."""
+"""Root mean square of what a bristle lacks of being stretched, from which its length follows."""
 FOLLOWING = (0.8, 1.0, 1.3, 1.7)
 AGAIN = (0.85, 1.0, 1.18)
 """Lengths that are looked at where the length follows the level, over the one before."""
 WIDTHS = (0.005, 0.2)
 """Range of the relative deviation of such a length."""
+ASIDE, WITHIN = 1.3, 0.6
+"""Deviations by which further lengths are beside it, and what each stands for: of the three nodes
+and within them the deviation is 1.05."""
+BELOW = 0.06
+"""Level by which friction may differ for each e-fold of speed that was not resolved: half of what
+shows a bristle is slower than the speed of its length."""
 ROUNDS, FOLLOWED, ROUND_NODES = 2, 3, 80
 """Rounds, those with a length that follows the level, and nodes of each."""
 NODES = 160
@@ -137,6 +151,10 @@ THIRDS = 5
 """Times that shapes are refined by thirds of a step ..."""
 RESOLVING, LEAST_SHARE = 4.0, 0.02
 """... where fewer shapes than that count, in families with that share at least."""
+GEARED = (
+    "gear level", "gear level viscous", "gear level stribeck", "gear level stribeck viscous",
+)  # fmt: skip
+"""Families of servo motors, whose level grows with what the gear transmits (duclusaud2025)."""
 KEPT_LAWS, BEHIND, LOST = 24, 12.0, 60.0
 """Laws whose shapes are refined; the logarithm of the weight from which laws and bristles are not
 kept beside the best, and that of whole families after the first round, half of it later ..."""
@@ -145,10 +163,22 @@ ALWAYS: tuple[Family, ...] = ((), ("level", "stribeck", "viscous"))
 TINY = 1e-300
 ROUNDING = 1e-8
 """Share of the covariance of the curve that keeps its root positive."""
+EXACT = 1e-6
+"""Noise of rows at least, over the root mean square of the response: numbers and filters round."""
+RIDGE = 1e-12
+"""Share of its own square that each column has as noise of its own: as much as rounding may make
+of columns that are nearly alike, so that factors exist where nothing else is noise."""
 SOFT = 1e-7
 """Share of the products of columns that keeps a first fit solvable."""
 LEAST = 1e-6
 """Least size over that of the friction."""
+DELAYS = np.linspace(-1.0, 1.0, 21)
+"""Delays of forces that are looked at, over 1/cutoff."""
+HALVED = 2.0
+"""What is left without a delay over that with it, from which it is taken: true delays that are not
+linear leave 2.7 to 500 times less, and the moments of turns up to 1.6 times."""
+LINEAR = 0.08
+"""Delay over 1/cutoff up to which a column says it: half its square is an eighth."""
 FEW, FEWEST = 20, 5
 """Rows that a quantile or a median needs."""
 STEPS, DENSEST, PARTS = 0.5, 400.0, 1500
@@ -157,7 +187,7 @@ BESIDE_LEVELS = ("power", "saturating")
 """Flows that fall off, and so may stand for a level."""
 CURVES = ("common", "sides")
 """Groups that are curves of the speed."""
-LOOKED = ("inertia", "offset")
+LOOKED = ("given", "inertia", "offset")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -216,7 +246,7 @@ class RecordModel(Model):
         self.frame = self.balance.frame
         self.names = tuple(name for name in SCALES if self._acts(name))
         """Scales of sizes that act in these records."""
-        known = [tuple(one.split()) for one in FAMILIES] if families is None else [*families]
+        known = usual_families(self.frame) if families is None else [*families]
         self.structures, self.priors = self._structures([*dict.fromkeys([(), *known])])
         self.columns = tuple(dict.fromkeys(one for law in self.structures for one in law))
         self.memories: list[Memory] = []
@@ -247,10 +277,7 @@ class RecordModel(Model):
 
     def _structures(self, families: Collection[Family]) -> tuple[tuple[Structure, ...], Array]:
         """Return the laws with their shapes, and the logarithms of their priors."""
-        found, priors = list[Structure](), list[float]()
-        for family, shapes, prior in self.grid.families([*families]):
-            found.append(tuple(zip(family, shapes, strict=True)))
-            priors.append(prior)
+        found, priors = zip(*laws_of(self.grid, families), strict=True)
         return tuple(found), np.array(priors)
 
     @property
@@ -263,7 +290,12 @@ class RecordModel(Model):
         bands = tuple(CUTOFFS[k] * self.balance.pieces[0].cutoff for k in self.cutoffs)
         return [
             *sizes,
-            Scale(name="bristle", values=lengths, prior=tuple(1.0 for _ in lengths), ordered=False),
+            Scale(
+                name="bristle",
+                values=lengths,
+                prior=tuple(BRISTLE if x else 1.0 for x in lengths),
+                ordered=False,
+            ),
             Scale(
                 name="cutoff",
                 values=bands,
@@ -279,9 +311,9 @@ class RecordModel(Model):
         acts = {
             "sides": len(self.frame.sides) > 1,
             "turn": balance.turned,
-            "delay": not balance.measured,
             "input": bool(self.frame.inputs),
             "run": balance.runs > 1,
+            "given": bool(balance.given),
         }
         return acts.get(name, True)
 
@@ -349,6 +381,7 @@ class RecordModel(Model):
                 if len(at):
                     gram[:, at] = gram[:, at] @ root
                     gram[at] = root.T @ gram[at]
+            gram[np.diag_indices(len(gram) - 1)] *= 1.0 + RIDGE
             self._grams[key] = gram
         return self._grams[key]
 
@@ -380,13 +413,15 @@ class RecordModel(Model):
             if name in record.record.unknown or name == "inertia":
                 doubt = record.record.unknown[name].doubt if name != "inertia" else 0.0
                 found[at] = doubt or LOOKED_FOR * of_force / design.least[at]
+            elif name == "given":
+                found[at] = self.at(node, name)
             elif name == "delay":
                 found[at] = self.at(node, name) * record.step
             elif name == "damping":
                 longest = max(bristle.length, self.frame.noise)
                 found[at] = math.sqrt(self.size * max(self.inertia, 0.0) * longest) + LEAST * size
             elif name == "side":
-                found[at] = max(self.at(node, "sides"), SIZES["side"]) * size
+                found[at] = max(STEEP * self.at(node, "sides"), SIZES["side"]) * size
             elif name in SIZES:
                 found[at] = SIZES[name] * size
             else:
@@ -399,19 +434,25 @@ class RecordModel(Model):
         """Keep the bristles whose curve leaves least; return what the best leaves (n,)."""
         rows, frame, balance = self.balance.rows(MIDDLE), self.frame, self.balance
         plain = balance.fixed(MIDDLE)
-        base = [plain["slope"], *(plain[name] for name in plain if name in LOOKED or "." in name)]
+        names = [name for name in plain if name in (*LOOKED, "side") or "." in name]
+        base = [plain["slope"], *(plain[name] for name in names)]
         fixed = np.hstack([np.ones((rows.count, len(frame.sides) - 1)), *base])
         hats = [frame.hats(one.velocity)[:, ::2] for one in balance.pieces]
         looked: list[tuple[float, Memory, Array, float, float]] = []
 
-        def look(memory: Memory) -> None:
+        def columns(memory: Memory) -> Array:
             parts = []
             for piece, state, hat in zip(balance.pieces, balance.states(memory), hats, strict=True):
                 z = state * balance.load(piece)
                 own = [z[:, None], z[:, None] * hat]
                 own += [(z * balance.input(piece, name))[:, None] for name in frame.inputs]
+                if frame.transmitted:
+                    own.append((z * balance.transmitted(piece))[:, None])
                 parts.append(np.hstack(own))
-            x = np.hstack([fixed, rows.seen(parts)])
+            return np.hstack([fixed, rows.seen(parts)])
+
+        def look(memory: Memory) -> None:
+            x = columns(memory)
             scale = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
             x = x / scale
             gram = x.T @ x + SOFT * rows.count * np.eye(x.shape[1])
@@ -425,15 +466,18 @@ class RecordModel(Model):
             looked.append((float(np.mean(cut**2)), memory, e, size, float(inertia)))
 
         none = Memory()
-        shortest = 2.0 * frame.noise
+        # along less, a bristle is nothing but the moment of a turn between samples
+        shortest = max(2.0 * frame.noise, *(one.turned_in for one in balance.pieces))
         lengths = np.geomspace(shortest, max(frame.span / 4.0, 2.0 * shortest), LENGTHS)
         for memory in [none, *(Memory(length=x, exponent=n) for n in (0.0, 1.0) for x in lengths)]:
             look(memory)
         looked.sort(key=lambda one: one[0])
+        if self._delayed([columns(one) for one in (none, *(one[1] for one in looked[:KEPT]))]):
+            return self._screen()
         best = [one[1] for one in looked if one[1].length][:2]
         for one in best:
             for factor in ABOUT:
-                look(replace(one, length=factor * one.length))
+                look(replace(one, length=max(factor * one.length, shortest)))
         looked.sort(key=lambda one: one[0])
         bristles = [one[1] for one in looked if one[1].length]
         balance.first = bristles[0].length
@@ -446,6 +490,33 @@ class RecordModel(Model):
         balance.waves = waves_of(rows, frame.span, frame.noise, left)
         self.first = next((k for k, one in enumerate(self.memories) if one is looked[0][1]), 0)
         return left
+
+    def _delayed(self, columns: Sequence[Array]) -> bool:
+        """Let forces act at another time if that leaves far less; return whether it does.
+
+        A delay is looked for that is not linear any more: each stands with a column for the rest,
+        beside the columns of some bristles (n, p).
+        """
+        rows, balance = self.balance.rows(MIDDLE), self.balance
+        if any(one.delay for one in balance.pieces):
+            return False
+        forces, late = [p.record.force for p in balance.pieces], [p.late for p in balance.pieces]
+        rest = rows.response - rows.seen(forces, late=late)
+        left, delays = list[float](), (DELAYS / balance.pieces[0].cutoff).tolist()
+        for k, delay in enumerate(delays):
+            at = [x + delay for x in late]
+            y = rest + rows.seen(forces, late=at)
+            slope = rows.seen(forces, slope=1, late=at)[:, None]
+            fits = [squares_left(np.hstack([x, slope]), y) for x in columns]
+            square, more = min(fits)
+            left.append(square)
+            delays[k] = delay + more
+        least, none = int(np.argmin(left)), len(left) // 2
+        found = delays[least]
+        if abs(found) < LINEAR / balance.pieces[0].cutoff or left[none] < HALVED * left[least]:
+            return False
+        balance.delay(found)
+        return True
 
     # ---- rounds
     def _rounds(self) -> Node:
@@ -545,6 +616,11 @@ class RecordModel(Model):
         plain, groups = self.plain(node, random), self.design(*self.key(node)).groups
         return {name: plain[groups == name] for name in dict.fromkeys(groups.tolist())}
 
+    def part(self, memory: Memory) -> Array:
+        """Return what a bristle lacks of being stretched, at the middle rows (n,)."""
+        state = self.balance.rows(MIDDLE).taken(self.balance.states(memory))
+        return np.asarray(1.0 - np.minimum(np.abs(state), 1.0))
+
     def key(self, node: Node) -> tuple[int, int]:
         """Return the cutoff and the bristle of a node."""
         return self.cutoffs[node[-1]], node[-2]
@@ -582,7 +658,8 @@ class RecordModel(Model):
                 tail = math.sqrt(float(np.mean(np.minimum(e, 6.0 * middle) ** 2)))
                 sizes[k] = 0.5 * (1.48 * middle + tail)
         sizes[sizes == 0.0] = sizes.max(initial=1e-300)
-        sizes = np.maximum(sizes, 0.1 * float(np.median(sizes)) + LEAST**2 * self.size)
+        sizes = np.maximum(sizes, 0.1 * float(np.median(sizes)))
+        sizes = np.maximum(sizes, self._rounding(which))
         pieces = np.ones(len(self.balance.pieces))
         if len(pieces) > 1:
             z = np.minimum((left / sizes[of]) ** 2, 9.0)
@@ -592,6 +669,11 @@ class RecordModel(Model):
             )  # fmt: skip
             pieces = np.clip(pieces / math.sqrt(float(np.mean(pieces**2))), 0.4, 2.5)
         return replace(noise, deviations=sizes, pieces=pieces)
+
+    def _rounding(self, which: int) -> float:
+        """Return the least noise of the rows of a cutoff [N]."""
+        y = self.balance.rows(which).response
+        return EXACT * max(float(np.sqrt(np.mean(y * y))), self.size) + TINY
 
     def _weigh(
         self, which: int, left: Array, noise: Noise, law: Structure = (),
@@ -610,7 +692,8 @@ class RecordModel(Model):
         unit = math.sqrt(float(np.sum(scaled**2)) / free) + 1e-300
         memory = node[-2] if node is not None else self.first
         self.kappa = self._share(which, memory, law, scaled, weights)
-        self.weights[which] = weights * math.sqrt(self.kappa) / unit
+        weights = np.minimum(weights / unit, 1.0 / self._rounding(which))
+        self.weights[which] = weights * math.sqrt(self.kappa)
         self.noises[which] = noise
         for stored in (self._plain, self._grams):
             for key in [key for key in stored if key[0] == which]:
@@ -651,10 +734,9 @@ class RecordModel(Model):
         if bristle.length <= SHORT * frame.noise:
             return None
         rows, balance = self.balance.rows(MIDDLE), self.balance
-        state = rows.taken(balance.states(bristle))
-        away = state - rows.taken([one.direction for one in balance.pieces])
-        if math.sqrt(float(np.mean(away**2))) < SEEN:
+        if math.sqrt(float(np.mean(self.part(bristle) ** 2))) < SEEN:
             return None
+        state = rows.taken(balance.states(bristle))
         part = (np.abs(state) < PART) & (np.abs(rows.velocity) > frame.low / 3.0)
         speed = float(np.median(np.abs(rows.velocity)[part])) if part.sum() > FEW else 0.0
         speed = max(speed, frame.low)
@@ -677,8 +759,12 @@ class RecordModel(Model):
         width = 0.1
         if bend[0] < 0.0:
             width = float(np.clip(math.sqrt(0.5 / max(-bend[0], 1e-9)), *WIDTHS))
-        following = self.memories[-1]
-        beside = [replace(following, length=length * math.exp(x * width)) for x in (-1.3, 1.3)]
+        slower = max(0.0, 1.0 - math.log(speed / frame.low))
+        unknown = math.hypot(BELOW * slower, frame.noise / length)
+        spread = math.hypot(WITHIN * width, unknown)
+        following = replace(self.memories[-1], spread=spread)
+        beside = [replace(following, length=length * math.exp(x * width)) for x in (-ASIDE, ASIDE)]
+        self.memories[-1] = following
         kept = [self.memories[0], following, *beside, *([bristle] if old > new - 5.0 else [])]
         self._keep(kept)
         node = (*node[:-2], 1 if new > old else len(kept) - 1, 0)
@@ -713,7 +799,8 @@ class RecordModel(Model):
         level = self.plain(node, b[:, None])[design.groups == "common", 0]
         for one, x in zip(law, c, strict=True):
             if one[0] in LEVELS:
-                level = level + x * law_column(one, speeds, np.ones_like(speeds))
+                flat, through = np.ones_like(speeds), sum(self.frame.transmitted[1:2])
+                level = level + x * law_column(one, speeds, flat, 0.0, through)
         fast = speeds > 0.2 * speeds[-1]
         level = level - np.polyfit(speeds[fast], level[fast], 1)[0] * speeds
         if not np.all(level > 0.2 * np.median(level)) or np.median(level) <= 0.0:
@@ -734,6 +821,37 @@ class RecordModel(Model):
                 self.weights[which] = math.sqrt(kappa) / (size * usual.pieces[rows.piece])
                 self._again(self._here(own), which)
         return found
+
+
+def usual_families(frame: RecordFrame) -> list[Family]:
+    """Return the families that are compared: with a gear, also those that grow with its load."""
+    geared = [*GEARED] if frame.transmitted else []
+    return [tuple(one.split()) for one in (*FAMILIES, *geared)]
+
+
+def laws_of(grid: Grid, families: Collection[Family]) -> Iterator[tuple[Structure, float]]:
+    """Yield laws with their shapes, and the logarithms of their priors.
+
+    A level by what the gear transmits costs one place from usual to unusual more.
+    """
+    for family in families:
+        beside = [(GEAR, ())] if GEAR in family else list[Column]()
+        rest = tuple(name for name in family if name != GEAR)
+        for _, shapes, prior in grid.families([rest]):
+            law = sorted([*zip(rest, shapes, strict=True), *beside], key=lambda one: one[0])
+            yield tuple(law), prior - PLACE * len(beside)
+
+
+def squares_left(x: Array, y: Array) -> tuple[float, float]:
+    """Return what columns (n, p) leave of values (n,), and the coefficient of the last.
+
+    What they leave is a mean square, without what is far off.
+    """
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    x = x / size
+    c = np.linalg.solve(x.T @ x + SOFT * len(y) * np.eye(x.shape[1]), x.T @ y)
+    e = np.abs(y - x @ c)
+    return float(np.mean(np.minimum(e, 4.0 * np.median(e)) ** 2)), float(c[-1] / size[-1])
 
 
 def waves_of(

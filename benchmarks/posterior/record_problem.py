@@ -12,9 +12,17 @@ from numpy.typing import NDArray
 from benchmarks.posterior.judgement import Candidates, Finding, Points, Problem
 from benchmarks.posterior.nodes import Array, Column, Draws, Family, Structure
 from benchmarks.posterior.projection import TOLERANCE, Free, Rung, Shaped, shapes_to_draw
-from benchmarks.posterior.record_columns import LUGRE, RESOLVED, Memory, law_column
+from benchmarks.posterior.record_columns import (
+    GEAR,
+    LEVELS,
+    LUGRE,
+    RESOLVED,
+    Memory,
+    law_column,
+)
 from benchmarks.posterior.record_curves import (
     OtherRows,
+    RestRows,
     SteadyRows,
     beyond,
     of_another_run,
@@ -22,16 +30,16 @@ from benchmarks.posterior.record_curves import (
     resolved_speeds,
     steady_curves,
 )
-from benchmarks.posterior.record_model import SCALES, RecordModel
-from benchmarks.posterior.record_rows import MIDDLE
+from benchmarks.posterior.record_model import SCALES, RecordModel, laws_of, usual_families
+from benchmarks.posterior.record_rows import MIDDLE, SHORT
 from benchmarks.posterior.vocabulary import (
-    FAMILIES,
     FLOW_DIRECTIONS,
     PARTS,
     Grid,
     flow_direction,
     parameters_of,
 )
+from stickslip.identify.forces import TRANSMITTED
 from stickslip.identify.laws import (
     CHANGING,
     FLOWS,
@@ -52,9 +60,9 @@ EXACT = 0.02
 """Size of what no law says up to which a law is exact: the usual tolerance."""
 MEMORIES = ("dahl", "lugre")
 """Laws with bristles."""
-SEEN, SURE = 0.05, 20.0
-"""Root mean square of what bristles are from the direction, and odds against none, from which
-presliding is named."""
+SEEN, SURE, ROWS = 0.05, 20.0, 7
+"""Root mean square of what bristles lack of being stretched, odds against none, and rows in which
+they lack as much, from which presliding is named: fewer rows may be those of one turn."""
 FINDINGS: Mapping[str, str] = {
     "drift": "drift over the record",
     "place": "level that changes with the place",
@@ -62,6 +70,11 @@ FINDINGS: Mapping[str, str] = {
     "run": "differences between runs",
 }
 """What may stand beside a law, as scales of the posterior."""
+GIVEN: Mapping[str, str] = {
+    "inertia": "inertia larger or smaller than given",
+    "mechanism": "known forces larger or smaller than given",
+}
+"""What may be given wrong."""
 NEGLIGIBLE = 0.01
 """Size over friction below which what stands beside a law is negligible."""
 
@@ -105,6 +118,7 @@ class RecordProblem(Problem):
             known = [*dict.fromkeys(map(parts_of, self.families))]
         self.model = RecordModel(self.records, families=known, highest=self.highest)
         self.posterior = self.model.posterior()
+        self._drawn: Sequence[Draws] = ()
         self.size = self.model.size
         self.load = self.normal
 
@@ -118,10 +132,13 @@ class RecordProblem(Problem):
         v = np.atleast_1d(np.asarray(velocity, dtype=float))
         ones, given = np.ones(len(v)), inputs or {}
         usual = frame.load if frame.load != 1.0 else self.normal
+        ratio = ones * (1.0 if load is None else load / usual)
+        through = given.get(TRANSMITTED, sum(frame.transmitted[1:2])) if frame.transmitted else 0.0
         return SteadyRows(
             velocity=v,
             load=ones * (usual if load is None else load),
-            ratio=ones * (1.0 if load is None else load / usual),
+            ratio=ratio,
+            transmitted=np.abs(through) / ratio,
             inputs={
                 name: ones * (given.get(name, mean) - mean) / size
                 for name, (mean, size) in frame.inputs.items()
@@ -138,7 +155,11 @@ class RecordProblem(Problem):
 
     @cached_property
     def _places(self) -> SteadyRows:
-        return self.at(resolved_speeds(self.model, PLACES))
+        v, through = resolved_speeds(self.model, PLACES), self.model.frame.transmitted
+        if not through:
+            return self.at(v)
+        each = {TRANSMITTED: np.repeat(through, len(v))}
+        return self.at(np.tile(v, len(through)), inputs=each)
 
     def speed_of(self, place: int) -> float:
         """Return the velocity of a place at which laws are compared [m/s]."""
@@ -147,6 +168,10 @@ class RecordProblem(Problem):
     def like(self, records: Sequence[Record]) -> OtherRows:
         """Return the rows of other records, which are another run."""
         return OtherRows.of(self.model, records)
+
+    def at_rest(self, records: Sequence[Record]) -> RestRows:
+        """Return the rows of other records at rest, where friction is up to its level."""
+        return RestRows.of(self.model, records)
 
     def curve_rows(self) -> SteadyRows:
         """Return rows through which a curve is drawn as a law."""
@@ -181,7 +206,7 @@ class RecordProblem(Problem):
             part, _, of = name.partition("*")
             size = self.model.frame.inputs[of][1]
             return [law_column((part, ()), rows.velocity, state) * rows.inputs[of] * size]
-        return [law_column(column, rows.velocity, state)]
+        return [law_column(column, rows.velocity, state, 0.0, rows.transmitted)]
 
     @cached_property
     def beside(self) -> tuple[str, ...]:
@@ -221,19 +246,19 @@ class RecordProblem(Problem):
 
     def candidates(self) -> list[Candidates]:
         """Return the families on which curves are projected, with their structures."""
-        known = [tuple(one.split()) for one in FAMILIES]
+        known = usual_families(self.model.frame)
         if self.families is not None:
             known = [*dict.fromkeys(map(parts_of, self.families))]
         laws: dict[Family, list[Structure]] = {}
-        for family, shapes, _ in self._grid.families([one for one in known if one]):
-            laws.setdefault(family, []).append(tuple(zip(family, shapes, strict=True)))
+        for law, _ in laws_of(self._grid, [one for one in known if one]):
+            laws.setdefault(tuple(name for name, _ in law), []).append(law)
         found = []
         for family, structures in laws.items():
             if self.presliding is not None and "tanh" in family:
                 continue  # bristles are what smooths the level
             every = [self._with_beside(one) for one in structures]
             names = tuple(name for name, _ in every[0])
-            count = parameters_of(family) + len(names) - len(family)
+            count = parameters_of(family) + (GEAR in family) + len(names) - len(family)
             found.append(Candidates(family=names, structures=every, parameters=count))
         return found
 
@@ -248,6 +273,7 @@ class RecordProblem(Problem):
             return CHANGING[part].format(of)
         more = {"tanh": "level that is smooth in the velocity (tanh)",
                 "logarithmic": "logarithm of the speed",
+                GEAR: "share of what the gear transmits",
                 "stribeck_sides": TITLES["stribeck_direction"]}  # fmt: skip
         return more.get(term) or FINDINGS.get(term) or TITLES[term]
 
@@ -297,6 +323,8 @@ class RecordProblem(Problem):
 
     def steady(self, rows: SteadyRows, draws: Sequence[Draws]) -> Array:
         """Return drawn curves alone (k, n): in the mean over the records."""
+        if rows is self._places:
+            self._drawn = draws  # what is projected next is a law of these
         return steady_curves(self.model, draws, rows)
 
     def friction(self, rows: SteadyRows, draws: Sequence[Draws], *, new: bool = False) -> Array:
@@ -330,12 +358,11 @@ class RecordProblem(Problem):
         memory = self.model.memories[int(np.argmax(shares))]
         lengths = np.array([one.length for one in self.model.memories])
         none = float(shares[lengths == 0.0].sum())
-        if none * SURE > 1.0 - none or memory.length < 10.0 * self.model.frame.noise:
+        if none * SURE > 1.0 - none or memory.length < SHORT * self.model.frame.noise:
             return None
-        balance, rows = self.model.balance, self.model.balance.rows(MIDDLE)
-        state = rows.taken(balance.states(memory))
-        away = state - rows.taken([one.direction for one in balance.pieces])
-        return memory if math.sqrt(float(np.mean(away**2))) > SEEN else None
+        part = self.model.part(memory)
+        seen = math.sqrt(float(np.mean(part**2))) > SEEN
+        return memory if seen and np.sum(part > SEEN) > ROWS else None
 
     @property
     def memory(self) -> str:
@@ -365,7 +392,9 @@ class RecordProblem(Problem):
             else:
                 flows = name in (*FLOWS, *FLOW_DIRECTIONS) or name.startswith("viscous")
                 terms[name] = shape, own if flows else own / self.normal
-        means = {name: mean for name, (mean, _) in self.model.frame.inputs.items()}
+        frame = self.model.frame
+        means = {name: mean for name, (mean, _) in frame.inputs.items()}
+        means |= dict(zip([TRANSMITTED], frame.transmitted[1:2], strict=False))
         memory = self.memory
         values = self._bristles(terms, count) if memory else {}
         if memory == "dahl" and self.presliding is not None:
@@ -384,33 +413,42 @@ class RecordProblem(Problem):
         return replace(found, rig=rig, load=self.normal)
 
     def _bristles(self, terms: Mapping[str, tuple[Any, Array]], count: int) -> dict[str, Array]:
-        """Return stiffness and damping of bristles (k,), by the posterior of their length."""
-        level = np.zeros(count)
+        """Return stiffness and damping of bristles (k,).
+
+        Each draw of a curve has the length and the damping of its own node; where there is but one
+        law, it has those in the middle.
+        """
         memory = self.presliding
         assert memory is not None
+        level, through = np.zeros(count), sum(self.model.frame.transmitted[1:2])
+        speed = np.full(count, memory.speed)
         for name, (shape, own) in terms.items():
-            if name in PARTS and PARTS[name].dry:
-                shapes = tuple(np.reshape(x, -1)[0] for x in shape)
-                curve = law_column((name, shapes), np.array([memory.speed]), np.ones(1))
+            if name in LEVELS:
+                shapes = tuple(np.broadcast_to(np.ravel(x), count) for x in shape)
+                curve = law_column((name, shapes), speed, np.ones(count), 0.0, through)
                 level = level + own[:, 0] * curve
-        shares = self.posterior.scale("bristle")
-        lengths = np.array([one.length for one in self.model.memories])
-        shares = np.where(lengths > 0.0, shares, 0.0)
-        at = np.searchsorted(np.cumsum(shares / shares.sum()), (np.arange(count) + 0.5) / count)
-        length = np.random.default_rng(9).permutation(lengths[np.minimum(at, len(lengths) - 1)])
-        damping = self._damping(count) / length / self.normal
-        return {"bristle_stiffness": level / length, "bristle_damping": damping}
+        drawn = self._drawn
+        if sum(one.random.shape[1] for one in drawn) != count:
+            drawn = self.posterior.draws(DRAWN, seed=13)
+        length, damping = self._drawn_bristles(memory, drawn)
+        if len(length) != count:
+            length, damping = (np.full(count, np.median(x)) for x in (length, damping))
+        return {
+            "bristle_stiffness": level / length,
+            "bristle_damping": damping / length / self.normal,
+        }
 
-    def _damping(self, count: int) -> Array:
-        """Return drawn coefficients of the damping of bristles (k,), at least 0."""
-        found = [np.zeros(0)]
-        for one in self.posterior.draws(DRAWN, seed=13):
+    def _drawn_bristles(self, memory: Memory, draws: Sequence[Draws]) -> tuple[Array, Array]:
+        """Return lengths of bristles, and the coefficients of their damping (k,), at least 0."""
+        rng = np.random.default_rng(9)
+        lengths, damping = [], []
+        for one in draws:
+            own, count = self.model.memory(one.node), one.random.shape[1]
+            own = own if own.length else memory
+            lengths.append(own.length * np.exp(own.spread * rng.normal(size=count)))
             plain = self.model.split(one.node, one.random)
-            found.append(plain["damping"][0] if "damping" in plain else np.zeros(one.law.shape[1]))
-        every = np.maximum(np.concatenate(found), 0.0)
-        if count == 1:
-            return np.array([float(np.median(every))])
-        return np.random.default_rng(17).choice(every, size=count)
+            damping.append(plain["damping"][0] if "damping" in plain else np.zeros(count))
+        return np.concatenate(lengths), np.maximum(np.concatenate(damping), 0.0)
 
     def rig(self, draws: Sequence[Draws]) -> dict[str, Array]:
         """Return what is looked for beside the law (k,) in draws, by path."""
@@ -463,6 +501,7 @@ class RecordProblem(Problem):
         """Return what changes along the records, with its probability."""
         found = [self._of_size(name, draws) for name in FINDINGS if name in self.model.names]
         found += [self._delay(draws)] if "delay" in self.model.names else []
+        found += [self._given(name, draws) for name in self.model.balance.given]
         return [one for one in found if one.probability > 0.5]
 
     def _of_size(self, name: str, draws: Sequence[Draws]) -> Finding:
@@ -521,6 +560,25 @@ class RecordProblem(Problem):
             f"{what} changes with the place, by {percent(size)} of friction (standard deviation)."
         )
 
+    def _given(self, name: str, draws: Sequence[Draws]) -> Finding:
+        """Return by how much the inertia, or the mechanism's forces, are not as given."""
+        at = self.model.balance.given.index(name)
+        parts = [self.model.split(one.node, one.random)["given"] for one in draws]
+        several = len(self.model.balance.given) > 1  # the last column is that of both
+        off = np.concatenate([b[at] + (b[-1] if several else 0.0) for b in parts])
+        low, high = np.quantile(off, (0.025, 0.975)).tolist()
+        middle = float(np.median(off))
+        factors = [quantity(1.0 + x, "", 3) for x in (middle, low, high)]
+        what = {
+            "inertia": "The inertia is {} times as given ({} to {})",
+            "mechanism": "Forces of the mechanism are {} times as given ({} to {})",
+        }[name].format(*factors)
+        return Finding(
+            term=f"{name}_given", title=GIVEN[name],
+            probability=float(np.mean(np.abs(off) > NEGLIGIBLE)), size=middle, low=low, high=high,
+            sentence=f"{what}, or the gain of the force or a unit of length is wrong.",
+        )  # fmt: skip
+
     def _delay(self, draws: Sequence[Draws]) -> Finding:
         """Return by how much the force acts later than recorded."""
         model = self.model
@@ -549,4 +607,4 @@ def parts_of(family: Family) -> Family:
     ('level', 'viscous')
     """
     names = ("stribeck" if name == "stribeck_sides" else name for name in family)
-    return tuple(sorted({name for name in names if name in PARTS}))
+    return tuple(sorted({name for name in names if name in PARTS or name == GEAR}))

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
+from stickslip.errors import InputError
 from stickslip.identify.problems.record_signals import Filter, Record, followed
 
 Array: TypeAlias = NDArray[np.float64]
@@ -56,8 +57,9 @@ SURE = 3.0
 """Speed whose direction is sure, over the noise."""
 AWAY = 2.5
 """Distance from rests, over 1/cutoff."""
-LEAST = 0.05
-"""Part of the samples that must be away from rests; else those not at rest are rows, or all."""
+LEAST, FEWEST = 0.05, 25
+"""Part of the samples, or rows, that must be away from rests; else those not at rest are rows, or
+all."""
 ENDS, ENDS_MEASURED = 2.0, 0.5
 """Distance from the ends, over 1/cutoff: of a balance, and of friction that was measured."""
 WAY, WAY_MEASURED = 0.1, 0.8
@@ -66,6 +68,70 @@ TURNS = 0.6
 """Distance of turns that count as two, over 1/cutoff."""
 RESET = 20.0
 """Jump of a counter that is no motion, over the largest steps around it."""
+ALONG = 3.0
+"""Band of the way over that of the rows: at a turn a filter rounds more than short bristles are
+long."""
+SHORT = 10.0
+"""Length over the noise of positions from which on a bristle is seen."""
+MOMENT = 2
+"""Samples about a turn that do not tell when it was."""
+OTHER_UNIT = 0.3
+"""Inertia that the motion shows, over that given, below which that is in another unit."""
+ROUNDED = 1e-12
+"""Range of positions over their size up to which nothing moves."""
+
+
+def checked(records: Sequence[Record]) -> None:
+    """Refuse records of which no balance can be made, with the channel that is at fault."""
+    for one in records:
+        channels = {
+            "time": one.time, "position (x)": one.position, "force (F)": one.force,
+            "velocity (v)": one.velocity, "load": one.load, "known force": one.mechanism,
+            "transmitted force": one.transmitted, **one.inputs,
+        }  # fmt: skip
+        for name, x in channels.items():
+            if x is not None and not np.all(np.isfinite(x)):
+                at = int(np.argmax(~np.isfinite(x)))
+                raise InputError(
+                    f"the {name} of a record must be finite, got {x[at]} at sample {at}: leave out"
+                    " the samples that were not recorded."
+                )
+        still = one.velocity is not None and not np.any(one.velocity)
+        if still and np.ptp(one.position) > 0.0:
+            raise InputError(
+                "the velocity (v) of a record is 0 throughout although its position changes: give"
+                " the column of the velocity, or leave it out."
+            )
+    if not any(moves(one) for one in records):
+        raise InputError(
+            "a force balance needs motion, and the position (x) does not change: give the column"
+            " of the position of this coordinate, or a record in which it moves."
+        )
+    if all(_is_silent(one) for one in records):
+        raise InputError(
+            "a force balance needs a force, and the force (F) is 0 throughout: give the column of"
+            " the force or of friction, or the inertia of what moves freely."
+        )
+
+
+def moves(record: Record) -> bool:
+    """Return whether the position of a record changes by more than its numbers are rounded.
+
+    Examples
+    --------
+    >>> t = np.arange(4.0)
+    >>> moves(Record(time=t, position=t, force=t)), moves(Record(time=t, position=0 * t, force=t))
+    (True, False)
+    """
+    x = record.position
+    return bool(np.ptp(x) > ROUNDED * np.max(np.abs(x), initial=0.0))
+
+
+def _is_silent(record: Record) -> bool:
+    """Return whether nothing says how large forces are."""
+    known = record.mechanism is not None and np.any(record.mechanism)
+    gives = record.inertia is not None and record.inertia > 0.0
+    return not (np.any(record.force) or (not record.friction and (known or gives)))
 
 
 def even(record: Record) -> Record:
@@ -143,8 +209,9 @@ def cutoff_of(record: Record) -> float:
     step = float(record.time[1] - record.time[0])
     widest = Filter(count=len(record.time), step=step, band=0.2 / step, every=1)
     v, _ = motion(record, widest)
-    frequency = float(np.std(v) / (np.std(record.position) + 1e-300)) / (2.0 * math.pi)
-    least = PERIODS * frequency
+    size = max(float(np.std(record.position)), ROUNDED * float(np.max(np.abs(record.position))))
+    frequency = float(np.std(v)) / (size + 1e-300) / (2.0 * math.pi)
+    least = min(PERIODS * frequency, 0.2 / step)
     if record.friction:
         return min(max(0.1 / step, least), 0.2 / step, MEASURED)
     band = min(max(10.0, least), 0.2 / step)
@@ -156,19 +223,22 @@ def cutoff_of(record: Record) -> float:
     force = first(record.force, full=True)
     if record.mechanism is not None:
         force = force + first(record.mechanism, full=True)
-    inertia = record.inertia or 0.0
-    if not inertia:
-        x = np.column_stack(columns)
-        size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
-        inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
-    allowed = COST * float(np.std(force)) / max(inertia, 1e-300)
-    if record.velocity is None:
-        noise = max(noise_in_motion(record), 1e-300)
-        band = (5.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 4)) ** 0.2
-    else:
-        noise = max(record.velocity_noise, 1e-300)
-        band = (3.0 * (allowed / noise) ** 2 / (2.0 * step * (2.0 * math.pi) ** 2)) ** (1.0 / 3.0)
+    x = np.column_stack(columns)
+    size = np.sqrt(np.mean(x * x, axis=0)) + 1e-300
+    inertia = abs(float(np.linalg.lstsq(x / size, force, rcond=1e-9)[0][0])) / float(size[0])
+    if record.inertia and inertia > OTHER_UNIT * record.inertia:
+        inertia = record.inertia
     most = min(SAMPLES / step, HIGHEST)
+    # noise that costs no more at the largest cutoff decides nothing, nor has to be above 0
+    if record.velocity is None:
+        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 4 / 5.0, 5.0
+        noise = noise_in_motion(record)
+    else:
+        of_noise, power = 2.0 * step * (2.0 * math.pi) ** 2 / 3.0, 3.0
+        noise = record.velocity_noise
+    costs = inertia * noise * math.sqrt(of_noise * most**power)
+    share = COST * float(np.std(force)) / costs if costs > 0.0 else 1.0
+    band = most * min(share, 1.0) ** (2.0 / power)
     return float(np.clip(max(band, least), min(LOWEST, most), most))
 
 
@@ -192,6 +262,8 @@ class Piece:
     """Middle cutoff [Hz]."""
     every: int
     """Samples from one of the finer rows to the next."""
+    delay: float = 0.0
+    """How much later forces act than recorded, as found [s]."""
 
     @cached_property
     def step(self) -> float:
@@ -200,9 +272,9 @@ class Piece:
 
     @cached_property
     def late(self) -> float:
-        """How much later a force acts that holds until the next sample [s]."""
+        """How much later a force acts than recorded: it may hold until the next sample [s]."""
         step = float(self.given.time[1] - self.given.time[0])
-        return 0.5 * step * self.given.held
+        return self.delay + 0.5 * step * self.given.held
 
     @property
     def _fewer(self) -> float:
@@ -238,13 +310,25 @@ class Piece:
     @cached_property
     def way(self) -> Array:
         """Positions along which bristles move (n,) [m], freed of the chatter of noise."""
-        chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * self.cutoff, 1.0))
-        middle = self.filters[MIDDLE]
-        return followed(middle(self.record.position, bent=True, full=True), chatter)
+        return self._followed(1.0)
+
+    @cached_property
+    def _finer_way(self) -> Array:
+        return self._followed(max(min(ALONG, 0.2 / self.step / self.cutoff), 1.0))
+
+    def _followed(self, wider: float) -> Array:
+        """Return positions that a band over the cutoff lets pass, without chatter (n,)."""
+        chatter = 0.5 * self.noise * math.sqrt(min(2.0 * self.step * wider * self.cutoff, 1.0))
+        smooth = self.filters[MIDDLE](self.record.position, bent=True, wider=wider, full=True)
+        return followed(smooth, chatter)
+
+    def along(self, length: float) -> Array:
+        """Return the way of a bristle (n,): with less of the filter where noise is short of it."""
+        return self._finer_way if length > SHORT * self.noise else self.way
 
     @cached_property
     def direction(self) -> Array:
-        """Direction (n,): the last one that stands above the noise."""
+        """Direction (n,): the last that stands above the noise, until the velocity changes sign."""
         if self.record.velocity is None:
             noise = self.noise * math.sqrt(
                 2.0 * self.step * (2.0 * math.pi) ** 2 * self.cutoff**3 / 3.0
@@ -253,9 +337,17 @@ class Piece:
             noise = self._velocity_noise * math.sqrt(min(4.0 * self.step * self.cutoff, 1.0))
         v = self.velocity
         side = np.where(np.abs(v) > SURE * noise, np.sign(v), 0.0)
-        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), -1))
-        first = side[np.argmax(side != 0.0)]
-        return np.where(last < 0, first, side[last])
+        sure = np.flatnonzero(side)
+        if not len(sure):
+            return side
+        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(side)), sure[0]))
+        found = side[last]
+        turned = side[sure[1:]] != side[sure[:-1]]
+        for i, j in zip(sure[:-1][turned], sure[1:][turned], strict=True):
+            # between sure directions it turns where that agrees most with the velocity
+            k = int(np.argmax(np.cumsum(v[i:j]) * side[i]))
+            found[i + k + 1 : j] = side[j]
+        return np.asarray(found)
 
     @cached_property
     def still(self) -> Mask:
@@ -277,6 +369,15 @@ class Piece:
         apart = TURNS / self.cutoff / self.step
         return at[np.diff(at, prepend=-math.inf) > apart]
 
+    @cached_property
+    def turned_in(self) -> float:
+        """Way from a turn within `MOMENT` samples, in the median [m]; 0 without turns."""
+        at = self.turns[(self.turns >= MOMENT) & (self.turns < len(self.way) - MOMENT)]
+        if not len(at):
+            return 0.0
+        q = self.record.position
+        return float(np.median(np.maximum(*(np.abs(q[at + k] - q[at]) for k in (-MOMENT, MOMENT)))))
+
     def usable(self, cutoff: float) -> Mask:
         """Return which samples can be rows at a cutoff (n,)."""
         measured, q = self.record.friction, self.way
@@ -284,7 +385,9 @@ class Piece:
         rest = 2 * int(AWAY / cutoff / self.step) + 1
         away = maximum_filter1d(self.still.astype(np.uint8), rest) == 0
         tries = (away, ~self.still, np.ones(count, dtype=bool))
-        found = next(one for one in tries if np.mean(one) > LEAST or one is tries[-1]).copy()
+        enough = FEWEST / (PER * cutoff * self.step)  # samples of that many rows
+        many = min(LEAST * count, enough)
+        found = next(one for one in tries if np.sum(one) > many or one is tries[-1]).copy()
         ends = int((ENDS_MEASURED if measured else ENDS) / cutoff / self.step) + 1
         ends = min(ends, count // 10)
         found[:ends] = found[count - ends :] = False
@@ -294,18 +397,28 @@ class Piece:
             found &= moved > least * np.ptp(q)
         return found
 
+    def rests(self, cutoff: float) -> Mask:
+        """Return which samples are at rest, whatever the filter shows of the motion (n,)."""
+        away = 2 * int(AWAY / cutoff / self.step) + 1
+        found = np.asarray(minimum_filter1d(self.still.astype(np.uint8), away) > 0)
+        ends = min(int(ENDS / cutoff / self.step) + 1, len(found) // 10)
+        found[:ends] = found[len(found) - ends :] = False
+        return found
+
 
 class BalanceRows:
-    """Rows of all pieces at one cutoff."""
+    """Rows of all pieces at one cutoff: those in motion, or those at rest."""
 
-    def __init__(self, pieces: Sequence[Piece], which: int, every: int) -> None:
+    def __init__(
+        self, pieces: Sequence[Piece], which: int, every: int, *, rests: bool = False
+    ) -> None:
         self.pieces, self.which = pieces, which
         self.picks: list[Places] = []
         """Finer rows of each piece that are taken."""
         far = []
         for piece in pieces:
             filt = piece.filters[which]
-            usable = piece.usable(filt.band)
+            usable = piece.rests(filt.band) if rests else piece.usable(filt.band)
             fine = np.arange(0, filt.rows, every)
             pick = fine[usable[fine * piece.every]]
             self.picks.append(pick)
@@ -388,7 +501,8 @@ def pieces_of(
 
     The cutoff [Hz] is that of other rows, or the median of the records, and not above the highest.
     """
-    grids = [even(one) for one in records]
+    checked(records)
+    grids = [even(one) for one in records if moves(one)]  # what rests says nothing of sliding
     if cutoff is None:
         cutoff = min(float(np.median([cutoff_of(one) for one in grids])), highest)
     total = sum(one.time[-1] - one.time[0] for one in grids)

@@ -1,0 +1,311 @@
+"""Records of one coordinate that are exact, broken, or of which something is given wrong."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from benchmarks.posterior.judgement import Judgement
+from benchmarks.posterior.record_problem import RecordProblem
+from benchmarks.posterior.record_rows import cutoff_of, pieces_of
+
+from stickslip import Axis, CoulombViscous, DirectionDependent, FrictionLaw, LuGre, simulate
+from stickslip.errors import InputError
+from stickslip.identify.problems.record_signals import Record
+from stickslip.mechanisms.drives import PiecewiseLinear, Sampled
+
+INERTIA, LEVEL, VISCOUS = 5.0, 8.0, 20.0
+
+
+def driven(*, level: float = LEVEL, noise: float = 1.0, seconds: float = 8.0) -> Record:
+    """Return a record at 500 Hz of an axis with level and viscous friction."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, seconds, 0.002)
+    x, v, a = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    for size, f in zip((0.04, 0.012, 0.003), (0.35, 1.3, 3.1), strict=True):
+        w, phase = 2.0 * math.pi * f, rng.uniform(0.0, 6.0)
+        x += size * np.sin(w * t + phase)
+        v += size * w * np.cos(w * t + phase)
+        a -= size * w * w * np.sin(w * t + phase)
+    force = INERTIA * a + level * np.sign(v) + VISCOUS * v
+    return Record(
+        time=t,
+        position=x + noise * 1e-6 * rng.normal(size=len(t)),
+        force=force + noise * 0.02 * LEVEL * rng.normal(size=len(t)),
+    )
+
+
+def judged(*records: Record) -> Judgement:
+    return Judgement(RecordProblem([*records]))
+
+
+def values(judgement: Judgement) -> dict[str, float]:
+    return {one.path.rpartition(".")[2]: one.value for one in judgement.intervals}
+
+
+# ---- numbers without noise
+
+
+def exact_friction() -> Record:
+    t = np.linspace(0.0, 12.0, 240, endpoint=False)
+    v = np.sin(2.0 * t + 0.3)
+    return Record(
+        time=t, position=-0.5 * np.cos(2.0 * t + 0.3), velocity=v,
+        force=10.0 * np.sign(v) + 30.0 * v, friction=True,
+    )  # fmt: skip
+
+
+def test_numbers_that_a_law_made_are_judged_without_noise() -> None:
+    judgement = judged(exact_friction())
+    assert judgement.named.family == ("level", "viscous")
+    found = values(judgement)
+    # a filter of 2.6 Hz over 20 samples a second leaves a thousandth
+    assert found["kinetic_coefficient"] == pytest.approx(10.0, rel=2e-3)
+    assert found["viscous_coefficient"] == pytest.approx(30.0, rel=2e-3)
+
+
+def test_no_row_is_told_more_closely_than_numbers_are_rounded() -> None:
+    model = RecordProblem([driven(noise=0.0)]).model
+    for which, weights in model.weights.items():
+        size = float(np.sqrt(np.mean(model.balance.rows(which).response ** 2)))
+        assert np.all(weights * size <= 1e6)
+
+
+def test_an_exact_record_of_a_few_rows_is_judged() -> None:
+    t = np.arange(0.0, 0.6, 0.01)
+    short = Record(time=t, position=np.sin(3.0 * t), force=np.cos(3.0 * t))
+    assert np.all(np.isfinite(judged(short).curves(judged(short).problem.asked())))
+
+
+# ---- channels of which no balance can be made
+
+
+@pytest.mark.parametrize(
+    ("broken", "cure"),
+    [
+        ({"position": np.full(4000, 0.3)}, "does not change"),
+        ({"force": np.zeros(4000)}, "the force .* is 0 throughout"),
+        ({"force": np.zeros(4000), "friction": True}, "the force .* is 0 throughout"),
+        ({"velocity": np.zeros(4000)}, "the velocity .* is 0 throughout"),
+        ({"load": np.where(np.arange(4000) == 7, np.nan, 1.0)}, "load .* at sample 7"),
+    ],
+)
+def test_a_channel_of_which_no_balance_can_be_made_is_named(
+    broken: dict[str, Any], cure: str
+) -> None:
+    with pytest.raises(InputError, match=cure):
+        RecordProblem([replace(driven(), **broken)])
+
+
+@pytest.mark.parametrize("place", [0.0, 0.3])
+def test_the_cutoff_of_a_record_at_rest_is_finite(place: float) -> None:
+    t = np.arange(0.0, 4.0, 0.01)
+    still = Record(time=t, position=np.full(400, place), force=np.sin(t))
+    for one in (still, replace(still, friction=True), replace(still, inertia=1.0)):
+        assert 0.0 < cutoff_of(one) < 100.0
+
+
+def test_a_record_at_rest_beside_one_that_moves_is_no_error() -> None:
+    record = driven()
+    t = record.time[:1000] + 20.0
+    still = Record(time=t, position=np.full(1000, 0.01), force=np.zeros(1000))
+    assert judged(record, still).named.family == ("level", "viscous")
+
+
+# ---- what is given wrong
+
+
+@pytest.mark.parametrize(
+    ("inertia", "length"), [(1.2 * INERTIA, 1.0), (INERTIA, 0.1), (INERTIA, 10.0)]
+)
+def test_an_inertia_that_is_not_as_given_is_named_and_changes_no_law(
+    inertia: float, length: float
+) -> None:
+    record = driven()
+    judgement = judged(replace(record, position=length * record.position, inertia=inertia))
+    assert judgement.named.family == ("level", "viscous")
+    assert values(judgement)["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.02)
+    assert values(judgement)["viscous_coefficient"] == pytest.approx(VISCOUS / length, rel=0.02)
+    (found,) = [one for one in judgement.findings if one.term == "inertia_given"]
+    assert found.asserted
+    assert 1.0 + found.size == pytest.approx(INERTIA / length / inertia, rel=0.02)
+    assert "times as given" in found.sentence
+
+
+def test_an_inertia_as_given_is_no_finding() -> None:
+    judgement = judged(replace(driven(), inertia=INERTIA))
+    assert not [one for one in judgement.findings if one.term == "inertia_given"]
+
+
+# ---- what a gear transmits
+
+
+def geared(share: float, noise: float = 0.0) -> Record:
+    """Return a record whose level grows with a share of what a gear transmits."""
+    record = driven()
+    t = record.time
+    through = 30.0 * np.sin(2.0 * t + 1.0) + 12.0 * np.sin(5.3 * t)
+    side = np.sign(np.gradient(np.convolve(record.position, np.full(9, 1.0 / 9.0), "same")))
+    read = through + noise * np.random.default_rng(2).normal(size=len(t))
+    return replace(record, force=record.force + share * side * np.abs(through), transmitted=read)
+
+
+def test_friction_that_grows_with_the_torque_of_a_gear_is_named() -> None:
+    judgement = judged(geared(0.2, noise=3.0))
+    assert judgement.named.family == ("gear", "level", "viscous")
+    assert judgement.composition.text == "level + weight[transmitted] + viscous"
+    found = values(judgement)
+    assert found["transmitted_coefficient"] == pytest.approx(0.2, rel=0.05)
+    assert found["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.05)
+
+
+def test_readings_of_another_record_have_the_friction_of_its_gear() -> None:
+    judgement = judged(geared(0.2))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    other = problem.like([geared(0.2)])
+    band = judgement.reading_band(other)
+    assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
+    curves = [problem.at([0.05], inputs={"transmitted": x}) for x in (0.0, 40.0)]
+    low, high = (float(judgement.band(one).median[0]) for one in curves)
+    assert high - low == pytest.approx(0.2 * 40.0, rel=0.1)
+
+
+def test_a_gear_that_rubs_no_more_with_its_torque_is_not_named() -> None:
+    assert judged(geared(0.0)).named.family == ("level", "viscous")
+
+
+# ---- friction that differs by direction, and the moments of turns
+
+SIDES = DirectionDependent(
+    forward_kinetic_coefficient=4.0, backward_kinetic_coefficient=5.0,
+    forward_viscous_coefficient=3.0, backward_viscous_coefficient=9.0,
+)  # fmt: skip
+
+
+def moved(friction: FrictionLaw, seed: int, size: float = 1.0) -> Record:
+    """Return a record at 200 Hz under a force of five sines that is held between samples."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, 8.0, 0.005)
+    phases, sizes = random.uniform(0.0, 2.0 * np.pi, 5), random.uniform(4.0, 9.0, 5)
+    force = sum(
+        size * a * np.sin(2.0 * np.pi * f * t + p)
+        for f, a, p in zip((0.23, 0.41, 0.67, 1.1, 1.7), sizes, phases, strict=True)
+    )
+    axis = Axis(inertia=2.0, drive=Sampled(times=t, values=force))
+    x = simulate(axis, friction, t_end=float(t[-1])).at(t)["x"]
+    read = x + random.normal(0.0, 1e-5, len(t))
+    return Record(time=t, position=read, force=np.asarray(force), inertia=2.0, held=True)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 8])
+def test_friction_that_differs_by_direction_is_named_without_bristles(seed: int) -> None:
+    """One turn between samples shows no bristle; few rows show slopes of a factor of 3."""
+    judgement = judged(moved(SIDES, seed))
+    assert judgement.named.family == ("level", "offset", "viscous", "viscous_direction")
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == ""
+    found = values(judgement)
+    assert found["forward_viscous_coefficient"] == pytest.approx(3.0, rel=0.05)
+    assert found["backward_viscous_coefficient"] == pytest.approx(9.0, rel=0.05)
+    assert found["offset"] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_rows_that_are_few_are_taken_before_those_at_rest() -> None:
+    """An axis that moves for 4 % of the time has no rows of friction while it rests."""
+    slow = moved(CoulombViscous(kinetic_coefficient=12.0, viscous_coefficient=6.0), 2, 0.7)
+    (piece,), _ = pieces_of([slow])
+    usable = piece.usable(40.0)
+    assert usable.any()
+    assert not np.any(usable & piece.still)
+
+
+# ---- bristles
+
+
+def test_stiffness_and_damping_of_bristles_are_in_their_intervals() -> None:
+    t = np.arange(0.0, 12.0, 0.002)
+    phases = np.random.default_rng(4).uniform(0.0, 2.0 * np.pi, 4)
+    force = sum(
+        a * np.sin(2.0 * np.pi * f * t + p)
+        for a, f, p in zip((1.2, 0.8, 0.6, 0.4), (0.4, 0.9, 1.7, 3.1), phases, strict=True)
+    )
+    truth = LuGre(
+        kinetic_coefficient=0.8, static_coefficient=1.0, stribeck_velocity=0.3,
+        viscous_coefficient=0.2, bristle_stiffness=200.0, bristle_damping=1.0,
+    )  # fmt: skip
+    axis = Axis(inertia=0.02, drive=PiecewiseLinear(times=t, values=force))
+    x = simulate(axis, truth, t_end=float(t[-1])).at(t)["x"]
+    judgement = judged(Record(time=t, position=x, force=np.asarray(force), inertia=0.02))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == "lugre"
+    found = {one.path.rpartition(".")[2]: one for one in judgement.intervals}
+    for name, true in (("bristle_stiffness", 200.0), ("bristle_damping", 1.0)):
+        assert found[name].low_any < true < found[name].high_any
+        assert found[name].value == pytest.approx(true, rel=0.1)
+    # each draw has its own length
+    stiffness = judgement.values["friction.bristle_stiffness"]
+    assert len(np.unique(stiffness.round(9))) > 0.9 * len(stiffness)
+
+
+# ---- forces that are recorded late
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.008])
+def test_friction_that_is_recorded_late_is_a_delay_with_its_size(delay: float) -> None:
+    t = np.arange(0.0, 8.0, 0.004)
+    x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t)
+    v = 0.12 * np.cos(4.0 * t) + 0.113 * np.cos(11.3 * t)
+    friction = np.interp(t - delay, t, 2.0 * np.sign(v) + 3.0 * v)
+    friction += 0.02 * np.random.default_rng(1).normal(size=t.size)
+    judgement = judged(Record(time=t, position=x, force=friction, friction=True))
+    assert judgement.named.family == ("level", "viscous")
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    assert problem.memory == ""
+    (found,) = [one for one in judgement.findings if one.term == "delay"]
+    assert found.asserted
+    assert abs(found.size) == pytest.approx(delay, rel=0.02)
+    other = problem.like([Record(time=t, position=x, force=friction, friction=True)])
+    band = judgement.reading_band(other)
+    assert np.mean((band.low <= other.response) & (other.response <= band.high)) > 0.9
+
+
+@pytest.mark.parametrize("delay", [0.012, -0.012, 0.03])
+def test_a_delay_of_the_force_changes_no_law_and_no_inertia(delay: float) -> None:
+    """Beyond a part of 1/cutoff it is not linear."""
+    record = driven()
+    late = np.interp(record.time - delay, record.time, record.force)
+    judgement = judged(replace(record, force=late))
+    found = values(judgement)
+    assert judgement.named.family == ("level", "viscous")
+    assert found["kinetic_coefficient"] == pytest.approx(LEVEL, rel=0.01)
+    assert found["inertia"] == pytest.approx(INERTIA, rel=0.01)
+    (one,) = [one for one in judgement.findings if one.term == "delay"]
+    assert one.size == pytest.approx(-delay, rel=0.02)
+
+
+# ---- readings at rest
+
+
+def test_at_rest_friction_is_anywhere_up_to_its_level() -> None:
+    law = CoulombViscous(kinetic_coefficient=8.0, viscous_coefficient=6.0)
+    judgement = judged(moved(law, 2))
+    problem = judgement.problem
+    assert isinstance(problem, RecordProblem)
+    rests = problem.at_rest([moved(law, 6)])
+    assert len(rests.response) > 20
+    band = judgement.reading_band(rests)
+    assert np.mean((band.low <= rests.response) & (rests.response <= band.high)) > 0.95
+    # the applied force is all that acts, so that nothing but the level bounds it
+    np.testing.assert_allclose(band.high, 8.0, rtol=0.15)
+    np.testing.assert_allclose(band.low, -8.0, rtol=0.15)
+
+
+def test_a_record_that_never_rests_has_no_rows_at_rest() -> None:
+    problem = RecordProblem([driven()])
+    judgement = Judgement(problem)
+    assert judgement.reading_band(problem.at_rest([driven()])).low.shape == (0,)
